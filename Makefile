@@ -1,0 +1,37 @@
+# Two commands on a fresh clone: `make demo` and `make test`. Each sets itself up in .venv.
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+BIN := .venv/bin
+export PIP_DISABLE_PIP_VERSION_CHECK = 1
+
+.PHONY: demo test lint types check pictures clean
+
+demo: .venv/ready
+	$(BIN)/rotor demo --out demo
+
+test: .venv/ready
+	$(BIN)/python -m pytest
+
+lint: .venv/ready
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: .venv/ready
+	$(BIN)/mypy
+
+check: lint types test
+
+# uv where there is one (seconds), else the venv module and pip; the same pinned versions either way.
+.venv/ready: pyproject.toml constraints.txt
+	@if command -v uv >/dev/null 2>&1; then \
+	    echo "setting up .venv with uv"; \
+	    uv venv --quiet --allow-existing --python "$(PYTHON)" .venv && \
+	    UV_BUILD_CONSTRAINT=constraints.txt uv pip install --quiet --python .venv/bin/python -c constraints.txt -e '.[dev]'; \
+	else \
+	    echo "setting up .venv with pip (about a minute)"; \
+	    "$(PYTHON)" -m venv .venv && \
+	    PIP_CONSTRAINT=constraints.txt $(BIN)/python -m pip install --quiet -e '.[dev]'; \
+	fi
+	@touch $@
+
+clean:
+	rm -rf .venv demo .pytest_cache .ruff_cache .mypy_cache .hypothesis

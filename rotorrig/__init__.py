@@ -1,0 +1,1 @@
+"""Acquisition and identification for a rotor test rig; the README's Conventions hold throughout."""

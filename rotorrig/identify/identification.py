@@ -1,0 +1,61 @@
+"""`Identification`: what a fit found, and its file `fit.json`."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.rig.provenance import Provenance
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Estimate:
+    """One identified or nuisance parameter, SI; `sigma` is one standard deviation, infinite if undetermined."""
+
+    name: str  # "kxx", "cyy", "u", "phase"; nuisances "E", "disk mass", "gain 1x", "angle 1x"
+    value: float
+    sigma: float
+    unit: str  # SI: "N/m", "N s/m", "kg m", "rad", "" for a ratio
+    nameplate: float  # NaN: the nameplate does not say
+    determined: bool = True  # False: at a bound, or the data hardly restrict it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Optimum:
+    """One minimum of the search objective."""
+
+    theta: tuple[float, ...]  # kxx, kyy, cxx, cyy, u in SI
+    cost: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fit:
+    """The fit of one band of speeds."""
+
+    name: str  # "whole sweep", or the band's name in the config
+    band: tuple[float, float]  # rad/s
+    estimates: tuple[Estimate, ...]  # kxx, kyy, cxx, cyy, u, phase
+    nuisances: tuple[Estimate, ...]
+    optima: tuple[Optimum, ...]  # all found by the global search, best first
+    objective: str  # of the global search
+    evaluations: int  # calls of that objective
+    stop: str
+    seed: int
+    chi2: float  # of the refined fit, whitened complex residual of 1X
+    dof: int
+    prediction: NDArray[np.complex128]  # (speed, probe) m, 1X as measured: runout included, every row of the response
+    words: tuple[str, ...]  # what the data cannot tell, in sentences
+
+    def estimate(self, name: str) -> Estimate:
+        """Return the estimate of that name."""
+        return next(e for e in self.estimates if e.name == name)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Identification:
+    """The fits of one response: the whole sweep first, then the config's bands."""
+
+    fits: tuple[Fit, ...]
+    effects: tuple[str, ...]  # extensions of the model in use
+    wall_s: float
+    source: Provenance

@@ -1,0 +1,55 @@
+"""`OrderTrackedResponse`: vibration at shaft orders over speed, and its MCAP file.
+
+Conventions (README): z = 2 mean(x e^{-j theta}), so x = Re(z e^{j theta}) with theta = 0 at the keyphasor edge;
+metres, 0-peak; phase lag = -arg z. Order 0 holds the gap (mean position) as a real number.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.provenance import Provenance
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """One passage of the rotor: a slow roll, a speed-up, a coast-down, with or without a known trial mass."""
+
+    name: str
+    direction: int  # +1 speed rises, -1 falls, 0 dwell
+    trial_unbalance: dict[str, complex] = field(default_factory=dict)  # disk -> kg m, angle from the keyphasor mark
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OrderTrackedResponse:
+    """Order vectors per speed row, raw; the slow-roll vector stands beside them and is never subtracted here."""
+
+    rig: RigConfig
+    probes: tuple[str, ...]
+    orders: tuple[float, ...]  # 0 = gap, 1 = synchronous, 2, 0.5, -1 (backward)
+    runs: tuple[Run, ...]
+    run: NDArray[np.intp]  # (speed,) index into runs
+    t: NDArray[np.float64]  # (speed,) s, middle of the row's window on the recording's clock; NaN: unknown
+    omega: NDArray[np.float64]  # (speed,) rad/s, mean over the window
+    alpha: NDArray[np.float64]  # (speed,) rad/s^2; NaN: unknown
+    revolutions: NDArray[np.float64]  # (speed,) length of the row's window in turns
+    window: str  # "hann" or "rectangular": the weights of the turns in a row, the tracking filter's smear
+    z: NDArray[np.complex128]  # (speed, probe, order) m, 0-peak, raw
+    covariance: NDArray[np.float64]  # (speed, order, 2 probe, 2 probe) m^2 of (re z_1, im z_1, re z_2, ...)
+    slow_roll: NDArray[np.complex128]  # (probe, order) m; NaN where there is none
+    slow_roll_covariance: NDArray[np.float64]  # (order, 2 probe, 2 probe) m^2
+    slow_roll_omega: float  # rad/s; NaN: no slow roll
+    usable: NDArray[np.bool_]  # (speed, probe)
+    reasons: tuple[tuple[str, ...], ...]  # (speed,) why a probe of the row is not usable: "1x: clipped"
+    keyphasor_t: NDArray[np.float64]  # (pulse,) s, every accepted edge of the recording; empty: unknown
+    source: Provenance
+
+    def order(self, order: float) -> NDArray[np.complex128]:
+        """Return z at one order, (speed, probe)."""
+        return self.z[:, :, self.orders.index(order)]
+
+    def compensated(self, order: float = 1.0) -> NDArray[np.complex128]:
+        """Return z at one order less the slow-roll vector, (speed, probe); NaN without a slow roll."""
+        return self.order(order) - self.slow_roll[:, self.orders.index(order)]

@@ -1,0 +1,363 @@
+"""The nameplate of a rig: a TOML file checked into a frozen, hashed `RigConfig` in SI units.
+
+Every stage is given one. What it cannot say exactly (E, masses, angles) is a prior, not a truth: see identify.
+Axes: z along the shaft from the coupling, x and y across it, angles from +x towards +y.
+"""
+
+import difflib
+import itertools
+import json
+import tomllib
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, TypeVar, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
+
+from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.provenance import short_hash
+from rotorrig.rig.units import reads
+
+Table = TypeVar("Table", bound=BaseModel)
+
+
+class Part(BaseModel):
+    """A table of the config: frozen, and no key it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+Length = Annotated[float, reads("length"), Field(gt=0)]
+Position = Annotated[float, reads("length"), Field(ge=0)]
+Mass = Annotated[float, reads("mass"), Field(gt=0)]
+Inertia = Annotated[float, reads("inertia"), Field(gt=0)]
+Density = Annotated[float, reads("density"), Field(gt=0)]
+Modulus = Annotated[float, reads("modulus"), Field(gt=0)]
+Stiffness = Annotated[float, reads("stiffness"), Field(ge=0)]
+CrossStiffness = Annotated[float, reads("stiffness")]
+Damping = Annotated[float, reads("damping"), Field(ge=0)]
+CrossDamping = Annotated[float, reads("damping")]
+UnbalanceAmount = Annotated[float, reads("unbalance"), Field(ge=0)]
+Angle = Annotated[float, reads("angle")]
+Speed = Annotated[float, reads("speed"), Field(gt=0)]
+RampRate = Annotated[float, reads("ramp"), Field(gt=0)]
+Time = Annotated[float, reads("time"), Field(gt=0)]
+Voltage = Annotated[float, reads("voltage")]
+Sensitivity = Annotated[float, reads("sensitivity"), Field(gt=0)]
+Rate = Annotated[float, reads("rate"), Field(gt=0)]
+
+
+class Shaft(Part):
+    """A uniform shaft of one material, as long as the rotor."""
+
+    length: Length
+    diameter: Length
+    inner_diameter: Position = 0.0
+    density: Density
+    youngs_modulus: Modulus
+    poisson_ratio: float = Field(0.3, ge=0, lt=0.5)
+
+    @model_validator(mode="after")
+    def _is_a_tube(self) -> Self:
+        if self.inner_diameter >= self.diameter:
+            raise ValueError(
+                f"inner_diameter {self.inner_diameter * 1e3:g} mm, "
+                f"want less than the {self.diameter * 1e3:g} mm diameter"
+            )
+        return self
+
+
+class Unbalance(Part):
+    """An unbalance [kg m] and where it sits: degrees from the keyphasor mark, in the sense of rotation."""
+
+    amount: UnbalanceAmount
+    angle: Angle = 0.0
+
+
+class Disk(Part):
+    """A rigid disk; `unbalance` is what the nameplate expects, if it says."""
+
+    name: str
+    position: Position
+    mass: Mass
+    polar_inertia: Inertia
+    transverse_inertia: Inertia
+    width: Length = 0.025
+    diameter: Length = 0.075
+    unbalance: Unbalance | None = None
+
+
+class Bearing(Part):
+    """Eight linear coefficients between shaft and ground, [N/m] and [N s/m]; x and y as the probes' axes."""
+
+    name: str
+    position: Position
+    kxx: Stiffness
+    kyy: Stiffness
+    kxy: CrossStiffness = 0.0
+    kyx: CrossStiffness = 0.0
+    cxx: Damping = 0.0
+    cyy: Damping = 0.0
+    cxy: CrossDamping = 0.0
+    cyx: CrossDamping = 0.0
+
+
+class Probe(Part):
+    """A proximity probe: volts rise as the shaft comes nearer; `angle` is where it sits, from +x towards +y."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    position: Position
+    angle: Angle
+    channel: int = Field(ge=0)
+    sensitivity: Sensitivity = 7874.0  # V/m: 200 mV/mil
+    gap_voltage: Voltage = -10.0
+    linear_range: tuple[Voltage, Voltage] = (-18.0, -2.0)  # an 8 mm probe's 80 mil about -10 V
+
+
+class Keyphasor(Part):
+    """The once-per-turn pulse; shaft angle is zero at the chosen edge."""
+
+    channel: int = Field(ge=0)
+    edge: Literal["falling", "rising"] = "falling"
+    pulses_per_revolution: Literal[1] = 1
+    threshold: Voltage | None = None  # None: midway between the levels found in the data
+
+
+class Motor(Part):
+    """How to talk to the motor controller, and how fast it may turn."""
+
+    driver: Literal["modbus-rtu"]
+    profile: Literal["powerflex400"] = "powerflex400"
+    port: str
+    baudrate: int = Field(19200, ge=1200)
+    address: int = Field(100, ge=1, le=247)
+    rpm_per_hz: float = Field(60.0, gt=0)
+    max_speed: Speed
+
+
+class Daq(Part):
+    """How to talk to the DAQ."""
+
+    driver: Literal["stream"]
+    port: str
+    sample_rate: Rate
+
+
+class Limits(Part):
+    """Interlocks: beyond either the rotor is stopped."""
+
+    overspeed: Speed
+    vibration: Length  # 0-peak about the mean, any probe
+
+
+class RunUpCoastDown(Part):
+    """Slow roll, a ramp from `start` to `end`, then power off and coast."""
+
+    kind: Literal["run-up-coast-down"]
+    slow_roll: Speed
+    slow_roll_time: Time
+    start: Speed
+    end: Speed
+    ramp: RampRate
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if not self.slow_roll < self.start < self.end:
+            raise ValueError("want slow_roll < start < end")
+        return self
+
+
+class Identify(Part):
+    """What `rotor identify` looks for: one set of k and c shared by `bearings`, and the unbalance of one disk."""
+
+    bearings: tuple[str, ...] = Field(min_length=1)
+    unbalance: str
+    k_bounds: tuple[Stiffness, Stiffness] = (1e2, 1e6)
+    c_bounds: tuple[Damping, Damping] = (1.0, 1e3)
+    u_bounds: tuple[UnbalanceAmount, UnbalanceAmount] = (1e-7, 1e-3)
+    bands: dict[str, tuple[Speed, Speed]] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _bounds_rise(self) -> Self:
+        for name in ("k_bounds", "c_bounds", "u_bounds"):
+            low, high = getattr(self, name)
+            if not low < high:
+                raise ValueError(f"{name}: got {low:g} to {high:g} (SI), want the lower bound first")
+        for name, (low, high) in self.bands.items():
+            if not low < high:
+                raise ValueError(f"bands.{name}: want the lower speed first")
+        return self
+
+
+class Prior(Part):
+    """How well the nameplate is known, one standard deviation: nuisances of every fit, never discoveries."""
+
+    youngs_modulus: float = Field(0.01, gt=0)  # relative
+    disk_mass: float = Field(0.01, gt=0)  # relative
+    probe_gain: float = Field(0.01, gt=0)  # relative
+    probe_angle: Annotated[float, reads("angle"), Field(gt=0)] = 0.01745329  # 1 degree
+
+
+class RigConfig(Part):
+    """The rig as its nameplate tells it, in SI units; `load` makes one from a TOML file."""
+
+    name: str
+    notes: str = ""
+    shaft: Shaft
+    disks: tuple[Disk, ...] = Field(min_length=1)
+    bearings: tuple[Bearing, ...] = Field(min_length=1)
+    probes: tuple[Probe, ...] = Field(min_length=1)
+    keyphasor: Keyphasor | None = None
+    motor: Motor | None = None
+    daq: Daq | None = None
+    limits: Limits | None = None
+    rotation: Literal["x-to-y", "y-to-x"] = "x-to-y"
+    gravity: Literal["-x", "-y", "none"] = "-y"
+    plans: dict[str, RunUpCoastDown] = Field(default_factory=dict)
+    identify: Identify | None = None
+    prior: Prior = Prior()
+    _text: str = PrivateAttr(default="")
+
+    @property
+    def text(self) -> str:
+        """The TOML it was read from, comments and all; empty for one made in code."""
+        return self._text
+
+    @cached_property
+    def hash(self) -> str:
+        """First 16 hex digits of the sha256 of the checked values: layout and comments do not count."""
+        return short_hash(json.dumps(self.model_dump(mode="json"), sort_keys=True).encode())
+
+    def disk(self, name: str) -> Disk:
+        """Return the disk of that name."""
+        return next(d for d in self.disks if d.name == name)
+
+    def bearing(self, name: str) -> Bearing:
+        """Return the bearing of that name."""
+        return next(b for b in self.bearings if b.name == name)
+
+    def probe(self, name: str) -> Probe:
+        """Return the probe of that name."""
+        return next(p for p in self.probes if p.name == name)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        for kind in ("disks", "bearings", "probes"):
+            names = [part.name for part in getattr(self, kind)]
+            for name in names:
+                if names.count(name) > 1:
+                    raise ValueError(f"{kind}: two are named '{name}', want different names")
+        self._all_on_the_shaft()
+        self._bearings_span()
+        self._channels_differ()
+        self._identify_names_exist()
+        if self.motor and self.limits and self.limits.overspeed > self.motor.max_speed:
+            raise ValueError("limits.overspeed: is above motor.max_speed, want it at or below")
+        return self
+
+    def _all_on_the_shaft(self) -> None:
+        for kind in ("disks", "bearings", "probes"):
+            for i, part in enumerate(getattr(self, kind)):
+                if part.position > self.shaft.length:
+                    raise ValueError(
+                        f"{kind}[{i}].position: '{part.name}' is at {part.position * 1e3:g} mm, "
+                        f"want it on the shaft, 0 to {self.shaft.length * 1e3:g} mm"
+                    )
+
+    def _bearings_span(self) -> None:
+        places = [b.position for b in self.bearings]
+        if max(places) - min(places) <= 0:
+            raise ValueError(f"bearings: all are at {places[0] * 1e3:g} mm, want at least two with a span between them")
+
+    def _channels_differ(self) -> None:
+        owners = [(p.channel, f"probe '{p.name}'") for p in self.probes]
+        if self.keyphasor:
+            owners.append((self.keyphasor.channel, "the keyphasor"))
+        for (a, first), (b, second) in itertools.combinations(owners, 2):
+            if a == b:
+                raise ValueError(f"channel {a}: used by {first} and {second}, want one each")
+
+    def _identify_names_exist(self) -> None:
+        if not self.identify:
+            return
+        known = {b.name for b in self.bearings}
+        for name in self.identify.bearings:
+            if name not in known:
+                raise ValueError(f"identify.bearings: no bearing '{name}', want one of {sorted(known)}")
+        if self.identify.unbalance not in (names := [d.name for d in self.disks]):
+            raise ValueError(f"identify.unbalance: no disk '{self.identify.unbalance}', want one of {names}")
+
+
+def load(path: Path) -> RigConfig:
+    """Read and check a config file. Raises ConfigError naming file, key, what was got and what is wanted."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
+        raise ConfigError(f"{path}: cannot be read ({reason}), want a rig config in TOML") from error
+    return parse(text, where=str(path))
+
+
+def parse(text: str, *, where: str) -> RigConfig:
+    """Check a config's text; `where` names it in errors. Raises ConfigError."""
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{where}: is no valid TOML: {error}") from error
+    rig = checked(RigConfig, table, where=where)
+    rig._text = text
+    return rig
+
+
+def from_si(table: dict[str, Any], *, text: str = "", where: str = "embedded config") -> RigConfig:
+    """Rebuild a config from `RigConfig.model_dump()`, as our own files carry it. Raises ConfigError."""
+    rig = checked(RigConfig, table, where=where, context={"si": True})
+    rig._text = text
+    return rig
+
+
+def checked(model: type[Table], table: object, *, where: str, context: dict[str, Any] | None = None) -> Table:
+    """Validate `table` as `model`; raises ConfigError in one sentence: file, key, got, wanted."""
+    try:
+        return model.model_validate(table, context=context)
+    except ValidationError as error:
+        raise ConfigError(_sentence(model, error, where)) from error
+
+
+def _sentence(model: type[BaseModel], error: ValidationError, where: str) -> str:
+    faults = error.errors()
+    # an unknown key explains the missing one beside it, so it speaks first
+    fault = next((f for f in faults if f["type"] == "extra_forbidden"), faults[0])
+    key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in fault["loc"]).lstrip(".")
+    match fault["type"]:
+        case "missing":
+            said = f"{key}: is missing"
+        case "extra_forbidden":
+            known = _keys_at(model, fault["loc"][:-1])
+            near = difflib.get_close_matches(str(fault["loc"][-1]), known, n=1)
+            hint = f"did you mean '{near[0]}'" if near else f"want one of {', '.join(known)}"
+            said = f"{key}: unknown key, {hint}"
+        case "value_error":
+            said = (f"{key}: " if key else "") + str(fault["ctx"]["error"])
+        case _:
+            said = f"{key}: got {fault['input']!r}, {fault['msg'][:1].lower() + fault['msg'][1:]}"
+    more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+    return f"{where}: {said}{more}"
+
+
+def _keys_at(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:
+    """Return the keys the table at `loc` may have."""
+    current: Any = model
+    for step in loc:
+        if isinstance(current, type) and issubclass(current, BaseModel) and step in current.model_fields:
+            current = _table_in(current.model_fields[str(step)].annotation)
+    if isinstance(current, type) and issubclass(current, BaseModel):
+        return list(current.model_fields)
+    return []
+
+
+def _table_in(annotation: Any) -> Any:
+    """Return the model inside `tuple[Disk, ...]`, `Keyphasor | None`, `dict[str, Plan]`."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((found for a in get_args(annotation) if (found := _table_in(a))), None)

@@ -1,0 +1,96 @@
+"""Text with a unit to an SI number: "33.9 kN/m" to 33900.0.
+
+`Annotated[float, reads("length")]` is a pydantic field; `to_si(text, "length")` the same as a function. A bare
+number is refused, so that nobody has to guess; so is a speed in Hz (2 pi apart from rad/s, and pint would not object).
+"""
+
+import functools
+from typing import Any
+
+import pint
+from pydantic import BeforeValidator, ValidationInfo
+
+#: quantity -> (SI unit, an example to show in an error)
+QUANTITIES: dict[str, tuple[str, str]] = {
+    "length": ("m", "10 mm"),
+    "mass": ("kg", "0.809 kg"),
+    "inertia": ("kg m^2", "568.46e-6 kg m^2"),
+    "density": ("kg/m^3", "7801 kg/m^3"),
+    "modulus": ("Pa", "208.11 GPa"),
+    "stiffness": ("N/m", "33.9 kN/m"),
+    "damping": ("N s/m", "15 N s/m"),
+    "unbalance": ("kg m", "15 g mm"),
+    "angle": ("rad", "45 deg"),
+    "speed": ("rad/s", "480 rpm"),
+    "ramp": ("rad/s^2", "30 rpm/s"),
+    "time": ("s", "10 s"),
+    "voltage": ("V", "-10 V"),
+    "sensitivity": ("V/m", "7.874 mV/um"),
+    "rate": ("Hz", "10 kHz"),
+    "acceleration": ("m/s^2", "9.81 m/s^2"),
+}
+_ANGULAR = ("rpm", "rad", "deg", "revolution", "turn")
+
+
+@functools.cache
+def registry() -> pint.UnitRegistry:
+    """Return the one unit registry, made on first use (it takes a quarter of a second)."""
+    return pint.UnitRegistry(cache_folder=":auto:")
+
+
+def to_si(text: object, quantity: str) -> float:
+    """Return `text` in the SI unit of `quantity`, a key of `QUANTITIES`.
+
+    Raises ValueError, in one sentence, on a bare number, an unknown unit or a unit of something else.
+
+    >>> to_si("33.9 kN/m", "stiffness")
+    33900.0
+    >>> to_si("60 Hz", "speed")
+    Traceback (most recent call last):
+    ValueError: got '60 Hz', want a shaft speed in rpm or rad/s (Hz could mean either), such as '480 rpm'
+    """
+    unit, example = QUANTITIES[quantity]
+    want = f"want {_a(quantity)} with its unit, such as '{example}'"
+    if not isinstance(text, str):
+        raise ValueError(f"got {text!r}, {want}")
+    try:
+        value: Any = registry().Quantity(text)
+    except Exception as error:  # pint raises a dozen kinds, tokenize's and its own
+        raise ValueError(f"got '{text}', which is no number with a unit; {want}") from error
+    if quantity in ("speed", "ramp") and not any(word in str(value.units) for word in _ANGULAR):
+        raise ValueError(
+            f"got '{text}', want a shaft speed in rpm or rad/s (Hz could mean either), such as '{example}'"
+            if value.check("1/[time]") or value.check("1/[time]**2")
+            else f"got '{text}', {want}"
+        )
+    if quantity == "rate" and any(word in str(value.units) for word in _ANGULAR):
+        raise ValueError(f"got '{text}', want a rate in Hz, such as '{example}'")
+    if value.dimensionless and not value.unitless and quantity != "angle":
+        raise ValueError(f"got '{text}', {want}")
+    if value.unitless:
+        raise ValueError(f"got '{text}' without a unit; {want}")
+    try:
+        number = float(value.to(unit).magnitude)
+    except pint.DimensionalityError as error:
+        raise ValueError(f"got '{text}' ({value.units:~P}), {want}") from error
+    if number != number or number in (float("inf"), float("-inf")):
+        raise ValueError(f"got '{text}', {want}")
+    return float(f"{number:.15g}")  # 10 mm is 0.01 m, not 0.010000000000000002
+
+
+def _a(noun: str) -> str:
+    return f"an {noun}" if noun[0] in "aeiou" else f"a {noun}"
+
+
+def reads(quantity: str) -> BeforeValidator:
+    """Return the validator of a pydantic field that holds `quantity` in SI and is written as text with a unit.
+
+    A number is taken as SI only where the caller says so (`context={"si": True}`): our own files carry SI.
+    """
+
+    def validate(value: object, info: ValidationInfo) -> float:
+        if info.context and info.context.get("si") and isinstance(value, (int, float)):
+            return float(value)
+        return to_si(value, quantity)
+
+    return BeforeValidator(validate)
