@@ -1,4 +1,7 @@
-"""`Diagnosis`: what the model gets wrong, and its file `diagnosis.json`."""
+"""From a fit to a `Diagnosis`: is the model adequate, and if not, where does it part from the measurement.
+
+Naming the cause is not built yet: a model found wrong is `unexplained`, with no cause tried, and says so.
+"""
 
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -6,7 +9,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2 as chi2_distribution
 
+from rotorrig.identify.adequacy import FALSE_ALARM_RATE, FOCUSED_LIMIT, GLOBAL_LIMIT, Adequacy, Misfit, assess
+from rotorrig.identify.identification import Identification
+from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.provenance import Provenance
 
 
@@ -18,22 +25,6 @@ class Verdict(StrEnum):
     TIED = "tied"
     UNEXPLAINED = "unexplained"
     CANNOT_TELL = "cannot tell"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Misfit:
-    """A stretch of one probe, order and run where model and measurement part."""
-
-    run: str
-    probe: str
-    order: float
-    speed_from: float  # rad/s
-    speed_to: float  # rad/s
-    sigma: float  # root mean square of the whitened residual over the stretch
-    residual: float  # m, largest 0-peak magnitude in it
-    relative: float  # mean (|measured| - |model|) / |model|; NaN where the model has no such order
-    phase: float  # rad, mean arg(measured / model); NaN likewise
-    sentence: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,3 +46,40 @@ class Diagnosis:
     next_run: dict[str, Any] = field(default_factory=dict)
     gain: dict[str, Any] = field(default_factory=dict)
     source: Provenance
+
+
+_SHOWN = 12  # stretches listed, worst first
+
+
+def diagnose(response: OrderTrackedResponse, found: Identification) -> Diagnosis:
+    """Judge the whole-sweep fit of `found` against the response it was made from."""
+    fit = found.fits[0]
+    adequacy = assess(response, fit)
+    return Diagnosis(
+        verdict=Verdict.ADEQUATE if adequacy.adequate else Verdict.UNEXPLAINED,
+        sentence=_sentence(adequacy),
+        false_alarm_rate=FALSE_ALARM_RATE,
+        noise_floor=adequacy.noise_floor,
+        chi2=fit.chi2,
+        dof=fit.dof,
+        p=float(chi2_distribution.sf(fit.chi2, fit.dof)),
+        worst=adequacy.misfits[:_SHOWN],
+        residual=adequacy.residual,
+        sigmas=adequacy.sigmas,
+        source=found.source,
+    )
+
+
+def _sentence(adequacy: Adequacy) -> str:
+    if adequacy.adequate:
+        return (
+            f"The model is adequate: 1X residuals at {adequacy.reduced_chi2:.2f} chi2 per degree of freedom "
+            f"(limit {GLOBAL_LIMIT:g}), the worst stretch of speeds at {adequacy.worst_sigma:.1f} sigma "
+            f"(limit {FOCUSED_LIMIT:g})."
+        )
+    worst = adequacy.misfits[0].sentence if adequacy.misfits else ""
+    return (
+        f"The model is NOT adequate: 1X residuals at {adequacy.reduced_chi2:.3g} chi2 per degree of freedom "
+        f"(limit {GLOBAL_LIMIT:g}), the worst stretch of speeds at {adequacy.worst_sigma:.0f} sigma "
+        f"(limit {FOCUSED_LIMIT:g}). {worst} No cause was tried: naming causes is not built yet."
+    )

@@ -194,8 +194,11 @@ class Prior(Part):
 
     youngs_modulus: float = Field(0.01, gt=0)  # relative
     disk_mass: float = Field(0.01, gt=0)  # relative
+    bearing: float = Field(0.05, gt=0)  # relative, stiffness of the bearings that are not identified
     probe_gain: float = Field(0.01, gt=0)  # relative
+    probe_linearity: float = Field(0.003, ge=0)  # of the reading: what calibration leaves, and no parameter removes
     probe_angle: Annotated[float, reads("angle"), Field(gt=0)] = 0.01745329  # 1 degree
+    runout: Length = 10e-6  # per probe, 0-peak; only its slow-roll vector says more
 
 
 class RigConfig(Part):

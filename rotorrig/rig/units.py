@@ -35,7 +35,9 @@ _ANGULAR = ("rpm", "rad", "deg", "revolution", "turn")
 @functools.cache
 def registry() -> pint.UnitRegistry:
     """Return the one unit registry, made on first use (it takes a quarter of a second)."""
-    return pint.UnitRegistry(cache_folder=":auto:")
+    units: Any = pint.UnitRegistry(cache_folder=":auto:", on_redefinition="ignore")
+    units.define("mil = 1e-3 * inch")  # the field's mil, as in 200 mV/mil; pint's is an angle
+    return units
 
 
 def to_si(text: object, quantity: str) -> float:
@@ -65,8 +67,6 @@ def to_si(text: object, quantity: str) -> float:
         )
     if quantity == "rate" and any(word in str(value.units) for word in _ANGULAR):
         raise ValueError(f"got '{text}', want a rate in Hz, such as '{example}'")
-    if value.dimensionless and not value.unitless and quantity != "angle":
-        raise ValueError(f"got '{text}', {want}")
     if value.unitless:
         raise ValueError(f"got '{text}' without a unit; {want}")
     try:

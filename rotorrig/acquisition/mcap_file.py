@@ -1,0 +1,260 @@
+"""Recordings as files: write one while it is made, read it, salvage one that was cut. Topics and fields: docs/files.md.
+
+Waveforms are raw counts, the channels' calibration beside them. While recording, at most a quarter of a second is held
+back, so that is what a crash costs; what was written then stays in `<name>.part`, which only a whole file loses.
+
+The MCAP container itself (`FileWriter`, `read_file`) serves other stages' files as well.
+"""
+
+import math
+import time
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from rotorrig.acquisition import block_message
+from rotorrig.acquisition.container import Contents, DiskFull, FileKind, FileWriter, Stored, read_file
+from rotorrig.acquisition.part_file import part_of, refuse_existing
+from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
+from rotorrig.acquisition.schemas import message_type
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import DataError
+from rotorrig.rig.probes.base import Block, DaqInfo
+from rotorrig.rig.provenance import Provenance, file_hash
+
+__all__ = [
+    "Contents",
+    "DiskFull",
+    "FileKind",
+    "FileWriter",
+    "RecordingWriter",
+    "Salvaged",
+    "Stored",
+    "read_file",
+    "read_recording",
+    "salvage",
+    "write_recording",
+]
+
+RUN = FileKind(name="run", version=1, remedy="`rotor salvage {path} --out saved.mcap` saves what it holds")
+FLUSH_EVERY_NS = 250_000_000  # of the sample clock
+SYNC_EVERY = 1.0  # s of real time; 7.5 ms each on an SSD
+END = "end"  # metadata record of a recording that was closed, not cut
+
+DAQ = message_type(
+    "Daq",
+    {
+        "model": "string",
+        "serial": "string",
+        "sample_rate": "double",  # Hz
+        "channels": "int64",
+        "full_scale_counts": "int64",
+        "volts_per_count": "repeated double",  # per channel, as the rest
+        "name": "repeated string",  # the probe's, "keyphasor", or "" for a channel not in the config
+        "sensitivity": "repeated double",  # V/m, NaN where there is no probe
+        "gap_voltage": "repeated double",  # V, likewise
+    },
+)
+EVENT = message_type("Event", {"t_ns": "int64", "kind": "string", "text": "string"})
+MOTOR = message_type(
+    "Motor",
+    {"t_ns": "int64", "speed": "double", "setpoint": "double", "running": "bool", "fault": "string"},  # rad/s
+)
+
+
+class RecordingWriter:
+    """Writes a recording as it is made. However its `with` block is left, the file is closed and valid."""
+
+    def __init__(
+        self, path: Path, rig: RigConfig, daq_info: DaqInfo, source: Provenance, *, overwrite: bool = False
+    ) -> None:
+        """Begin the file. Raises DataError if it cannot be written or, unless `overwrite`, is there already."""
+        self._file = FileWriter(
+            path, kind=RUN, rig=rig, source=source, overwrite=overwrite, flush_every_ns=FLUSH_EVERY_NS
+        )
+        self._synced = time.monotonic()
+        self._samples = 0
+        for topic, kind in _TOPICS.items():  # all in the first chunk, so that none of the others needs another
+            self._file.topic(topic, kind)
+        self._file.write("/daq", DAQ, 0, **_calibration(rig, daq_info))
+        self._file.flush()
+
+    def block(self, block: Block) -> None:
+        """Add a block. Raises DiskFull."""
+        self._file.write("/waveform", block_message.WAVEFORM, block.t_ns, **block_message.packed(block))
+        self._samples += len(block.counts)
+        if time.monotonic() - self._synced >= SYNC_EVERY:
+            self._file.sync()
+            self._synced = time.monotonic()
+
+    def event(self, event: Event) -> None:
+        """Add an event. Raises DiskFull."""
+        self._file.write("/events", EVENT, event.t_ns, **asdict(event))
+
+    def motor(self, sample: MotorSample) -> None:
+        """Add a reading of the motor controller. Raises DiskFull."""
+        self._file.write("/motor", MOTOR, sample.t_ns, **asdict(sample))
+
+    def close(self, *, complete: bool = True) -> None:
+        """Write the index and give the file its name; may be called twice. Raises DiskFull.
+
+        A recording without a sample is discarded. `complete` False says that the one this one copies was cut.
+        """
+        if not self._samples:
+            self._file.discard()
+        if not self._file.closed and complete:
+            self._file.metadata(END, {"samples": str(self._samples)})
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Salvaged:
+    """What was saved of a cut or damaged recording."""
+
+    blocks: int
+    samples: int
+    seconds: float  # of samples saved
+    events: int
+    motor: int
+    lost_bytes: int  # of the file, that could not be read
+    whole: bool  # True: nothing was missing
+
+
+def read_recording(path: Path) -> RawRecording:
+    """Read a recording; its `source` is the file it was read from.
+
+    Raises DataError, in one sentence, for anything but a whole run file.
+    """
+    return _recording(path, _contents(path))
+
+
+def write_recording(path: Path, recording: RawRecording, *, overwrite: bool = False) -> None:
+    """Write a recording that is there already. Raises DataError, also if it holds no samples."""
+    if not recording.samples:
+        raise DataError(f"{path}: is not written, the recording holds no samples")
+    with RecordingWriter(path, recording.rig, recording.daq, recording.source, overwrite=overwrite) as writer:
+        for block in recording.blocks:
+            writer.block(block)
+        for event in recording.events:
+            writer.event(event)
+        for sample in recording.motor:
+            writer.motor(sample)
+        writer.close(complete=recording.complete)
+
+
+def salvage(path: Path, out: Path, *, overwrite: bool = False) -> Salvaged:
+    """Write to `out` all that can be read of a cut or damaged recording; `path` stays as it is.
+
+    Every whole chunk is saved, also behind a damaged one. The result says that it was cut. Raises DataError if
+    nothing can be saved.
+    """
+    if path.resolve() in (out.resolve(), part_of(out).resolve()):
+        raise DataError(f"{out}: would be written over {path.name}, which is to be salvaged; want another name")
+    if not overwrite:
+        refuse_existing(out)
+    contents = _contents(path, salvage=True)
+    found = _recording(path, contents)
+    if not found.samples:
+        raise DataError(f"{path}: holds no samples that can be read, there is nothing to salvage")
+    lost = sum(fault.end - fault.start for fault in contents.faults)
+    whole = found.complete and not contents.faults
+    if not whole:
+        last = found.blocks[-1] if found.blocks else None
+        end = last.t_ns + round(len(last.counts) * 1e9 / found.daq.sample_rate) if last else 0
+        note = Event(t_ns=end, kind="note", text=f"salvaged from {path.name}: {lost} bytes could not be read")
+        found = replace(found, events=(*found.events, note), complete=False)
+    write_recording(out, found, overwrite=overwrite)
+    return Salvaged(
+        blocks=len(found.blocks),
+        samples=found.samples,
+        seconds=found.samples / found.daq.sample_rate,
+        events=len(found.events),
+        motor=len(found.motor),
+        lost_bytes=lost,
+        whole=whole,
+    )
+
+
+_TOPICS = {"/daq": DAQ, "/waveform": block_message.WAVEFORM, "/events": EVENT, "/motor": MOTOR}
+
+
+def _calibration(rig: RigConfig, info: DaqInfo) -> dict[str, Any]:
+    """Return what turns counts into metres, as field values of DAQ."""
+    probes = {probe.channel: probe for probe in rig.probes}
+    names = {channel: probe.name for channel, probe in probes.items()}
+    if rig.keyphasor:
+        names[rig.keyphasor.channel] = "keyphasor"
+    channels = range(info.channels)
+    return asdict(info) | {
+        "name": [names.get(c, "") for c in channels],
+        "sensitivity": [probes[c].sensitivity if c in probes else math.nan for c in channels],
+        "gap_voltage": [probes[c].gap_voltage if c in probes else math.nan for c in channels],
+    }
+
+
+def _contents(path: Path, *, salvage: bool = False) -> Contents:
+    return read_file(path, kind=RUN, types=tuple(_TOPICS.values()), salvage=salvage)
+
+
+def _recording(path: Path, contents: Contents) -> RawRecording:
+    of: dict[str, list[Any]] = {topic: [] for topic in _TOPICS}
+    for message in contents.messages:
+        if message.topic in of:
+            of[message.topic].append(message.values)
+    if not of["/daq"]:
+        raise DataError(f"{path}: does not say what the counts mean (no message on /daq), it cannot be used")
+    try:
+        daq = _daq_info(of["/daq"][0])
+        blocks = tuple(block_message.unpacked(m) for m in of["/waveform"])
+        _check_order(blocks, daq)
+    except ValueError as error:
+        raise DataError(f"{path}: {error}") from error
+    return RawRecording(
+        rig=contents.rig,
+        daq=daq,
+        blocks=blocks,
+        events=tuple(Event(t_ns=m.t_ns, kind=m.kind, text=m.text) for m in of["/events"]),
+        motor=tuple(
+            MotorSample(t_ns=m.t_ns, speed=m.speed, setpoint=m.setpoint, running=m.running, fault=m.fault)
+            for m in of["/motor"]
+        ),
+        source=replace(contents.source, source=str(path), source_hash=file_hash(path)),
+        complete=END in contents.metadata and not contents.faults,
+    )
+
+
+def _daq_info(message: Any) -> DaqInfo:
+    """Return the message as DaqInfo; raises ValueError if a number cannot be true."""
+    info = DaqInfo(
+        model=message.model,
+        serial=message.serial,
+        sample_rate=message.sample_rate,
+        channels=message.channels,
+        volts_per_count=tuple(message.volts_per_count),
+        full_scale_counts=message.full_scale_counts,
+    )
+    if len(info.volts_per_count) != info.channels or not all(0 < v < math.inf for v in info.volts_per_count):
+        raise ValueError(f"volts_per_count is {info.volts_per_count}, want one above 0 for each of {info.channels}")
+    if not 0 < info.sample_rate < math.inf:
+        raise ValueError(f"sample_rate is {info.sample_rate} Hz, want a number above 0")
+    return info
+
+
+def _check_order(blocks: tuple[Block, ...], daq: DaqInfo) -> None:
+    """Raise ValueError unless each block has the DAQ's channels and begins where the last one ends or later."""
+    expected = 0
+    for number, block in enumerate(blocks):
+        if block.counts.shape[1] != daq.channels:
+            raise ValueError(f"block {number} has {block.counts.shape[1]} channels, want {daq.channels}")
+        if block.first_sample < expected:
+            raise ValueError(f"block {number} begins at sample {block.first_sample}, want {expected} or later")
+        expected = block.first_sample + len(block.counts)

@@ -1,0 +1,164 @@
+"""The records of an MCAP file one by one, without trusting a single length in it.
+
+A walk over https://mcap.dev/spec, rather than the `mcap` package's reader, because that one allocates what a length
+field asks for, says of an unfinished file that a record is too long, and cannot go on behind a damaged record.
+"""
+
+import mmap
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Channel, Chunk, Header, McapRecord, Message, Metadata, Schema
+from mcap.stream_reader import breakup_chunk
+from mcap.writer import MCAP0_MAGIC
+
+from rotorrig.rig.errors import DataError
+
+CHUNK_LIMIT = 64 * 2**20  # bytes of one chunk unpacked; ours are about 1 MiB
+TOTAL_LIMIT = 16 * 2**30  # bytes of all chunks unpacked: five hours of 8 channels at 50 kS/s
+
+_HEAD = struct.Struct("<BQ")  # opcode, length of the body
+_CRC = struct.Struct("<I")
+_CHUNK_FIXED = 8 + 8 + 8 + 4  # bytes before the name of the compression
+_ZSTD_NAME = b"\x04\x00\x00\x00zstd"
+_READERS: dict[int, Any] = {
+    Opcode.HEADER: Header,
+    Opcode.SCHEMA: Schema,
+    Opcode.CHANNEL: Channel,
+    Opcode.ATTACHMENT: Attachment,
+    Opcode.METADATA: Metadata,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Bytes from `start` to `end` of the file that are no whole record."""
+
+    start: int
+    end: int
+    what: str
+    cut: bool  # the file ends here: nothing is behind it
+
+
+def records(path: Path) -> Iterator[McapRecord | Fault]:
+    """Yield the data section's records, chunks opened, up to its end; a `Fault` for every stretch that is damaged.
+
+    Behind a damaged chunk the walk goes on; where a length cannot be trusted it looks for the next whole chunk. A
+    file that ends before its data section does yields a `Fault` with `cut` last. Raises DataError if the file cannot
+    be read or is no MCAP file.
+    """
+    try:
+        with path.open("rb") as file:
+            if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
+                raise DataError(f"{path}: is no MCAP file (its first bytes are not MCAP's), want one of this program's")
+            with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+                yield from _walk(data)
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror})") from error
+
+
+def _walk(data: mmap.mmap) -> Iterator[McapRecord | Fault]:
+    offset, unpacked = len(MCAP0_MAGIC), 0
+    while True:
+        if offset + _HEAD.size > len(data):
+            yield Fault(offset, len(data), "the file ends too early", cut=True)
+            return
+        opcode, length = _HEAD.unpack_from(data, offset)
+        end = offset + _HEAD.size + length
+        if opcode == Opcode.DATA_END and length == _CRC.size and end <= len(data):
+            yield from _ending_faults(data, offset, end)
+            return
+        if end > len(data) or not 0 < opcode < 0x80:
+            following = _next_chunk(data, offset + 1)
+            what = "the file ends too early" if following is None else "this is no record"
+            end = len(data) if following is None else following
+            yield Fault(offset, end, what, cut=following is None)
+            if following is None:
+                return
+        else:
+            found = _opened(data, opcode, offset, end)
+            unpacked += sum(len(r.data) for r in found if isinstance(r, Message))
+            if unpacked > TOTAL_LIMIT:
+                yield Fault(offset, len(data), f"more than {TOTAL_LIMIT >> 30} GiB unpacked", cut=False)
+                return
+            yield from found
+        offset = end
+
+
+def _opened(data: mmap.mmap, opcode: int, offset: int, end: int) -> list[McapRecord | Fault]:
+    """Return the record from `offset` to `end`, or those inside it if it is a chunk, or what is wrong with it."""
+    body = data[offset + _HEAD.size : end]
+    try:
+        if opcode == Opcode.CHUNK:
+            return [*breakup_chunk(_checked_chunk(body), validate_crc=True)]
+        if opcode not in _READERS:
+            return []
+        if opcode == Opcode.ATTACHMENT and zlib.crc32(body[:-4]) != int.from_bytes(body[-4:], "little"):
+            raise ValueError("wrong CRC")
+        return [_READERS[opcode].read(_stream(body))]
+    except Exception as error:  # whatever a reader or the decompressor makes of hostile bytes: it becomes a Fault
+        return [Fault(offset, end, f"{Opcode(opcode).name.lower()} record: {error or type(error).__name__}", cut=False)]
+
+
+def _checked_chunk(body: bytes) -> Chunk:
+    """Return the chunk if it unpacks to no more than it may; raises ValueError."""
+    chunk = Chunk.read(_stream(body))
+    if chunk.compression not in ("", "zstd"):
+        raise ValueError(f"compressed with {chunk.compression!r}, want zstd (`mcap compress` rewrites it)")
+    declared = _zstd_content_size(chunk.data) if chunk.compression else len(chunk.data)
+    if max(declared, chunk.uncompressed_size) > CHUNK_LIMIT:
+        raise ValueError(f"would unpack to more than {CHUNK_LIMIT >> 20} MiB")
+    return chunk
+
+
+def _zstd_content_size(frame: bytes) -> int:
+    """Return the size a zstd frame says it unpacks to, 0 if it does not say; RFC 8878, section 3.1.1.1.
+
+    `zstandard.decompress` allocates that much whatever limit it is given.
+
+    >>> _zstd_content_size(bytes.fromhex("28b52ffd 20 05 290000"))  # single segment, one byte of size
+    5
+    """
+    descriptor = frame[4] if len(frame) > 4 else 0
+    single_segment = bool(descriptor & 0x20)
+    width = (int(single_segment), 2, 4, 8)[descriptor >> 6]
+    start = 5 + (not single_segment) + (0, 1, 2, 4)[descriptor & 3]
+    return int.from_bytes(frame[start : start + width], "little") + (256 if width == 2 else 0)
+
+
+def _ending_faults(data: mmap.mmap, start: int, end: int) -> Iterator[Fault]:
+    """Look at the end of the data section, from `start` to `end`: its CRC, and whether the file's end is there."""
+    (crc,) = _CRC.unpack_from(data, start + _HEAD.size)
+    with memoryview(data) as view:
+        wrong = crc != 0 and zlib.crc32(view[:start]) != crc
+    if wrong:
+        yield Fault(start, start, "the CRC of all before is wrong", cut=False)
+    if data[-len(MCAP0_MAGIC) :] != MCAP0_MAGIC or len(data) - len(MCAP0_MAGIC) < end:
+        yield Fault(end, len(data), "the index at the end is not whole", cut=True)
+
+
+def _next_chunk(data: mmap.mmap, start: int) -> int | None:
+    """Return where the next chunk that can be opened begins, None if there is none."""
+    name = data.find(_ZSTD_NAME, start)
+    while name >= 0:
+        offset = name - _CHUNK_FIXED - _HEAD.size
+        if offset >= start:
+            opcode, length = _HEAD.unpack_from(data, offset)
+            end = offset + _HEAD.size + length
+            if opcode == Opcode.CHUNK and end <= len(data):
+                found = _opened(data, opcode, offset, end)
+                if not any(isinstance(record, Fault) for record in found):
+                    return offset
+        name = data.find(_ZSTD_NAME, name + 1)
+    return None
+
+
+def _stream(body: bytes) -> ReadDataStream:
+    return ReadDataStream(BytesIO(body))  # a read beyond the body ends there, whatever a length inside it says

@@ -1,0 +1,96 @@
+"""A file under a provisional name, `<name>.part`, that takes its own name only when whole.
+
+So a file of that name is never half a file, a crash leaves the `.part` with everything written until then, and the
+good file of an earlier run is not lost to a bad one.
+"""
+
+import os
+from collections import deque
+from pathlib import Path
+
+from rotorrig.rig.errors import DataError
+
+
+def part_of(path: Path) -> Path:
+    """Return the name a file has while it is being written."""
+    return path.with_name(path.name + ".part")
+
+
+def refuse_existing(path: Path) -> None:
+    """Raise DataError if `path` is there, or what a crash left of it."""
+    if path.exists():
+        raise DataError(f"{path}: is there already, want a name that is free")
+    if part_of(path).exists():
+        raise DataError(
+            f"{part_of(path)}: is there, of a recording cut short or under way; "
+            f"`rotor salvage {part_of(path)} --out saved.mcap` saves what it holds, then remove it"
+        )
+
+
+class PartFile:
+    """An unbuffered binary file for one writer; what was written outlives this process at once."""
+
+    def __init__(self, path: Path, *, overwrite: bool) -> None:
+        """Create `<path>.part`. Raises OSError; DataError unless `overwrite` if that or `path` is there already."""
+        if not overwrite:
+            refuse_existing(path)
+        self._path = path
+        self._file = part_of(path).open("wb" if overwrite else "xb", buffering=0)
+        self._marks: deque[int] = deque(maxlen=4)  # newest last
+
+    def write(self, data: bytes) -> int:
+        """Write all of `data`. Raises OSError."""
+        view = memoryview(data)
+        while view:
+            view = view[self._file.write(view) :]
+        return len(data)
+
+    def tell(self) -> int:
+        """Return the number of bytes written."""
+        return self._file.tell()
+
+    def flush(self) -> None:
+        """Do nothing: no byte is held back. The `mcap` writer wants the verb."""
+
+    def sync(self) -> None:
+        """Wait until everything is on the medium, so that it outlives a power cut. Raises OSError."""
+        os.fsync(self._file.fileno())
+
+    def mark(self) -> None:
+        """Say that what was written so far can stand alone, once `end_early` has put its ending behind it."""
+        self._marks.append(self.tell())
+
+    def end_early(self, ending: bytes) -> int:
+        """Cut back to the last mark and write `ending` there; return the bytes kept before it, 0 if none could be.
+
+        On a full disk the cut makes the room for the ending; if that does not suffice, the mark before serves.
+        """
+        for mark in reversed(self._marks):
+            try:
+                self._file.truncate(mark)
+                self._file.seek(mark)
+                self.write(ending)
+            except OSError:
+                continue
+            return mark
+        return 0
+
+    @property
+    def closed(self) -> bool:
+        """Whether it has its name, or is gone."""
+        return self._file.closed
+
+    def take_name(self) -> None:
+        """Close the file and give it its name, replacing an older one. Raises OSError."""
+        self._file.close()
+        part_of(self._path).replace(self._path)
+        folder = os.open(self._path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)  # the new name outlives a power cut too
+        finally:
+            os.close(folder)
+
+    def discard(self) -> None:
+        """Close the file and remove it."""
+        self._file.close()
+        part_of(self._path).unlink(missing_ok=True)

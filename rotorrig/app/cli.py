@@ -1,0 +1,246 @@
+"""The command `rotor`: each verb parses, calls one public function, writes one file and prints one line.
+
+Heavy libraries are imported inside the verb that needs them, so that `rotor --help` is quick.
+"""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rotorrig.app.console import err, out, progress_bars
+from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.errors import NotBuilt, RigError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Acquisition and identification for a rotor test rig: from the wire to a fitted bearing.",
+)
+
+Config = Annotated[Path, typer.Argument(metavar="CONFIG", help="the rig's TOML file", show_default=False)]
+Out = Annotated[Path, typer.Option("--out", "-o", help="the file to write", show_default=False)]
+Response = Annotated[Path, typer.Argument(metavar="RESPONSE", help="a response.mcap", show_default=False)]
+Recording = Annotated[Path, typer.Argument(metavar="RUN", help="a run.mcap", show_default=False)]
+Seed = Annotated[int, typer.Option(help="of the search; of the simulated rig's hidden deviations")]
+View = Annotated[bool, typer.Option("--view", help="show orbits, Bode plot, speed and time base while it runs")]
+
+
+def main() -> None:
+    """Run the command; a person's mistake ends in one sentence and a non-zero exit, never in a traceback."""
+    try:
+        app()
+    except RigError as error:
+        err.print(f"[red]error:[/] {_plain(error)}", highlight=False, soft_wrap=True)
+        sys.exit(3 if isinstance(error, NotBuilt) else 1)
+    except KeyboardInterrupt:
+        err.print("[yellow]interrupted[/]")
+        sys.exit(130)
+
+
+@app.command()
+def check(
+    config: Config,
+    connect: Annotated[bool, typer.Option("--connect", help="talk to motor and DAQ and say what answered")] = False,
+) -> None:
+    """Check a config, say what it describes; with --connect, talk to its devices."""
+    from rotorrig.app import checking
+
+    rig = load(config)
+    checking.show_rig(rig)
+    if connect:
+        checking.show_devices(rig)
+
+
+@app.command()
+def sweep(
+    config: Config,
+    out_file: Out,
+    plan: Annotated[str, typer.Option(help="a plan of the config")] = "default",
+    simulate: Annotated[bool, typer.Option("--simulate", help="on a simulated rig instead of the devices")] = False,
+    view: View = False,
+    seed: Seed = 1,
+    rate: Annotated[float, typer.Option(help="simulated seconds per second, at the most")] = 20.0,
+) -> None:
+    """Run a sweep and record it."""
+    from rotorrig.app import sweeping
+
+    result = sweeping.sweep(
+        load(config), out=out_file, plan=plan, seed=seed if simulate else None, rate=rate, view=view
+    )
+    out.print(f"{out_file}: {result.seconds:.1f} s, {result.samples} scans, {result.gaps} gaps recorded")
+    if result.trip:
+        raise RigError(f"{result.trip}; the rotor was stopped and {out_file} holds the sweep up to there")
+
+
+@app.command()
+def replay(
+    run: Recording,
+    rate: Annotated[str, typer.Option(help="'max', or recorded seconds per second")] = "max",
+    view: View = False,
+) -> None:
+    """Play a recording as if it were live."""
+    from rotorrig.app import replaying
+
+    seconds = replaying.play(run, rate=rate, view=view)
+    out.print(f"{run}: {seconds:.1f} s replayed")
+
+
+@app.command()
+def track(run: Recording, out_file: Out) -> None:
+    """Track the orders of a recording into a response file, the slow-roll vector beside them."""
+    from rotorrig.acquisition.mcap_file import read_recording
+    from rotorrig.processing import pipeline
+    from rotorrig.processing.response_file import write_response
+
+    with progress_bars() as bars:
+        task = bars.add_task("tracking", total=1.0, note="")
+        response = pipeline.track(read_recording(run), progress=lambda done: bars.update(task, completed=done))
+        write_response(out_file, response)
+    masked = int((~response.usable).any(axis=1).sum())
+    out.print(f"{out_file}: {len(response.omega)} rows in {len(response.runs)} runs, {masked} with masked probes")
+
+
+@app.command()
+def identify(
+    response: Response,
+    out_file: Out,
+    objective: Annotated[str, typer.Option(help="of the global search: f1, f2 or f3 (chapter eq. 14-16)")] = "f2",
+    seed: Seed = 0,
+) -> None:
+    """Fit bearing stiffness, damping and unbalance."""
+    from rotorrig.app import identifying, tables
+    from rotorrig.identify.result_files import write_identification
+
+    found = identifying.identified(response, objective=objective, seed=seed)
+    write_identification(out_file, found)
+    out.print(tables.identified(found))
+    for words in found.fits[0].words:
+        out.print(words, highlight=False)
+    out.print(f"{out_file}: {len(found.fits)} fits in {found.wall_s:.1f} s")
+
+
+@app.command()
+def diagnose(
+    responses: Annotated[list[Path], typer.Argument(metavar="RESPONSE...", show_default=False)],
+    out_file: Out,
+    holdout: Annotated[Path | None, typer.Option(help="a response the fit must not see")] = None,
+    rig_out: Annotated[Path | None, typer.Option(help="the config, extended by what was found")] = None,
+    seed: Seed = 0,
+) -> None:
+    """Say whether the model is adequate, and if not, where it is wrong."""
+    if holdout or rig_out:
+        raise NotBuilt("--holdout and --rig-out need a named cause to extend the model with: not built yet")
+    if len(responses) > 1:
+        raise NotBuilt(f"got {len(responses)} responses: diagnosing several together is not built yet, want one")
+    from rotorrig.app import identifying
+    from rotorrig.identify import diagnosis
+    from rotorrig.identify.result_files import write_diagnosis
+    from rotorrig.processing.response_file import read_response
+
+    found = diagnosis.diagnose(read_response(responses[0]), identifying.identified(responses[0], seed=seed))
+    write_diagnosis(out_file, found)
+    out.print(found.sentence, highlight=False)
+    for misfit in found.worst[1:4]:
+        out.print(f"  {misfit.sentence}", highlight=False)
+
+
+@app.command()
+def report(
+    response: Response,
+    out_file: Out,
+    fit: Annotated[Path | None, typer.Option(help="the fit.json to report")] = None,
+    diagnosis: Annotated[Path | None, typer.Option(help="the diagnosis.json to report")] = None,
+) -> None:
+    """Write one self-contained HTML file: verdict, Bode plots, values, provenance."""
+    from rotorrig.app.report import write_report
+    from rotorrig.identify.result_files import read_diagnosis, read_identification
+    from rotorrig.processing.response_file import read_response
+
+    write_report(
+        out_file,
+        response=read_response(response),
+        identification=read_identification(fit) if fit else None,
+        diagnosis=read_diagnosis(diagnosis) if diagnosis else None,
+    )
+    out.print(f"{out_file}: open it in any browser")
+
+
+@app.command()
+def view(file: Annotated[Path, typer.Argument(help="run.mcap, response.mcap or an .rrd", show_default=False)]) -> None:
+    """Open a file in the Rerun viewer."""
+    from rotorrig.app.viewer import view_file
+
+    view_file(file)
+
+
+@app.command("import")
+def import_(
+    file: Annotated[Path, typer.Argument(help="a CSV file", show_default=False)],
+    out_file: Out,
+    config: Annotated[Path, typer.Option("--config", help="the rig's TOML file", show_default=False)],
+    vectors: Annotated[Path | None, typer.Option("--vectors", help="a mapping (TOML): FILE is a Bode table")] = None,
+) -> None:
+    """Bring in foreign data: waveforms (to a run.mcap) or, with --vectors MAPPING, a Bode table (to a response.mcap)."""
+    from rotorrig.app import importing
+
+    out.print(importing.bring_in(file, rig=load(config), mapping=vectors, out=out_file), highlight=False)
+
+
+@app.command()
+def export(file: Annotated[Path, typer.Argument(help="a response.mcap", show_default=False)], out_file: Out) -> None:
+    """Write the order vectors of a response as CSV."""
+    if out_file.suffix.lower() != ".csv":
+        raise NotBuilt(f"{out_file}: only .csv can be written yet")
+    from rotorrig.processing.response_file import read_response
+    from rotorrig.processing.vector_export import write_csv
+
+    rows = write_csv(out_file, read_response(file))
+    out.print(f"{out_file}: {rows} rows")
+
+
+@app.command()
+def simulate(
+    config: Config,
+    seed: Seed = 1,
+    hidden: Annotated[Path | None, typer.Option(help="a sealed file with what the rig hides")] = None,
+    rate: Annotated[float, typer.Option(help="simulated seconds per second, at the most")] = 1.0,
+) -> None:
+    """Keep a simulated rig running on two serial ports until Ctrl-C, for another terminal to sweep."""
+    from rotorrig.app import simulating
+
+    simulating.stand_in(load(config), seed=seed, hidden=hidden, rate=rate)
+
+
+@app.command()
+def salvage(run: Recording, out_file: Out) -> None:
+    """Make a valid recording of one that was cut off."""
+    from rotorrig.acquisition.mcap_file import salvage as save
+
+    saved = save(run, out_file)
+    out.print(f"{out_file}: {saved.seconds:.2f} s saved")
+
+
+@app.command()
+def demo(
+    folder: Annotated[Path, typer.Option("--out", help="the folder to write into")] = Path("demo"),
+    config: Annotated[
+        Path | None, typer.Option("--config", help="another rig", show_default="configs/rk4.toml")
+    ] = None,
+    seed: Seed = 1,
+) -> None:
+    """Show the whole path on a simulated RK4: sweep, track, identify, diagnose, report; healthy and misaligned."""
+    from rotorrig.app.demo import run_demo
+
+    run_demo(load(config) if config else bundled("rk4"), out=folder, seed=seed)
+
+
+def bundled(name: str) -> RigConfig:
+    """Return a config that comes with the program: from the checkout, or from the installed package."""
+    places = [Path(__file__).parents[2] / "configs", Path(__file__).parents[1] / "configs"]
+    return load(next((p for d in places if (p := d / f"{name}.toml").exists()), places[0] / f"{name}.toml"))
+
+
+def _plain(error: Exception) -> str:
+    return str(error).replace("[", r"\[")

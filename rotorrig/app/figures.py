@@ -1,0 +1,164 @@
+"""The report's Plotly figures: Bode plots, residual maps, other orders.
+
+Backgrounds are transparent and text and grid take their colour from the page (report.css), so that one figure serves
+light, dark and print. Blue rises, orange falls, everywhere; both stay apart for colour-blind eyes.
+"""
+
+from html import escape
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+from plotly.subplots import make_subplots
+
+from rotorrig.app.curves import Curve, curves, residual_grid
+from rotorrig.processing.response import OrderTrackedResponse
+
+COLOURS = {+1: "#3182bd", -1: "#e6792b", 0: "#808890"}  # speed rises, falls, neither
+SIGMA_CEILING = 8.0  # of the residual map's colours: 8 sigma and 80 are equally wrong
+#: calm to about 2 sigma, then ever louder
+SIGMA_COLOURS = [
+    [0.0, "rgba(128,136,144,0.10)"],
+    [2.0 / SIGMA_CEILING, "rgba(128,136,144,0.35)"],
+    [3.0 / SIGMA_CEILING, "#f2c14e"],
+    [5.0 / SIGMA_CEILING, "#e6792b"],
+    [1.0, "#b3123b"],
+]
+
+
+def bode(response: OrderTrackedResponse, probe: int, *, prediction: NDArray[np.complex128] | None = None) -> go.Figure:
+    """Return amplitude over phase lag against speed at 1X, measured (dots) and model (lines), a colour per direction.
+
+    `prediction` is (speed, probe) [m] as `Fit.prediction`; None draws the measurement alone.
+    """
+    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.06, row_heights=[0.62, 0.38])
+    for curve in curves(response, probe, prediction=prediction):
+        figure.add_trace(_measured(curve, curve.amplitude, "%{y:.2f} µm"), row=1, col=1)
+        figure.add_trace(_measured(curve, curve.lag, "%{y:.1f}°", legend=False), row=2, col=1)
+        if curve.model_amplitude is not None and curve.model_lag is not None:
+            figure.add_trace(_modelled(curve, curve.model_amplitude, "%{y:.2f} µm"), row=1, col=1)
+            figure.add_trace(_modelled(curve, curve.model_lag, "%{y:.1f}°", legend=False), row=2, col=1)
+    figure.update_yaxes(title="amplitude, µm 0-peak", rangemode="tozero", row=1, col=1)
+    figure.update_yaxes(title="phase lag, °", dtick=90, row=2, col=1)
+    figure.update_xaxes(title="speed, rpm", row=2, col=1)
+    return _styled(figure, height=430)
+
+
+def residual_map(response: OrderTrackedResponse, sigmas: NDArray[np.float64], *, order: float = 1.0) -> go.Figure:
+    """Return a map of the residual in standard deviations: speed across, a row per probe and run."""
+    labels, edges, grid = residual_grid(response, sigmas, order=order)
+    heat = go.Heatmap(
+        x=edges,
+        y=[escape(label) for label in labels],
+        z=np.round(grid, 2),
+        zmin=0,
+        zmax=SIGMA_CEILING,
+        colorscale=SIGMA_COLOURS,
+        ygap=2,
+        hoverongaps=False,
+        hovertemplate="%{y}, %{x:.0f} rpm: %{z:.1f} σ<extra></extra>",
+        colorbar={
+            "title": {"text": "σ", "side": "top"},
+            "thickness": 12,
+            "tickvals": [0, 2, 3, 5, 8],
+            "outlinewidth": 0,
+        },
+    )
+    heat.colorbar.ticktext = ["0", "2", "3", "5", "8 +"]
+    figure = go.Figure(heat)
+    figure.update_xaxes(title="speed, rpm", showgrid=False)
+    figure.update_yaxes(autorange="reversed", showgrid=False, type="category")
+    return _styled(figure, height=110 + 26 * len(labels))
+
+
+def order_amplitudes(response: OrderTrackedResponse, order: float) -> go.Figure:
+    """Return the amplitude at one order against speed, a panel per probe, with one sigma of its noise in grey."""
+    figure = make_subplots(
+        rows=(len(response.probes) + 1) // 2,
+        cols=min(2, len(response.probes)),
+        shared_xaxes=True,
+        subplot_titles=[escape(name) for name in response.probes],
+        vertical_spacing=0.14,
+        horizontal_spacing=0.1,
+    )
+    for p in range(len(response.probes)):
+        place = {"row": p // 2 + 1, "col": p % 2 + 1}
+        for i, curve in enumerate(curves(response, p, order=order)):
+            figure.add_trace(_measured(curve, curve.amplitude, "%{y:.2f} µm", legend=p == 0), **place)
+            if i == 0:
+                figure.add_trace(_noise(curve, legend=p == 0), **place)
+    figure.update_yaxes(rangemode="tozero", title="µm 0-peak", col=1)
+    figure.update_xaxes(title="speed, rpm", row=(len(response.probes) + 1) // 2)
+    return _styled(figure, height=80 + 210 * ((len(response.probes) + 1) // 2))
+
+
+def _measured(curve: Curve, y: NDArray[np.float64], reading: str, *, legend: bool = True) -> go.Scatter:
+    name = escape(curve.run)
+    return go.Scatter(
+        x=np.round(curve.rpm, 1),
+        y=np.round(y, 3),
+        mode="markers",
+        name=name,
+        legendgroup=name,
+        showlegend=legend,
+        marker={
+            "size": 5,
+            "color": COLOURS[curve.direction],
+            "opacity": 0.6,
+            "symbol": "circle" if curve.direction > 0 else "circle-open",  # two runs that agree stay two
+        },
+        hovertemplate=f"%{{x:.0f}} rpm: {reading}<extra>{name}</extra>",
+    )
+
+
+def _modelled(curve: Curve, y: NDArray[np.float64], reading: str, *, legend: bool = True) -> go.Scatter:
+    name = f"{escape(curve.run)}, model"
+    return go.Scatter(
+        x=np.round(curve.rpm, 1),
+        y=np.round(y, 3),
+        mode="lines",
+        name=name,
+        legendgroup=name,
+        showlegend=legend,
+        line={"width": 1.8, "color": COLOURS[curve.direction], "dash": "solid" if curve.direction > 0 else "dash"},
+        hovertemplate=f"%{{x:.0f}} rpm: {reading}<extra>{name}</extra>",
+    )
+
+
+def _noise(curve: Curve, *, legend: bool) -> go.Scatter:
+    return go.Scatter(
+        x=np.round(curve.rpm, 1),
+        y=np.round(curve.sigma, 4),
+        mode="lines",
+        name="noise, 1 σ",
+        legendgroup="noise",
+        showlegend=legend,
+        line={"width": 1.2, "color": COLOURS[0], "dash": "dot"},
+        hovertemplate="%{y:.3f} µm<extra>noise, 1 σ</extra>",
+    )
+
+
+def _styled(figure: go.Figure, *, height: int) -> go.Figure:
+    """Strip Plotly's own look and give ours."""
+    figure.update_layout(
+        template="none",
+        height=height,
+        margin={"l": 62, "r": 14, "t": 34, "b": 46},
+        paper_bgcolor="rgba(0,0,0,0)",
+        plot_bgcolor="rgba(0,0,0,0)",
+        font={"family": "system-ui, sans-serif", "size": 12},
+        legend={
+            "orientation": "h",
+            "y": 1.0,
+            "yanchor": "bottom",
+            "x": 0.0,
+            "bgcolor": "rgba(0,0,0,0)",
+            "itemsizing": "constant",
+        },
+        hovermode="closest",
+        dragmode="zoom",
+        modebar={"orientation": "v", "bgcolor": "rgba(0,0,0,0)"},
+    )
+    figure.update_xaxes(gridcolor="rgba(128,136,144,0.25)", zeroline=False, automargin=True)
+    figure.update_yaxes(gridcolor="rgba(128,136,144,0.25)", zeroline=False, automargin=True)
+    return figure

@@ -1,0 +1,73 @@
+"""Orbits: what two probes at the same place along the shaft say of its path."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import RigConfig
+
+PARALLEL = 0.1  # |sin| of the angle between two probes below which they see one axis, not an orbit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plane:
+    """Two probes at one position, and how their readings make x and y."""
+
+    position: float  # m
+    probes: tuple[str, str]
+    to_xy: NDArray[np.float64]  # (2, 2): (x, y) = to_xy @ (first reading, second reading)
+
+    @property
+    def name(self) -> str:
+        """What to call it: "1x, 1y at 250.5 mm"."""
+        return f"{', '.join(self.probes)} at {self.position * 1e3:g} mm"
+
+
+def planes(rig: RigConfig) -> tuple[Plane, ...]:
+    """Return the probe planes of a rig from the coupling outwards; probes without a partner make none."""
+    found = []
+    for position in sorted({probe.position for probe in rig.probes}):
+        here = [probe for probe in rig.probes if probe.position == position]
+        pairs = [(a, b) for i, a in enumerate(here) for b in here[i + 1 :]]
+        # the pair nearest to a right angle resolves the orbit best
+        a, b = max(pairs, key=lambda pair: abs(np.sin(pair[1].angle - pair[0].angle)), default=(here[0], here[0]))
+        if abs(np.sin(b.angle - a.angle)) > PARALLEL:
+            rows = np.array([[np.cos(a.angle), np.sin(a.angle)], [np.cos(b.angle), np.sin(b.angle)]])
+            found.append(Plane(position=position, probes=(a.name, b.name), to_xy=np.linalg.inv(rows)))
+    return tuple(found)
+
+
+def orbit(
+    plane: Plane, z: NDArray[np.complex128], *, orders: tuple[float, ...] = (1.0,), points: int = 91
+) -> NDArray[np.float64]:
+    """Return one turn (point, 2) of x and y from z (2 probes, order); the first point is the keyphasor edge.
+
+    >>> rows = np.eye(2)  # probes at 0 and 90 degrees
+    >>> plane = Plane(position=0.1, probes=("x", "y"), to_xy=rows)
+    >>> orbit(plane, np.array([[2.0], [-2.0j]]), points=5).round(9) + 0.0  # a forward circle, at +x at the edge
+    array([[ 2.,  0.],
+           [ 0.,  2.],
+           [-2.,  0.],
+           [ 0., -2.],
+           [ 2.,  0.]])
+    """
+    theta = np.linspace(0.0, 2 * np.pi, points)
+    readings = (z @ np.exp(1j * np.outer(orders, theta))).real  # x = Re(z e^{j n theta}), summed over orders
+    return (plane.to_xy @ readings).T
+
+
+def representative_rows(
+    response: OrderTrackedResponse, z: NDArray[np.complex128], *, run: int, count: int = 5
+) -> list[int]:
+    """Return about `count` rows of a run, evenly spread in speed, with the row of the largest vector among them."""
+    rows = np.flatnonzero((response.run == run) & response.usable.all(axis=1) & np.isfinite(z).all(axis=1))
+    if len(rows) <= count:
+        return rows.tolist()
+    omega = response.omega[rows]
+    wanted = np.linspace(omega.min(), omega.max(), count)
+    peak = int(np.argmax(np.abs(z[rows]).max(axis=1)))
+    wanted[int(np.argmin(np.abs(wanted - omega[peak])))] = omega[peak]
+    nearest = {int(rows[np.argmin(np.abs(omega - w))]) for w in wanted}
+    return sorted(nearest, key=lambda row: response.omega[row])

@@ -1,0 +1,73 @@
+"""The top of the report: is the model good enough for this run, and if not, where not."""
+
+import math
+from collections.abc import Sequence
+from html import escape
+
+from rotorrig.app.curves import UM
+from rotorrig.app.wording import probability
+from rotorrig.identify.diagnosis import Diagnosis, Misfit, Verdict
+from rotorrig.identify.identification import Identification
+
+POOR = 2.0  # chi2 per degree of freedom above which a fit without a diagnosis is called poor outright
+SHOWN_MISFITS = 3
+HEADLINES = {
+    Verdict.ADEQUATE: ("good", "The model describes this run"),
+    Verdict.NAMED: ("bad", "The base model does NOT describe this run; a cause is named"),
+    Verdict.TIED: ("bad", "The base model does NOT describe this run; several causes fit equally well"),
+    Verdict.UNEXPLAINED: ("bad", "The model does NOT describe this run, and no known cause explains it"),
+    Verdict.CANNOT_TELL: ("unsure", "This data cannot tell whether the model is right"),
+}
+
+
+def banner(identification: Identification | None, diagnosis: Diagnosis | None) -> str:
+    """Return the verdict as HTML: a headline, a sentence, and the figures behind them."""
+    if diagnosis is not None:
+        tone, headline = HEADLINES[diagnosis.verdict]
+        return _banner(tone, headline, diagnosis.sentence, _evidence(diagnosis), _worst(diagnosis))
+    if identification is not None and identification.fits:
+        fit = identification.fits[0]
+        ratio = fit.chi2 / fit.dof if fit.dof > 0 else float("nan")
+        figures = f"χ² per degree of freedom {ratio:.3g} ({fit.chi2:.4g} over {fit.dof})"
+        if ratio > POOR:
+            left = f"Its residual is {ratio**0.5:.1f} times the noise (root mean square), where 1 is expected."
+            return _banner("bad", "Poor fit: the model does NOT describe this run", left, [figures], [])
+        said = "A fit was made but no diagnosis, so nobody has looked where it fails."
+        return _banner("unsure", "Not judged", said, [figures], [])
+    return _banner("plain", "Measurement only", "No model was fitted to this run.", [], [])
+
+
+def _banner(tone: str, headline: str, sentence: str, figures: list[str], worst: list[str]) -> str:
+    lines = f"<p>{escape(sentence)}</p>"
+    if worst:
+        lines += "<ul>" + "".join(f"<li>{escape(word)}</li>" for word in worst) + "</ul>"
+    if figures:
+        lines += f'<p class="figures">{" · ".join(escape(f) for f in figures)}</p>'
+    head = f'<h2 id="h-verdict">{escape(headline)}</h2>'
+    return f'<section id="verdict" class="banner {tone}" aria-labelledby="h-verdict">{head}{lines}</section>'
+
+
+def _evidence(diagnosis: Diagnosis) -> list[str]:
+    said = []
+    if diagnosis.verdict is not Verdict.ADEQUATE and diagnosis.worst:
+        said.append(f"largest misfit {size(diagnosis.worst)}")
+    if diagnosis.dof > 0:
+        said.append(f"χ² per degree of freedom {diagnosis.chi2 / diagnosis.dof:.3g}")
+    if math.isfinite(diagnosis.p):
+        said.append(probability(diagnosis.p))
+    if math.isfinite(diagnosis.noise_floor):
+        said.append(f"noise floor {diagnosis.noise_floor * UM:.2g} µm")
+    if math.isfinite(diagnosis.false_alarm_rate):
+        said.append(f"this test calls {100 * diagnosis.false_alarm_rate:.2g} % of healthy runs faulty")
+    return said
+
+
+def size(misfits: Sequence[Misfit]) -> str:
+    """Return the largest residual and the largest significance among `misfits`: "12.3 µm, 45 σ"."""
+    return f"{max(m.residual for m in misfits) * UM:.3g} µm, {max(m.sigma for m in misfits):.3g} σ"
+
+
+def _worst(diagnosis: Diagnosis) -> list[str]:
+    if diagnosis.verdict is Verdict.ADEQUATE:
+        return []
+    return [misfit.sentence for misfit in diagnosis.worst[:SHOWN_MISFITS]]

@@ -1,0 +1,127 @@
+"""The two pictures both views draw in Rerun: an orbit to a scale that follows it, and a Bode plot of one probe."""
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from rotorrig.app.curves import lag_degrees
+from rotorrig.app.drawn_axes import MARK, Panel, step_for
+from rotorrig.app.orbit_drawing import nice
+from rotorrig.rig.description import RigConfig
+
+SHRINK = 0.3  # of the scale: an orbit smaller than this gets a smaller one
+SMALLEST_ORBIT = 1.0  # µm, half width
+SMALLEST_BODE = 10.0  # µm
+FASTEST = 4000.0  # rpm, where the config sets no limit
+Colour = tuple[int, int, int]
+Panels = tuple[Panel, Panel]  # amplitude, phase lag
+
+
+class OrbitPicture:
+    """One probe plane: x to the right, y up, in µm, with the keyphasor dot."""
+
+    def __init__(self, stream: rr.RecordingStream, path: str) -> None:
+        self._stream = stream
+        self._path = path
+        self._scale = 0.0
+
+    def draw(self, orbits: list[tuple[str, NDArray[np.float64], Colour]], dots: NDArray[np.float64]) -> None:
+        """Draw named orbits (point, 2) [µm], NaN breaks a line, and dots (dot, 2) [µm] at keyphasor edges."""
+        reach = max((float(np.nanmax(np.abs(xy))) for _, xy, _ in orbits if np.isfinite(xy).any()), default=0.0)
+        if reach > self._scale or reach < SHRINK * self._scale:
+            self._scale = max(nice(1.05 * reach), SMALLEST_ORBIT)
+        panel = orbit_panel(self._scale)
+        panel.log(self._stream, f"{self._path}/axes")
+        for name, xy, colour in orbits:
+            self._stream.log(f"{self._path}/{name}", rr.LineStrips2D(panel.strips(*xy.T), colors=colour, radii=-1.0))
+        places = panel.place(*dots.T) if len(dots) else np.empty((0, 2))
+        self._stream.log(f"{self._path}/keyphasor", rr.Points2D(places, radii=-5.0, colors=MARK))
+
+
+def orbit_panel(scale: float) -> Panel:
+    """Return the axes of an orbit, plus and minus `scale` [µm] both ways."""
+    both, step = (-scale, scale), step_for(2 * scale, most=5)
+    return Panel(
+        left=0, top=0, width=100, height=100, x=both, y=both, x_step=step, y_step=step, x_title="x, µm", title="y, µm"
+    )
+
+
+class BodePicture:
+    """One probe: amplitude above phase lag against speed; the axes grow with what is drawn."""
+
+    def __init__(
+        self, stream: rr.RecordingStream, path: str, *, title: str, fastest: float, static: bool = False
+    ) -> None:
+        self._stream = stream
+        self._path = path
+        self._title = title
+        self._static = static
+        self._largest = SMALLEST_BODE
+        self._fastest = fastest
+        self._drawn: Panels | None = None
+
+    def panels(self, largest: float, fastest: float, *, lag_from: float = 0.0) -> Panels:
+        """Return amplitude and phase axes that hold `largest` [µm] and `fastest` [rpm], drawn where they are new."""
+        self._largest, self._fastest = max(self._largest, nice(largest)), max(self._fastest, fastest)
+        wide: tuple[float, float] = (0.0, self._fastest)
+        step = step_for(self._fastest, most=8)
+        amplitude = Panel(
+            left=0, top=0, width=186, height=52, x=wide, y=(0.0, self._largest), x_step=step,
+            y_step=step_for(self._largest, most=5), title=self._title,
+        )  # fmt: skip
+        lag = Panel(
+            left=0, top=66, width=186, height=34, x=wide, y=(lag_from, lag_from + 360), x_step=step,
+            y_step=90, title="phase lag, °", x_title="speed, rpm",
+        )  # fmt: skip
+        if (amplitude, lag) != self._drawn:
+            amplitude.log(self._stream, f"{self._path}/amplitude/axes", static=self._static)
+            lag.log(self._stream, f"{self._path}/phase/axes", static=self._static)
+            self._drawn = (amplitude, lag)
+        return amplitude, lag
+
+    def line(
+        self,
+        name: str,
+        panels: Panels,
+        rpm: NDArray[np.float64],
+        z: NDArray[np.complex128],
+        colour: Colour,
+        *,
+        order: float = 2.0,
+    ) -> None:
+        """Draw z (point,) [m] as a line called `name` in both panels; a higher `order` lies on top."""
+        amplitude, lag = panels
+        lags = lag_degrees(z, start=lag.y[0])
+        self._strips(f"amplitude/{name}", amplitude.strips(rpm, np.abs(z) * 1e6), colour, order)
+        self._strips(f"phase/{name}", lag.strips(rpm, lags, jump=180.0), colour, order)
+
+    def dots(
+        self,
+        name: str,
+        panels: Panels,
+        rpm: NDArray[np.float64],
+        z: NDArray[np.complex128],
+        colour: Colour,
+        *,
+        radius: float = 1.5,
+        order: float = 1.0,
+    ) -> None:
+        """Draw z (point,) [m] as dots called `name` in both panels; a higher `order` lies on top."""
+        amplitude, lag = panels
+        values = np.abs(z) * 1e6, lag_degrees(z, start=lag.y[0])
+        for part, panel, y in zip(("amplitude", "phase"), (amplitude, lag), values, strict=True):
+            places = panel.place(rpm, y)
+            places = places[np.isfinite(places).all(axis=1)]
+            dots = rr.Points2D(places, colors=colour, radii=-radius, draw_order=order)
+            self._stream.log(f"{self._path}/{part}/{name}", dots, static=self._static)
+
+    def _strips(self, path: str, strips: list[NDArray[np.float64]], colour: Colour, order: float) -> None:
+        lines = rr.LineStrips2D(strips, colors=colour, radii=-0.9, draw_order=order)
+        self._stream.log(f"{self._path}/{path}", lines, static=self._static)
+
+
+def fastest_rpm(rig: RigConfig) -> float:
+    """Return the speed a Bode plot of this rig should reach [rpm]: its fastest plan, else its limit."""
+    speeds = [plan.end for plan in rig.plans.values()]
+    speeds += [rig.limits.overspeed] if rig.limits and not speeds else []
+    return 100.0 * np.ceil(max(speeds) * (30 / np.pi) / 100.0 - 1e-6) if speeds else FASTEST

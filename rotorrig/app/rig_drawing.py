@@ -1,0 +1,155 @@
+"""The rig as an SVG, side view to scale, and the end view with axes, probe angles and sense of rotation."""
+
+import math
+from html import escape
+
+from rotorrig.rig.description import Probe, RigConfig
+
+MARGIN = 26.0  # mm of paper left and right of the shaft
+LABEL = 9.0  # mm, letter height in drawing units
+LANE = 12.0  # mm between lines of labels
+LETTER = 0.56  # of the height: the width a letter takes on average
+_TIP = (
+    '<defs><marker id="tip" viewBox="0 0 6 6" refX="5" refY="3" markerWidth="5" markerHeight="5" orient="auto">'
+    '<path class="tip" d="M0 0 6 3 0 6z"/></marker></defs>'
+)
+
+
+def side_view(rig: RigConfig) -> str:
+    """Return shaft, disks, bearings and probes as an SVG, to scale, in millimetres from the coupling."""
+    length, tallest = rig.shaft.length * 1e3, max([d.diameter for d in rig.disks] + [rig.shaft.diameter]) * 1e3
+    above = [(p, _names(names, p), "probe") for p, names in _by_position(rig.probes)]
+    above += [(d.position * 1e3, f"{d.name}, {d.position * 1e3:g}", "disk") for d in rig.disks]
+    below = [(b.position * 1e3, f"{b.name}, {b.position * 1e3:g}", "bearing") for b in rig.bearings]
+    top, upper = _labels(above, start=-tallest / 2 - 16, step=-LANE)
+    bottom, lower = _labels(below, start=rig.shaft.diameter * 500 + 34, step=LANE)
+    floor = max(lower, tallest / 2 + 6)
+    parts = [
+        *(_disk(d.position * 1e3, d.width * 1e3, d.diameter * 1e3) for d in rig.disks),
+        f'<rect class="shaft" x="0" y="{-rig.shaft.diameter * 500:.2f}" width="{length:.2f}" '
+        f'height="{rig.shaft.diameter * 1e3:.2f}"/>',
+        *(_bearing(b.position * 1e3, rig.shaft.diameter * 500) for b in rig.bearings),
+        *(_probe(p, rig.shaft.diameter * 500) for p, _ in _by_position(rig.probes)),
+        *top,
+        *bottom,
+        _ruler(length, floor + 8),
+    ]
+    box = (-MARGIN, upper - LABEL, length + 2 * MARGIN, floor + 34 - upper + LABEL)
+    return _svg(box, parts, _description(rig))
+
+
+def end_view(rig: RigConfig) -> str:
+    """Return the axes, the probes at their angles, the sense of rotation and gravity as an SVG."""
+    turn = 1 if rig.rotation == "x-to-y" else -1
+    parts = [_TIP, '<circle class="shaft" r="16"/>', _arrow(0, 0, 62, 0), _arrow(0, 0, 0, -62)]
+    parts += [_text(67, 3, "x", anchor="start"), _text(0, -66, "y")]
+    for angle in sorted({round(p.angle, 6) for p in rig.probes}):
+        names = [p.name for p in rig.probes if round(p.angle, 6) == angle]
+        parts += _probe_at(angle, names)
+    a, b = (-140, -220) if turn > 0 else (-220, -140)  # degrees, the SVG's y points down
+    parts.append(f'<path class="arrow" d="{_arc(27, a, b, turn)}" marker-end="url(#tip)"/>')
+    parts.append(_text(-36, 20, "rotation", anchor="end"))
+    if rig.gravity != "none":
+        x, y = (-52, 0) if rig.gravity == "-x" else (0, 52)
+        parts += [
+            _arrow(x * 0.45, y * 0.45, x, y),
+            _text(x - 4 if x else 6, y + 4, "g", anchor="end" if x else "start"),
+        ]
+    first, second = rig.rotation.split("-to-")
+    words = f"End view: x to the right, y up, rotation from {first} to {second}; probes at their angles."
+    return _svg((-95, -90, 190, 160), parts, words)
+
+
+def _svg(box: tuple[float, float, float, float], parts: list[str], description: str) -> str:
+    size = " ".join(f"{v:.1f}" for v in box)
+    return f'<svg class="drawing" viewBox="{size}" role="img" aria-label="{escape(description)}">{"".join(parts)}</svg>'
+
+
+def _by_position(probes: tuple[Probe, ...]) -> list[tuple[float, list[str]]]:
+    places = sorted({p.position for p in probes})
+    return [(place * 1e3, [p.name for p in probes if p.position == place]) for place in places]
+
+
+def _names(names: list[str], position: float) -> str:
+    return f"{', '.join(names)}, {position:g}"
+
+
+def _labels(items: list[tuple[float, str, str]], *, start: float, step: float) -> tuple[list[str], float]:
+    """Lay labels in as few lines as keep them apart; returns the SVG parts and the y of the outermost line."""
+    lanes: list[float] = []  # right end of the last label in each line
+    parts = []
+    for x, words, kind in sorted(items):
+        half = len(words) * LABEL * LETTER / 2 + 3
+        lane = next((i for i, end in enumerate(lanes) if x - half > end), len(lanes))
+        lanes[lane : lane + 1] = [x + half]
+        y = start + lane * step
+        near = y + 3 if step < 0 else y - LABEL
+        parts.append(f'<line class="leader" x1="{x:.2f}" x2="{x:.2f}" y1="{near:.2f}" y2="{start - step:.2f}"/>')
+        parts.append(_text(x, y, words, kind=kind))
+    return parts, start + max(len(lanes) - 1, 0) * step
+
+
+def _text(x: float, y: float, words: str, *, anchor: str = "middle", kind: str = "") -> str:
+    place = f'x="{x:.2f}" y="{y:.2f}" font-size="{LABEL}" text-anchor="{anchor}"'
+    return f'<text class="{kind}" {place}>{escape(words)}</text>'
+
+
+def _disk(x: float, width: float, diameter: float) -> str:
+    return (
+        f'<rect class="disk" x="{x - width / 2:.2f}" y="{-diameter / 2:.2f}" width="{width:.2f}" '
+        f'height="{diameter:.2f}" rx="1.5"/>'
+    )
+
+
+def _bearing(x: float, radius: float) -> str:
+    """Draw a spring to ground below the shaft."""
+    y = radius
+    zigzag = " ".join(
+        f"{x + dx:.2f},{y + dy:.2f}" for dx, dy in ((0, 0), (0, 3), (4, 5), (-4, 9), (4, 13), (0, 15), (0, 18))
+    )
+    ground = f'<line class="bearing" x1="{x - 8:.2f}" x2="{x + 8:.2f}" y1="{y + 18:.2f}" y2="{y + 18:.2f}"/>'
+    return f'<polyline class="bearing" points="{zigzag}"/>{ground}'
+
+
+def _probe(x: float, radius: float) -> str:
+    y = -radius - 2
+    return f'<path class="probe" d="M{x:.2f} {y:.2f}l-2.5 -6v-9h5v9z"/>'
+
+
+def _probe_at(angle: float, names: list[str]) -> list[str]:
+    x, y = math.cos(angle), -math.sin(angle)
+    body = f'<line class="probe-body" x1="{x * 19:.2f}" y1="{y * 19:.2f}" x2="{x * 36:.2f}" y2="{y * 36:.2f}"/>'
+    words = f"{', '.join(names)} ({math.degrees(angle):g}°)"
+    # beside the axis, so that a probe on it leaves the axis' own letter free
+    side = ("start", 5.0) if x >= -0.1 else ("end", -5.0)
+    return [body, _text(x * 40 + side[1], y * 40 + (14 if abs(y) < 0.3 else 0), words, anchor=side[0], kind="probe")]
+
+
+def _arrow(x1: float, y1: float, x2: float, y2: float) -> str:
+    return f'<line class="arrow" x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" marker-end="url(#tip)"/>'
+
+
+def _arc(radius: float, start: float, end: float, turn: int) -> str:
+    (x1, y1), (x2, y2) = (
+        (radius * math.cos(math.radians(a)), radius * math.sin(math.radians(a))) for a in (start, end)
+    )
+    return f"M{x1:.2f} {y1:.2f}A{radius} {radius} 0 0 {int(turn < 0)} {x2:.2f} {y2:.2f}"
+
+
+def _ruler(length: float, y: float) -> str:
+    step = next(s for s in (10, 20, 50, 100, 200, 500, 1000, 2000, 5000) if length / s <= 8)
+    ticks = [i * step for i in range(int(length // step) + 1)]
+    marks = "".join(
+        f'<line class="ruler" x1="{t}" x2="{t}" y1="{y:.2f}" y2="{y + 4:.2f}"/>{_text(t, y + 14, str(t))}'
+        for t in ticks
+    )
+    line = f'<line class="ruler" x1="0" x2="{length:.2f}" y1="{y:.2f}" y2="{y:.2f}"/>'
+    return f"{line}{marks}{_text(length, y + 24, 'mm from the coupling', anchor='end')}"
+
+
+def _description(rig: RigConfig) -> str:
+    shaft = f"Shaft {rig.shaft.length * 1e3:g} mm long, {rig.shaft.diameter * 1e3:g} mm in diameter"
+    parts = [f"disk {d.name} at {d.position * 1e3:g} mm" for d in rig.disks]
+    parts += [f"bearing {b.name} at {b.position * 1e3:g} mm" for b in rig.bearings]
+    parts += [f"probe {p.name} at {p.position * 1e3:g} mm" for p in rig.probes]
+    return "; ".join([shaft, *parts]) + "."

@@ -1,0 +1,177 @@
+"""Is the model good enough, and where is it not.
+
+Two tests on the residual of the refined fit. The global one looks at chi2 per degree of freedom of 1X; the focused
+one at stretches of `STRETCH` neighbouring rows of one run, probe and order, and takes the worst: it sees an effect
+that is loud in a narrow band of speeds and lost in the average. Orders other than 1X have no source in the linear
+model but runout, which their slow-roll vector gives.
+
+The sigmas are of single rows and neighbouring residuals are correlated (a scale-factor error is the same in all of
+them), so chi2 tables do not give the false-alarm rate. The thresholds come from simulated healthy rigs instead,
+nameplate errors included: benchmarks/healthy.py, figures in docs/adequacy.md.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.identify.identification import Fit
+from rotorrig.identify.measurement import measure
+from rotorrig.processing.response import OrderTrackedResponse
+
+STRETCH = 8  # rows
+GLOBAL_LIMIT = 1.5  # chi2 per degree of freedom
+FOCUSED_LIMIT = 3.0  # rms sigma of the worst stretch
+FALSE_ALARM_RATE = 0.05
+
+RPM = 30 / np.pi
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Misfit:
+    """A stretch of one probe, order and run where model and measurement part."""
+
+    run: str
+    probe: str
+    order: float
+    speed_from: float  # rad/s
+    speed_to: float  # rad/s
+    sigma: float  # root mean square of the whitened residual over the stretch
+    residual: float  # m, largest 0-peak magnitude in it
+    relative: float  # mean (|measured| - |model|) / |model|; NaN where the model has no such order
+    phase: float  # rad, mean arg(measured / model); NaN likewise
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Adequacy:
+    """The outcome of both tests and the maps behind them."""
+
+    adequate: bool
+    reduced_chi2: float
+    worst_sigma: float
+    misfits: tuple[Misfit, ...]  # stretches beyond the focused limit, or the worst one if none is
+    residual: NDArray[np.complex128]  # (speed, probe, order) m; NaN where nothing is predicted
+    sigmas: NDArray[np.float64]  # (speed, probe, order) |residual| in standard deviations of a component, over sqrt 2
+    noise_floor: float  # m
+
+
+def assess(response: OrderTrackedResponse, fit: Fit) -> Adequacy:
+    """Test the whole-sweep fit against the response it was made from."""
+    residual, sigmas = residual_maps(response, fit)
+    stretches = sorted(_stretches(response, sigmas), key=lambda s: -s.sigma)
+    worst = stretches[0].sigma if stretches else float("nan")
+    reduced = fit.chi2 / fit.dof
+    loud = _merged([s for s in stretches if s.sigma > FOCUSED_LIMIT]) or stretches[:1]
+    return Adequacy(
+        adequate=bool(reduced <= GLOBAL_LIMIT and worst <= FOCUSED_LIMIT),
+        reduced_chi2=reduced,
+        worst_sigma=worst,
+        misfits=tuple(_misfit(response, fit, residual, sigmas, s) for s in loud),
+        residual=residual,
+        sigmas=sigmas,
+        noise_floor=float(np.median(measure(response).sigma[:-1])),
+    )
+
+
+def residual_maps(response: OrderTrackedResponse, fit: Fit) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """Return measured less model (speed, probe, order) [m], and the same in sigmas (root mean square 1 if right)."""
+    residual = np.full(response.z.shape, np.nan + 0j)
+    sigmas = np.full(response.z.shape, np.nan)
+    for n, order in enumerate(response.orders):
+        if order == 0:
+            continue  # the gap: sag and thermal drift, not modelled
+        measured = measure(response, order=order)
+        if order == 1:
+            model = fit.prediction[measured.rows]
+        else:
+            model = np.broadcast_to(np.nan_to_num(response.slow_roll[:, n]), measured.z[:-1].shape)
+        off = np.where(measured.usable[:-1], measured.z[:-1] - model, np.nan)
+        residual[measured.rows, :, n] = off
+        sigmas[measured.rows, :, n] = np.abs(off) / (np.sqrt(2) * measured.sigma[:-1])
+    return residual, sigmas
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Stretch:
+    run: int
+    probe: int
+    order: int
+    rows: NDArray[np.intp]
+    sigma: float
+
+
+def _stretches(response: OrderTrackedResponse, sigmas: NDArray[np.float64]) -> Iterator[_Stretch]:
+    """Yield consecutive groups of rows per run, probe and order, in the order of measurement."""
+    for run in range(len(response.runs)):
+        rows = np.flatnonzero((response.run == run) & np.isfinite(sigmas).any(axis=(1, 2)))
+        groups = [rows[i : i + STRETCH] for i in range(0, len(rows), STRETCH)]
+        if len(groups) > 1 and len(groups[-1]) < STRETCH // 2:
+            groups[-2:] = [np.concatenate(groups[-2:])]
+        for group in groups:
+            for probe in range(sigmas.shape[1]):
+                for order in range(sigmas.shape[2]):
+                    values = sigmas[group, probe, order]
+                    if np.isfinite(values).any():
+                        rms = float(np.sqrt(np.nanmean(values**2)))
+                        yield _Stretch(run=run, probe=probe, order=order, rows=group, sigma=rms)
+
+
+def _merged(stretches: list[_Stretch]) -> list[_Stretch]:
+    """Join neighbouring stretches of one run, probe and order; loudest first, its sigma the loudest part's."""
+    joined: list[_Stretch] = []
+    for s in sorted(stretches, key=lambda s: (s.run, s.probe, s.order, s.rows[0])):
+        last = joined[-1] if joined else None
+        same = last is not None and (last.run, last.probe, last.order) == (s.run, s.probe, s.order)
+        if last is not None and same and s.rows[0] - last.rows[-1] <= 1 + STRETCH:
+            both = np.concatenate([last.rows, s.rows])
+            joined[-1] = _Stretch(run=s.run, probe=s.probe, order=s.order, rows=both, sigma=max(last.sigma, s.sigma))
+        else:
+            joined.append(s)
+    return sorted(joined, key=lambda s: -s.sigma)
+
+
+def _misfit(
+    response: OrderTrackedResponse,
+    fit: Fit,
+    residual: NDArray[np.complex128],
+    sigmas: NDArray[np.float64],
+    s: _Stretch,
+) -> Misfit:
+    off = residual[s.rows, s.probe, s.order]
+    peak = float(np.nanmax(np.abs(off)))
+    at = float(response.omega[s.rows[np.nanargmax(np.abs(off))]])
+    omega = response.omega[s.rows]
+    order = response.orders[s.order]
+    relative = phase = float("nan")
+    if order == 1:
+        model = fit.prediction[s.rows, s.probe]
+        measured = response.z[s.rows, s.probe, s.order]
+        relative = float(np.nanmean(np.abs(measured)) / np.nanmean(np.abs(model)) - 1)
+        phase = float(np.angle(np.nansum(measured * np.conj(model))))
+    where = f"in the {response.runs[s.run].name} run, {omega.min() * RPM:.0f} to {omega.max() * RPM:.0f} rpm"
+    seen = f"{peak * 1e6:.2g} um 0-peak at {at * RPM:.0f} rpm, {s.sigma:.0f} sigma"
+    name = response.probes[s.probe]
+    if order == 1:
+        what = f"probe {name} departs from the model by up to {seen} ({_relation(relative, phase)})"
+    else:
+        what = f"probe {name} shows {order:g}X of up to {seen}, where the linear model has none"
+    return Misfit(
+        run=response.runs[s.run].name,
+        probe=name,
+        order=order,
+        speed_from=float(omega.min()),
+        speed_to=float(omega.max()),
+        sigma=s.sigma,
+        residual=peak,
+        relative=relative,
+        phase=phase,
+        sentence=f"{where[0].upper()}{where[1:]}, {what}.",
+    )
+
+
+def _relation(relative: float, phase: float) -> str:
+    """Say how the measurement stands to the model; a falling phase is a growing lag."""
+    size = f"{abs(relative):.1%} {'high' if relative > 0 else 'low'}"
+    return f"on average {size} and {abs(np.degrees(phase)):.1f} deg {'early' if phase > 0 else 'late'}"

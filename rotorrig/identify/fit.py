@@ -1,0 +1,216 @@
+"""Fit the model to a response: a global search on amplitudes (CHEA), then whitened complex least squares.
+
+The search is the chapter's: five unknowns, amplitudes alone, the steady response. What it finds, all its minima, is
+where the refinement starts; that one knows phases, noise, the moving speed and the nameplate's uncertainty.
+"""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.identify.chea.chea import chea
+from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
+from rotorrig.identify.measurement import Measurement, measure
+from rotorrig.identify.objective import OBJECTIVES
+from rotorrig.identify.polish import Polished, Problem
+from rotorrig.identify.space import NAMES, UNITS, bounds
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import ConfigError
+from rotorrig.sims.rotor.assembly import assemble
+from rotorrig.sims.rotor.receptance import condense
+from rotorrig.sims.rotor.reduction import reduce
+
+WHOLE = "whole sweep"
+_SEARCH_SPEEDS = 120  # rows the global search looks at; more tell it nothing new
+_STARTS = 3  # minima of the search that are refined
+_DETERMINED = 0.5  # a parameter whose logarithm is less certain than this is not determined by the data
+_INSEPARABLE = 0.99  # correlation from which two parameters cannot be told apart
+
+Progress = Callable[[str], None]
+
+
+def fit(
+    response: OrderTrackedResponse,
+    *,
+    seed: int = 0,
+    objective: str = "f2",
+    progress: Progress = lambda text: None,
+) -> Identification:
+    """Identify kxx, kyy, cxx, cyy and the unbalance on the whole sweep and on the config's bands.
+
+    Raises ConfigError if the rig has no [identify] section, DataError if a band holds too few rows.
+    """
+    rig = response.rig
+    if rig.identify is None:
+        raise ConfigError(f"{rig.name}: the config has no [identify] section, want bearings and a disk to identify")
+    began = time.perf_counter()
+    bands = {WHOLE: (0.0, np.inf)} | dict(rig.identify.bands)
+    fits = []
+    for name, band in bands.items():
+        progress(name)
+        fits.append(_fit_band(response, name=name, band=band, objective=objective, seed=seed))
+    return Identification(fits=tuple(fits), effects=(), wall_s=time.perf_counter() - began, source=response.source)
+
+
+def _fit_band(
+    response: OrderTrackedResponse, *, name: str, band: tuple[float, float], objective: str, seed: int
+) -> Fit:
+    rig = response.rig
+    assert rig.identify is not None
+    box = bounds(rig.identify)
+    measured = measure(response, band=band)
+    cost = amplitude_cost(response, measured, objective=objective)
+    found = chea(cost, box, rng=np.random.default_rng(seed), x_scale="log", vectorized=True)
+    optima = [Optimum(theta=tuple(map(float, x)), cost=float(f)) for x, f in zip(found.xl, found.funl, strict=True)]
+    problem = Problem(response, measured, np.log(box[:4]))
+    best = min((problem.solve(problem.start(np.array(o.theta))) for o in optima[:_STARTS]), key=lambda s: s.chi2)
+    omega = response.omega[measured.rows]
+    return Fit(
+        name=name,
+        band=(float(omega.min()), float(omega.max())),
+        estimates=_estimates(best, problem, rig),
+        nuisances=_nuisances(best, problem),
+        optima=tuple(optima),
+        objective=objective,
+        evaluations=int(found.nfev),
+        stop=found.message,
+        seed=seed,
+        chi2=best.chi2,
+        dof=best.dof,
+        prediction=_everywhere(response, problem, best),
+        words=(*_words(best, problem), *_caveats(problem)),
+    )
+
+
+def amplitude_cost(
+    response: OrderTrackedResponse, measured: Measurement, *, objective: str
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """Return an objective of the chapter over kxx, kyy, cxx, cyy, u in SI, (candidate, 5) -> (candidate,)."""
+    rig = response.rig
+    assert rig.identify is not None
+    bare = np.array([not response.runs[i].trial_unbalance for i in response.run[measured.rows]])
+    chosen = np.flatnonzero(bare)
+    chosen = chosen[np.unique(np.linspace(0, len(chosen) - 1, _SEARCH_SPEEDS).astype(int))]
+    slow_roll = np.nan_to_num(measured.z[-1])
+    amplitude = np.abs(measured.z[chosen] - slow_roll)
+    weak = amplitude < 3 * np.sqrt(2) * measured.sigma[chosen]  # its logarithm would be noise
+    amplitude[weak | ~measured.usable[chosen]] = np.nan
+    compensated = bool(np.isfinite(response.slow_roll_omega))
+    omega = np.append(response.omega[measured.rows[chosen]], response.slow_roll_omega if compensated else 1.0)
+    rotor = reduce(assemble(rig.model_copy(update={"probes": tuple(rig.probe(p) for p in response.probes)})))
+    receptance = condense(rotor, omega, bearings=rig.identify.bearings, disk=rig.identify.unbalance)
+    distance = OBJECTIVES[objective]
+
+    def cost(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        z = receptance.response(*theta.T)
+        predicted = np.abs(z[..., :-1, :] - (z[..., -1:, :] if compensated else 0))
+        return distance(amplitude, predicted)
+
+    return cost
+
+
+def _everywhere(response: OrderTrackedResponse, problem: Problem, best: Polished) -> NDArray[np.complex128]:
+    """Return the prediction for every row of the response, within the band or not; NaN in the slow roll's own rows."""
+    everything = measure(response)
+    full = np.full((len(response.omega), len(response.probes)), np.nan + 0j)
+    full[everything.rows] = Problem(response, everything, problem.box).predict(best.p)[:-1]
+    return full
+
+
+def _estimates(best: Polished, problem: Problem, rig: RigConfig) -> tuple[Estimate, ...]:
+    assert rig.identify is not None
+    bearing = rig.bearing(rig.identify.bearings[0])
+    sigma = np.sqrt(np.diag(best.covariance))
+    found = []
+    for i, name in enumerate(NAMES[:4]):
+        at_bound = problem.at_bound(best.p, i)
+        value = float(np.exp(best.p[i]))
+        determined = bool(sigma[i] < _DETERMINED and not at_bound)
+        found.append(
+            Estimate(
+                name=name,
+                value=value,
+                sigma=value * float(sigma[i]) if determined else float("inf"),
+                unit=UNITS[i],
+                nameplate=getattr(bearing, name),
+                determined=determined,
+            )
+        )
+    return (*found, *_unbalance(best, problem, rig))
+
+
+def _unbalance(best: Polished, problem: Problem, rig: RigConfig) -> tuple[Estimate, Estimate]:
+    """Return amount and phase of the unbalance, with sigmas from the 2x2 covariance of its re and im."""
+    assert rig.identify is not None
+    i = problem.parameters.names.index("u re")
+    u = complex(best.p[i], best.p[i + 1])
+    covariance = best.covariance[i : i + 2, i : i + 2]
+    along = np.array([u.real, u.imag]) / abs(u)
+    radial = float(np.sqrt(along @ covariance @ along))
+    tangential = float(np.sqrt(max(np.trace(covariance) - radial**2, 0.0)))
+    determined = radial < _DETERMINED * abs(u)
+    expected = rig.disk(rig.identify.unbalance).unbalance
+    return (
+        Estimate(
+            name="u",
+            value=abs(u),
+            sigma=radial if determined else float("inf"),
+            unit="kg m",
+            nameplate=expected.amount if expected else float("nan"),
+            determined=determined,
+        ),
+        Estimate(
+            name="phase",
+            value=float(np.angle(u)),
+            sigma=tangential / abs(u) if determined else float("inf"),
+            unit="rad",
+            nameplate=expected.angle if expected else float("nan"),
+            determined=determined,
+        ),
+    )
+
+
+def _nuisances(best: Polished, problem: Problem) -> tuple[Estimate, ...]:
+    sigma = np.sqrt(np.diag(best.covariance))
+    units = {"angle": "rad", "runout": "m"}
+    return tuple(
+        Estimate(
+            name=name,
+            value=float(best.p[i]),
+            sigma=float(sigma[i]),
+            unit=units.get(name.split()[0], ""),
+            nameplate=0.0,
+        )
+        for i, name in enumerate(problem.parameters.names)
+        if i >= 4 and not name.startswith("u ")
+    )
+
+
+def _words(best: Polished, problem: Problem) -> tuple[str, ...]:
+    """Say what the data cannot tell: parameters at a bound, hardly restricted, or tied to another."""
+    sigma = np.sqrt(np.diag(best.covariance))
+    said = []
+    for i, name in enumerate(NAMES[:4]):
+        if problem.at_bound(best.p, i):
+            said.append(f"{name} ran into its bound of {np.exp(best.p[i]):.3g} {UNITS[i]}: this data does not give it.")
+        elif sigma[i] > _DETERMINED:
+            said.append(
+                f"{name} is hardly determined by this data (a factor {np.exp(min(sigma[i], 20)):.2g} either way)."
+            )
+    names = problem.parameters.names
+    with np.errstate(invalid="ignore", divide="ignore"):
+        correlation = best.covariance / np.outer(sigma, sigma)
+    for i in range(problem.parameters.structural.stop):
+        for k in range(min(i, 4)):
+            if abs(correlation[i, k]) > _INSEPARABLE:
+                said.append(f"{names[k]} and {names[i]} cannot be separated with this data.")
+    return tuple(said)
+
+
+def _caveats(problem: Problem) -> tuple[str, ...]:
+    if problem.swept:
+        return ()
+    return ("The times of the rows are not known: the model takes the speed as steady.",)

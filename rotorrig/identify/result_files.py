@@ -1,0 +1,189 @@
+"""`fit.json` and `diagnosis.json`: plain JSON in SI, complex arrays as {"re": ..., "im": ...}, null for "not known".
+
+Their keys are documented in docs/results.md and stable: readers may count on them.
+"""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.identify.diagnosis import Diagnosis, Misfit, Verdict
+from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
+from rotorrig.rig.errors import DataError
+from rotorrig.rig.provenance import Provenance
+
+VERSION = 1
+_FIT = "rotorrig fit"
+_DIAGNOSIS = "rotorrig diagnosis"
+CONVENTIONS = "SI units; amplitudes 0-peak; z = 2 mean(x exp(-j theta)), theta = 0 at the keyphasor edge; lag = -arg z"
+
+
+def write_identification(path: Path, found: Identification) -> None:
+    """Write fit.json. Raises DataError if the file cannot be written."""
+    fits = [
+        {
+            "name": fit.name,
+            "band": list(fit.band),
+            "estimates": [_plain(e, "name value sigma unit nameplate determined") for e in fit.estimates],
+            "nuisances": [_plain(e, "name value sigma unit nameplate determined") for e in fit.nuisances],
+            "optima": [{"theta": list(o.theta), "cost": o.cost} for o in fit.optima],
+            "prediction": _complex_out(fit.prediction),
+            "words": list(fit.words),
+            **_plain(fit, "objective evaluations stop seed chi2 dof"),
+        }
+        for fit in found.fits
+    ]
+    body = {"effects": list(found.effects), "wall_s": found.wall_s, "fits": fits}
+    _write(path, _FIT, body, found.source)
+
+
+def read_identification(path: Path) -> Identification:
+    """Read fit.json. Raises DataError naming the file if it is not one."""
+    table = _read(path, _FIT)
+    try:
+        fits = tuple(
+            Fit(
+                name=f["name"],
+                band=(float(f["band"][0]), float(f["band"][1])),
+                estimates=tuple(_estimate(e) for e in f["estimates"]),
+                nuisances=tuple(_estimate(e) for e in f["nuisances"]),
+                optima=tuple(Optimum(theta=tuple(o["theta"]), cost=float(o["cost"])) for o in f["optima"]),
+                objective=f["objective"],
+                evaluations=int(f["evaluations"]),
+                stop=f["stop"],
+                seed=int(f["seed"]),
+                chi2=float(f["chi2"]),
+                dof=int(f["dof"]),
+                prediction=_complex_in(f["prediction"]),
+                words=tuple(f["words"]),
+            )
+            for f in table["fits"]
+        )
+        return Identification(
+            fits=fits,
+            effects=tuple(table["effects"]),
+            wall_s=float(table["wall_s"]),
+            source=Provenance(**table["source"]),
+        )
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise DataError(
+            f"{path}: is damaged or of another version ({error!r}); make it anew by rotor identify"
+        ) from error
+
+
+def write_diagnosis(path: Path, found: Diagnosis) -> None:
+    """Write diagnosis.json. Raises DataError if the file cannot be written."""
+    misfit = "run probe order speed_from speed_to sigma residual relative phase sentence"
+    body = {
+        "verdict": str(found.verdict),
+        "sentence": found.sentence,
+        "false_alarm_rate": found.false_alarm_rate,
+        "noise_floor": found.noise_floor,
+        "base": {**_plain(found, "chi2 dof p"), "worst": [_plain(m, misfit) for m in found.worst]},
+        "causes": list(found.causes),
+        "tied": [list(t) for t in found.tied],
+        "next_run": found.next_run,
+        "gain": found.gain,
+        "residual": _complex_out(found.residual),
+        "sigmas": _numbers_out(found.sigmas),
+    }
+    _write(path, _DIAGNOSIS, body, found.source)
+
+
+def read_diagnosis(path: Path) -> Diagnosis:
+    """Read diagnosis.json. Raises DataError naming the file if it is not one."""
+    table = _read(path, _DIAGNOSIS)
+    try:
+        base = table["base"]
+        worst = tuple(
+            Misfit(**{**m, "relative": _number(m["relative"]), "phase": _number(m["phase"])}) for m in base["worst"]
+        )
+        return Diagnosis(
+            verdict=Verdict(table["verdict"]),
+            sentence=table["sentence"],
+            false_alarm_rate=float(table["false_alarm_rate"]),
+            noise_floor=float(table["noise_floor"]),
+            chi2=float(base["chi2"]),
+            dof=int(base["dof"]),
+            p=float(base["p"]),
+            worst=worst,
+            residual=_complex_in(table["residual"]),
+            sigmas=_numbers_in(table["sigmas"]),
+            causes=tuple(table["causes"]),
+            tied=tuple(tuple(t) for t in table["tied"]),
+            next_run=table["next_run"],
+            gain=table["gain"],
+            source=Provenance(**table["source"]),
+        )
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise DataError(
+            f"{path}: is damaged or of another version ({error!r}); make it anew by rotor diagnose"
+        ) from error
+
+
+def _estimate(table: dict[str, Any]) -> Estimate:
+    sigma = table["sigma"]
+    return Estimate(
+        name=table["name"],
+        value=float(table["value"]),
+        sigma=math.inf if sigma is None else float(sigma),
+        unit=table["unit"],
+        nameplate=_number(table["nameplate"]),
+        determined=bool(table["determined"]),
+    )
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else float(value)
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _plain(thing: object, names: str) -> dict[str, Any]:
+    return {name: _finite(getattr(thing, name)) for name in names.split()}
+
+
+def _numbers_out(values: NDArray[np.float64]) -> dict[str, Any]:
+    """Return shape and flat list: seven digits are a thousandth of the noise."""
+    return {"shape": list(values.shape), "values": [_finite(float(f"{v:.7g}")) for v in values.ravel()]}
+
+
+def _numbers_in(table: dict[str, Any]) -> NDArray[np.float64]:
+    return np.array([_number(v) for v in table["values"]]).reshape(table["shape"])
+
+
+def _complex_out(z: NDArray[np.complex128]) -> dict[str, Any]:
+    return {"re": _numbers_out(z.real), "im": _numbers_out(z.imag)}
+
+
+def _complex_in(table: dict[str, Any]) -> NDArray[np.complex128]:
+    return _numbers_in(table["re"]) + 1j * _numbers_in(table["im"])
+
+
+def _write(path: Path, kind: str, body: dict[str, Any], source: Provenance) -> None:
+    made = {name: getattr(source, name) for name in ("config_hash", "code_version", "source", "source_hash")}
+    table = {"kind": kind, "version": VERSION, "conventions": CONVENTIONS, **body, "source": made}
+    try:
+        path.write_text(json.dumps(table, allow_nan=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise DataError(f"{path}: cannot be written ({error.strerror})") from error
+
+
+def _read(path: Path, kind: str) -> dict[str, Any]:
+    try:
+        table = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror})") from error
+    except (ValueError, RecursionError) as error:
+        raise DataError(f"{path}: is no JSON, want a {kind} file") from error
+    if not isinstance(table, dict) or table.get("kind") != kind:
+        raise DataError(f"{path}: is no {kind} file")
+    if table.get("version") != VERSION:
+        raise DataError(f"{path}: has version {table.get('version')!r}, this program reads {VERSION}")
+    return table

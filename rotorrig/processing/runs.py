@@ -1,0 +1,94 @@
+"""Which stretch of a recording is which run: from the marks of the plan, or from the speed where there are none."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.acquisition.recording import Event
+from rotorrig.processing.response import Run
+from rotorrig.processing.tacho import ShaftAngle
+
+DIRECTION = {"slow roll": 0, "up": 1, "down": -1, "dwell": 0}  # of a mark's first word or words; others are no runs
+SLOW_ROLL_BELOW = 600 * np.pi / 30  # rad/s: a dwell slower than that is a slow roll
+STEADY = 0.001  # 1/s: a speed that changes by less than 0.1 % a second dwells
+STEADY_SHARE = 0.05  # or by less than this share of the recording's fast changes
+SHORTEST = 16  # turns; a shorter stretch of an unmarked recording is no run
+_GRID = 0.25  # s
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Span:
+    """A run and where it lies [s]."""
+
+    run: Run
+    begin: float
+    end: float
+
+
+def find_runs(events: Sequence[Event], shaft: ShaftAngle) -> tuple[Span, ...]:
+    """Return the runs of a recording in order of time, each with a name of its own."""
+    if any(event.kind == "mark" for event in events):
+        spans = _from_marks(events, end=float(shaft.t[-1]))
+    else:
+        spans = _from_speed(shaft)
+    count: dict[str, int] = {}
+    named = []
+    for name, direction, begin, end in spans:
+        count[name] = count.get(name, 0) + 1
+        own = name if count[name] == 1 else f"{name} {count[name]}"
+        named.append(Span(run=Run(name=own, direction=direction), begin=begin, end=end))
+    return tuple(named)
+
+
+def _from_marks(events: Sequence[Event], *, end: float) -> list[tuple[str, int, float, float]]:
+    """Return name, direction, begin and end of each run: from its mark to the next mark, trip or stop."""
+    borders = sorted((e for e in events if e.kind in ("mark", "trip", "stop")), key=lambda e: e.t_ns)
+    until = [e.t_ns / 1e9 for e in borders[1:]] + [end]
+    return [
+        (mark.text, direction, mark.t_ns / 1e9, stop)
+        for mark, stop in zip(borders, until, strict=True)
+        if mark.kind == "mark" and (direction := _direction(mark.text)) is not None
+    ]
+
+
+def _direction(label: str) -> int | None:
+    return next((d for words, d in DIRECTION.items() if label == words or label.startswith(words + " ")), None)
+
+
+def _from_speed(shaft: ShaftAngle) -> list[tuple[str, int, float, float]]:
+    """Split into stretches of rising, falling and steady speed; the slowest steady one may be the slow roll."""
+    t = np.arange(shaft.t[0], shaft.t[-1], _GRID)
+    if len(t) < 3:
+        return []
+    trend = _trend(shaft, t)
+    borders = [0, *(np.flatnonzero(np.diff(trend)) + 1), len(t)]
+    spans = []
+    for a, b in itertools.pairwise(borders):
+        begin, end = float(t[a]), float(t[b]) if b < len(t) else float(shaft.t[-1])
+        turns = np.ptp(shaft.theta(np.array([begin, end]))) / (2 * np.pi)
+        if turns >= SHORTEST:
+            spans.append((int(trend[a]), begin, end, turns * 2 * np.pi / (end - begin)))
+    slow = min((s[3] for s in spans if s[0] == 0), default=np.inf)
+    return [(_name(d, speed, slow), d, begin, end) for d, begin, end, speed in spans]
+
+
+def _trend(shaft: ShaftAngle, t: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Return +1, 0, -1 (point,): speed rises, dwells, falls, judged over about 3 s so that hunting does not count."""
+    pulse_speed = 2 * np.pi * np.diff(shaft.turn) / np.diff(shaft.t)
+    speed = np.interp(t, (shaft.t[1:] + shaft.t[:-1]) / 2, pulse_speed)
+    half = min(6, (len(t) - 1) // 2)
+    padded = np.pad(speed, half, mode="reflect", reflect_type="odd")
+    rate = (padded[2 * half :] - padded[: -2 * half]) / (2 * half * _GRID)
+    steady = np.maximum(STEADY * speed, STEADY_SHARE * np.quantile(np.abs(rate), 0.9))
+    if np.ptp(speed) < 0.02 * speed.mean():
+        return np.zeros(len(t), dtype=np.intp)
+    return np.where(np.abs(rate) < steady, 0, np.sign(rate)).astype(np.intp)
+
+
+def _name(direction: int, speed: float, slowest: float) -> str:
+    if direction:
+        return "up" if direction > 0 else "down"
+    return "slow roll" if speed == slowest and speed < SLOW_ROLL_BELOW else f"dwell {speed * 30 / np.pi:.0f} rpm"

@@ -1,0 +1,195 @@
+"""What the columns of a Bode table mean: a small TOML file beside the CSV, checked.
+
+[speed]
+column = "rpm"
+unit = "1 rpm"                  # what a 1 in the column stands for
+
+[[vectors]]
+probe = "1x"                    # of the rig's config
+amplitude = "amp"               # columns: amplitude and phase, or real and imaginary
+phase = "phase"
+unit = "1 um"                   # what a 1 in the column stands for: any length, also "127 um"
+amplitude_is = "0-peak"         # or "peak-to-peak", "rms"
+phase_is = "lag"                # or "phase": arg z; x = Re(z exp(j theta))
+phase_unit = "1 deg"
+
+[[runs]]
+name = "up"
+direction = "up"                # or "down", "dwell"
+rows = "one per revolution"     # or revolutions = 8, ramp = "30 rpm/s", where known
+trial = [{ disk = "disk", amount = "12 g mm", angle = "90 deg" }]
+
+[uncertainty]                   # left out: estimated from the scatter of the data
+absolute = "0.5 um"
+relative = 0.02
+"""
+
+import tomllib
+from pathlib import Path
+from typing import Literal
+
+from rotorrig.rig.description import Angle, Length, Part, RampRate, RigConfig, Speed, UnbalanceAmount, checked
+from rotorrig.rig.errors import ConfigError
+
+DIRECTIONS = {"up": 1, "down": -1, "dwell": 0}
+
+
+class SpeedColumn(Part):
+    """Which column is the speed."""
+
+    column: str
+    unit: Speed
+
+
+class VectorColumns(Part):
+    """Which columns are the vector of a probe at an order."""
+
+    probe: str
+    order: float = 1.0
+    amplitude: str | None = None
+    phase: str | None = None
+    real: str | None = None
+    imaginary: str | None = None
+    unit: Length
+    amplitude_is: Literal["0-peak", "peak-to-peak", "rms"] = "0-peak"
+    phase_is: Literal["phase", "lag"] | None = None
+    phase_unit: Angle | None = None
+
+    @property
+    def columns(self) -> tuple[str, str]:
+        """The two columns, whichever form they take."""
+        pair = (self.amplitude, self.phase) if self.amplitude is not None else (self.real, self.imaginary)
+        return pair[0] or "", pair[1] or ""
+
+
+class Trial(Part):
+    """A known mass on a disk during a run; the angle from the keyphasor mark, in the sense of rotation."""
+
+    disk: str
+    amount: UnbalanceAmount
+    angle: Angle
+
+
+class TableRun(Part):
+    """A passage of the rotor: all rows, or those with `value` in the run column."""
+
+    name: str
+    direction: Literal["up", "down", "dwell"]
+    value: str | None = None
+    ramp: RampRate | None = None
+    rows: Literal["one per revolution"] | None = None
+    revolutions: float | None = None
+    trial: tuple[Trial, ...] = ()
+
+
+class StatedVector(Part):
+    """A slow-roll vector as stated: 0-peak, `phase` is arg z."""
+
+    probe: str
+    order: float = 1.0
+    amplitude: Length
+    phase: Angle
+
+
+class StatedSlowRoll(Part):
+    """The slow roll of a table without rows of it."""
+
+    speed: Speed
+    vectors: tuple[StatedVector, ...]
+
+
+class Uncertainty(Part):
+    """One standard deviation of a vector's real or imaginary part; both kinds add in squares."""
+
+    absolute: Length | None = None
+    relative: float = 0.0
+
+
+class TableMapping(Part):
+    """All of a mapping file."""
+
+    notes: str = ""
+    delimiter: str = ","
+    run_column: str | None = None
+    window: Literal["rectangular", "hann"] = "rectangular"
+    speed: SpeedColumn
+    vectors: tuple[VectorColumns, ...]
+    runs: tuple[TableRun, ...]
+    slow_roll: StatedSlowRoll | None = None
+    uncertainty: Uncertainty | None = None
+
+
+def load_mapping(path: Path, rig: RigConfig) -> TableMapping:
+    """Read and check a mapping against the rig. Raises ConfigError: file, key, got, wanted."""
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror}), want a mapping in TOML") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: is not UTF-8 text, want a mapping in TOML") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path}: is no valid TOML: {error}") from error
+    mapping = checked(TableMapping, table, where=str(path))
+    for fault in (_vector_fault(mapping, rig), _run_fault(mapping, rig), _statement_fault(mapping)):
+        if fault:
+            raise ConfigError(f"{path}: {fault}")
+    return mapping
+
+
+def _vector_fault(mapping: TableMapping, rig: RigConfig) -> str:
+    """Return what is wrong with the vectors, empty if nothing."""
+    if not mapping.vectors:
+        return "vectors: is empty, want a [[vectors]] table for every probe"
+    names = [probe.name for probe in rig.probes]
+    seen: set[tuple[str, float]] = set()
+    for i, vector in enumerate(mapping.vectors):
+        key = f"vectors[{i}]"
+        polar, cartesian = (vector.amplitude, vector.phase), (vector.real, vector.imaginary)
+        if vector.probe not in names:
+            return f"{key}.probe: the config has no probe '{vector.probe}', want one of {names}"
+        if (vector.probe, vector.order) in seen:
+            return f"{key}: probe '{vector.probe}' at order {vector.order:g} is there twice, want it once"
+        if sorted(pair.count(None) for pair in (polar, cartesian)) != [0, 2]:
+            return f"{key}: want the columns amplitude and phase, or real and imaginary"
+        if vector.amplitude is not None and (vector.phase_is is None or vector.phase_unit is None):
+            return f'{key}: want phase_is = "phase" or "lag", and phase_unit = "1 deg" or "1 rad"'
+        if vector.phase_unit is not None and vector.phase_unit <= 0:
+            return f"{key}.phase_unit: got {vector.phase_unit:g} rad, want what a 1 stands for, such as '1 deg'"
+        seen.add((vector.probe, vector.order))
+    return ""
+
+
+def _run_fault(mapping: TableMapping, rig: RigConfig) -> str:
+    """Return what is wrong with the runs, empty if nothing."""
+    if not mapping.runs:
+        return "runs: is empty, want a [[runs]] table for every run"
+    names = [run.name for run in mapping.runs]
+    for name in names:
+        if names.count(name) > 1:
+            return f"runs: two are named '{name}', want different names"
+    for i, run in enumerate(mapping.runs):
+        key = f"runs[{i}]"
+        if len(mapping.runs) > 1 and (run.value is None or mapping.run_column is None):
+            return f"{key}: of several runs each needs its value in the run_column, and run_column its name"
+        if run.rows and run.revolutions not in (None, 1.0):
+            return f"{key}.revolutions: got {run.revolutions:g}, but rows are one per revolution"
+        if run.revolutions is not None and run.revolutions <= 0:
+            return f"{key}.revolutions: got {run.revolutions:g}, want more than 0"
+        for trial in run.trial:
+            if trial.disk not in (disks := [disk.name for disk in rig.disks]):
+                return f"{key}.trial: the config has no disk '{trial.disk}', want one of {disks}"
+    return ""
+
+
+def _statement_fault(mapping: TableMapping) -> str:
+    """Return what is wrong with the uncertainty, the slow roll or the delimiter, empty if nothing."""
+    if len(mapping.delimiter) != 1:
+        return f"delimiter: got {mapping.delimiter!r}, want one character"
+    stated = mapping.uncertainty
+    if stated and (stated.relative < 0 or (stated.absolute is None and stated.relative == 0)):
+        return "uncertainty: want absolute with its unit, relative above 0, or both"
+    here = {(vector.probe, vector.order) for vector in mapping.vectors}
+    for vector in mapping.slow_roll.vectors if mapping.slow_roll else ():
+        if (vector.probe, vector.order) not in here:
+            return f"slow_roll: probe '{vector.probe}' at order {vector.order:g} is not among the vectors"
+    return ""

@@ -1,0 +1,323 @@
+"""Order vectors that somebody else tracked: a Bode table in CSV, read by a mapping (see `table_mapping`).
+
+Where each row is one revolution, times follow by adding up the turns, and with them the keyphasor's pulses, so that
+the model can take the moving speed into account. Where the table says nothing of its uncertainty it is estimated
+from the scatter of neighbouring rows.
+"""
+
+import csv
+import itertools
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.processing import slow_roll
+from rotorrig.processing.response import OrderTrackedResponse, Run
+from rotorrig.processing.table_mapping import (
+    DIRECTIONS,
+    StatedSlowRoll,
+    TableMapping,
+    TableRun,
+    Uncertainty,
+    VectorColumns,
+    load_mapping,
+)
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import DataError
+from rotorrig.rig.provenance import Provenance, code_version, file_hash
+
+BACKWARDS = 0.01  # of the speed: measured speeds of a run-up may fall back by so much, from noise
+PARABOLA = 7  # rows a local parabola is fitted to, for the scatter about it
+POOL = 41  # neighbouring rows whose scatter is pooled: known to 8 %, yet follows the noise along the sweep
+PEAK = {"0-peak": 1.0, "peak-to-peak": 0.5, "rms": math.sqrt(2.0)}
+
+
+def read_table(csv_path: Path, mapping_path: Path, rig: RigConfig) -> OrderTrackedResponse:
+    """Return the vectors of a Bode table.
+
+    Probes of the rig that the table lacks are there as unusable rows. Raises ConfigError for the mapping and
+    DataError for the table: file, row (line of the file), column, got, wanted.
+    """
+    mapping = load_mapping(mapping_path, rig)
+    table = _read_csv(csv_path, mapping)
+    run = _runs_of(table, mapping)
+    omega = _speeds(table, mapping, run)
+    orders = tuple(sorted({vector.order for vector in mapping.vectors}))
+    z = _vectors(table, mapping, rig, orders)
+    usable, reasons = _usable(z, rig, mapping)
+    t, alpha, pulses = _times(omega, mapping.runs, run)
+    try:
+        covariance = _covariance(z, run, mapping.uncertainty)
+    except DataError as error:
+        raise DataError(f"{csv_path}: {error}") from error
+    slow = _slow_roll(z, covariance, omega, run, mapping, rig, orders)
+    return OrderTrackedResponse(
+        rig=rig,
+        probes=tuple(probe.name for probe in rig.probes),
+        orders=orders,
+        runs=tuple(_run(described) for described in mapping.runs),
+        run=run,
+        t=t,
+        omega=omega,
+        alpha=alpha,
+        revolutions=np.array([_revolutions(described) for described in mapping.runs])[run],
+        window=mapping.window,
+        z=z,
+        covariance=covariance,
+        slow_roll=slow.z,
+        slow_roll_covariance=slow.covariance,
+        slow_roll_omega=slow.omega,
+        usable=usable,
+        reasons=reasons,
+        keyphasor_t=pulses,
+        source=Provenance(
+            config_hash=rig.hash,
+            code_version=code_version(),
+            source=csv_path.name,
+            source_hash=file_hash(csv_path),
+        ),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Table:
+    """A CSV file as text cells, and where each row stands in it."""
+
+    path: Path
+    cells: dict[str, list[str]]
+    lines: list[int]
+
+    def numbers(self, column: str) -> NDArray[np.float64]:
+        """Return a column (row,); blank and "nan" are NaN. Raises DataError for other text."""
+        values = np.empty(len(self.lines))
+        for i, cell in enumerate(self.cells[column]):
+            try:
+                values[i] = float(cell) if cell else np.nan
+            except ValueError as error:
+                raise self.fault(i, column, f"got '{cell}', want a number") from error
+            if math.isinf(values[i]):
+                raise self.fault(i, column, f"got '{cell}', want a finite number")
+        return values
+
+    def fault(self, row: int, column: str, words: str) -> DataError:
+        return DataError(f"{self.path}: row {self.lines[row]}, column '{column}': {words}")
+
+
+def _read_csv(path: Path, mapping: TableMapping) -> _Table:
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(file, delimiter=mapping.delimiter)
+            rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror}), want a table in CSV") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise DataError(f"{path}: is no CSV text ({error})") from error
+    rows = [(line, row) for line, row in rows if any(row) and not row[0].startswith("#")]
+    if len(rows) < 2:
+        raise DataError(f"{path}: has {max(len(rows) - 1, 0)} rows below its header, want at least one")
+    header = rows[0][1]
+    for column in _columns(mapping):
+        if header.count(column) != 1:
+            found = "two columns of that name" if column in header else f"the columns {header}"
+            raise DataError(f"{path}: want one column '{column}', got {found}")
+    for line, row in rows[1:]:
+        if len(row) != len(header):
+            raise DataError(f"{path}: row {line}: got {len(row)} cells, want {len(header)} as in the header")
+    cells = {name: [row[i] for _, row in rows[1:]] for i, name in enumerate(header)}
+    return _Table(path=path, cells=cells, lines=[line for line, _ in rows[1:]])
+
+
+def _columns(mapping: TableMapping) -> list[str]:
+    named = [mapping.speed.column, *(column for vector in mapping.vectors for column in vector.columns)]
+    return [*named, mapping.run_column] if mapping.run_column else named
+
+
+def _runs_of(table: _Table, mapping: TableMapping) -> NDArray[np.intp]:
+    """Return the index of each row's run."""
+    if mapping.run_column is None:
+        return np.zeros(len(table.lines), dtype=np.intp)
+    index = {run.value: i for i, run in enumerate(mapping.runs) if run.value is not None}
+    found = np.empty(len(table.lines), dtype=np.intp)
+    for i, cell in enumerate(table.cells[mapping.run_column]):
+        if cell not in index:
+            raise table.fault(i, mapping.run_column, f"got '{cell}', want one of {sorted(index)}, the runs' values")
+        found[i] = index[cell]
+    return found
+
+
+def _speeds(table: _Table, mapping: TableMapping, run: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return omega (row,), checked to be positive and to go the way of each run."""
+    column = mapping.speed.column
+    raw = table.numbers(column)
+    for i, value in enumerate(raw):
+        if not value > 0:
+            raise table.fault(i, column, f"got '{table.cells[column][i]}', want a speed above 0")
+    for index, described in enumerate(mapping.runs):
+        rows, direction = np.flatnonzero(run == index), DIRECTIONS[described.direction]
+        furthest = np.maximum.accumulate(direction * raw[rows])
+        back = furthest - direction * raw[rows] > BACKWARDS * raw[rows]
+        if direction and back.any():
+            k = int(np.argmax(back))
+            raise table.fault(
+                int(rows[k]),
+                column,
+                f"got {raw[rows[k]]:g} after {abs(furthest[k]):g}, want speeds that only "
+                f"{'rise' if direction > 0 else 'fall'} in run '{described.name}'",
+            )
+    return raw * mapping.speed.unit
+
+
+def _vectors(table: _Table, mapping: TableMapping, rig: RigConfig, orders: tuple[float, ...]) -> NDArray[np.complex128]:
+    """Return z (row, probe, order) in the README's convention; NaN where the table has nothing."""
+    names = [probe.name for probe in rig.probes]
+    z = np.full((len(table.lines), len(names), len(orders)), np.nan, dtype=complex)
+    for vector in mapping.vectors:
+        z[:, names.index(vector.probe), orders.index(vector.order)] = _vector(table, vector)
+    return z
+
+
+def _vector(table: _Table, vector: VectorColumns) -> NDArray[np.complex128]:
+    first, second = (table.numbers(column) for column in vector.columns)
+    scale = vector.unit * PEAK[vector.amplitude_is]
+    if vector.amplitude is None or vector.phase_unit is None:
+        return np.asarray(scale * (first + 1j * second))
+    if (negative := np.flatnonzero(first < 0)).size:
+        raise table.fault(
+            int(negative[0]), vector.amplitude, f"got {first[negative[0]]:g}, want an amplitude from 0 up"
+        )
+    sign = -1.0 if vector.phase_is == "lag" else 1.0
+    return scale * first * np.exp(1j * sign * vector.phase_unit * second)
+
+
+def _usable(
+    z: NDArray[np.complex128], rig: RigConfig, mapping: TableMapping
+) -> tuple[NDArray[np.bool_], tuple[tuple[str, ...], ...]]:
+    """Return usable (row, probe) and the reasons (row,): a probe needs all of its vectors."""
+    names = [probe.name for probe in rig.probes]
+    mapped = {vector.probe for vector in mapping.vectors}
+    usable = np.asarray(np.isfinite(z).all(axis=2))
+    words = {name: "no value" if name in mapped else "not in the table" for name in names}
+    reasons = [
+        tuple(f"{name}: {words[name]}" for name, good in zip(names, row, strict=True) if not good) for row in usable
+    ]
+    return usable, tuple(reasons)
+
+
+def _times(
+    omega: NDArray[np.float64], runs: tuple[TableRun, ...], run: NDArray[np.intp]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return t (row,), alpha (row,) and the keyphasor's pulses (pulse,), as far as the runs say.
+
+    Pulses follow only for a single run of consecutive revolutions: between runs nobody knows how much time passed.
+    """
+    t, alpha = np.full(len(omega), np.nan), np.full(len(omega), np.nan)
+    for index, described in enumerate(runs):
+        rows = run == index
+        if described.rows and len(runs) == 1:
+            pulses = np.concatenate([[0.0], np.cumsum(2 * np.pi / omega)])
+            t = (pulses[1:] + pulses[:-1]) / 2
+            return t, np.gradient(omega, t) if len(t) > 1 else alpha, pulses
+        if described.ramp is not None:
+            alpha[rows] = DIRECTIONS[described.direction] * described.ramp
+        elif described.direction == "dwell":
+            alpha[rows] = 0.0
+    return t, alpha, np.empty(0)
+
+
+def _covariance(z: NDArray[np.complex128], run: NDArray[np.intp], stated: Uncertainty | None) -> NDArray[np.float64]:
+    """Return the covariance (row, order, 2 probe, 2 probe) [m^2], probes and parts uncorrelated; NaN where z is.
+
+    Raises DataError if nothing is stated and there are too few rows to estimate it.
+    """
+    if stated is not None:
+        variance = (stated.absolute or 0.0) ** 2 + (stated.relative * np.abs(z)) ** 2
+    else:
+        variance = np.full(z.shape, np.nan)
+        for index, p, n in itertools.product(np.unique(run), range(z.shape[1]), range(z.shape[2])):
+            rows = run == index
+            if np.isfinite(z[rows, p, n]).any():
+                variance[rows, p, n] = scatter_variance(z[rows, p, n])
+    pairs = np.repeat(variance.transpose(0, 2, 1), 2, axis=2)  # (row, order, 2 probe)
+    covariance = np.zeros((*pairs.shape, pairs.shape[2]))
+    diagonal = np.arange(pairs.shape[2])
+    covariance[..., diagonal, diagonal] = pairs
+    return covariance
+
+
+def scatter_variance(z: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Return the variance (row,) of the real or imaginary part of z (row,), from its scatter about local parabolas.
+
+    A parabola through 7 rows leaves of independent errors the share 1 - h in the middle; the median over 41 rows
+    and both parts makes it robust. Follows a curve whose resonance is wider than 7 rows; what is narrower counts as
+    noise, on the safe side. Raises DataError for fewer than 8 rows with a value.
+    """
+    good = np.isfinite(z)
+    if good.sum() <= PARABOLA:
+        raise DataError(
+            f"a run has {good.sum()} rows with values, want more than {PARABOLA} to estimate their uncertainty "
+            "from, or [uncertainty] stated in the mapping"
+        )
+    half = PARABOLA // 2
+    k = np.arange(-half, half + 1)
+    basis = np.stack([np.ones(PARABOLA), k, k**2], axis=1)
+    middle = basis[half] @ np.linalg.pinv(basis)
+    kept = z[good]
+    residual = kept[half:-half] - np.convolve(kept, middle[::-1], mode="valid")
+    parts = np.abs(np.stack([residual.real, residual.imag], axis=1)) / math.sqrt(1 - middle[half])
+    size = min(POOL, len(parts))
+    pooled = np.median(np.lib.stride_tricks.sliding_window_view(parts, size, axis=0), axis=(1, 2))
+    places = np.flatnonzero(good)[half:-half][(size - 1) // 2 :][: len(pooled)]
+    return np.interp(np.arange(len(z)), places, 1.4826 * pooled) ** 2
+
+
+def _slow_roll(
+    z: NDArray[np.complex128],
+    covariance: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    run: NDArray[np.intp],
+    mapping: TableMapping,
+    rig: RigConfig,
+    orders: tuple[float, ...],
+) -> slow_roll.SlowRoll:
+    """Return the stated slow roll, or that of the run named "slow roll", or none."""
+    nothing = slow_roll.none(probes=z.shape[1], orders=z.shape[2])
+    if mapping.slow_roll is not None:
+        return _stated(mapping.slow_roll, nothing, covariance, rig, orders)
+    index = next((i for i, described in enumerate(mapping.runs) if described.name == "slow roll"), None)
+    rows = run == index
+    if index is None or not rows.any():
+        return nothing
+    usable = np.isfinite(z[rows]).all(axis=2)
+    return slow_roll.estimate(z[rows], covariance[rows], omega[rows], usable=usable)
+
+
+def _stated(
+    stated: StatedSlowRoll,
+    nothing: slow_roll.SlowRoll,
+    covariance: NDArray[np.float64],
+    rig: RigConfig,
+    orders: tuple[float, ...],
+) -> slow_roll.SlowRoll:
+    """Return the slow roll as stated; as uncertain as the median row."""
+    names = [probe.name for probe in rig.probes]
+    z = nothing.z.copy()
+    for vector in stated.vectors:
+        z[names.index(vector.probe), orders.index(vector.order)] = vector.amplitude * np.exp(1j * vector.phase)
+    return slow_roll.SlowRoll(z=z, covariance=np.median(covariance, axis=0), omega=stated.speed, remarks=())
+
+
+def _run(described: TableRun) -> Run:
+    trial: dict[str, complex] = {}
+    for mass in described.trial:
+        trial[mass.disk] = trial.get(mass.disk, 0j) + mass.amount * complex(math.cos(mass.angle), math.sin(mass.angle))
+    return Run(name=described.name, direction=DIRECTIONS[described.direction], trial_unbalance=trial)
+
+
+def _revolutions(described: TableRun) -> float:
+    """Return the turns per row; NaN: unknown."""
+    if described.rows:
+        return 1.0
+    return described.revolutions if described.revolutions is not None else math.nan

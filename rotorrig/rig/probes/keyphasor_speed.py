@@ -1,0 +1,126 @@
+"""Shaft speed while the samples arrive, from the keyphasor's pulses; for the interlock, the engine and live views.
+
+A pulse edge is where the signal crosses the threshold, to a fraction of a sample by a straight line between the two
+samples around it. After an edge the signal must go back past the threshold by the hysteresis before the next one
+counts. Results do not depend on how the stream is cut into blocks, with one exception: the automatic threshold is
+midway between the extremes of the last seconds *so far*, hence known a block earlier or later.
+"""
+
+import math
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.probes.base import Block, DaqInfo
+from rotorrig.rig.probes.calibration import channel_volts, check_channels
+
+LEVELS_SECONDS = 2.0  # the extremes are looked for in this much signal: one pulse at least above 30 rpm
+SMALLEST_PULSE = 2.0  # V between the extremes; less is noise (a proximity probe's notch gives 5 V and more)
+HYSTERESIS = 0.2  # of the distance between the extremes
+MEDIAN_TURNS = 5  # one stray or one missing pulse spoils two of them, the median none
+
+
+class KeyphasorSpeed:
+    """Follows the keyphasor through a stream of Blocks."""
+
+    def __init__(self, rig: RigConfig, info: DaqInfo) -> None:
+        if rig.keyphasor is None:
+            raise ConfigError("keyphasor: is missing in the config, want [keyphasor] with its channel")
+        check_channels(rig, info)
+        self.pulses = 0  # edges since the stream began
+        self._channel = rig.keyphasor.channel
+        self._sign = 1.0 if rig.keyphasor.edge == "falling" else -1.0  # a rising edge falls when turned over
+        self._threshold = rig.keyphasor.threshold
+        self._info = info
+        self._rate = info.sample_rate
+        self._extremes: deque[tuple[int, float, float]] = deque()  # (last sample, lowest, highest) of each block
+        self._next_sample = 0
+        self._start = 0  # first sample of the stretch without gaps
+        self._last_value: float | None = None  # the sample before the next block
+        self._armed = False
+        self._edges: deque[float] = deque(maxlen=MEDIAN_TURNS + 1)  # in samples, of the stretch without gaps
+
+    @property
+    def age(self) -> float:
+        """Seconds of the sample clock since the last edge; since the stream or its last gap if there was none."""
+        return (self._next_sample - (self._edges[-1] if self._edges else self._start)) / self._rate
+
+    @property
+    def time(self) -> float:
+        """Seconds of the sample clock up to the end of the last block."""
+        return self._next_sample / self._rate
+
+    @property
+    def speed(self) -> float:
+        """Speed [rad/s] over the last turn, or what the wait for the next edge still allows; 0 before two edges."""
+        return self._over(1)
+
+    @property
+    def steady_speed(self) -> float:
+        """Median speed [rad/s] of the last five turns: deaf to one stray or missing pulse, two turns late."""
+        return self._over(MEDIAN_TURNS)
+
+    def update(self, block: Block) -> NDArray[np.float64]:
+        """Take the next block; return its edges as sample indices with a fraction, (edge,)."""
+        if block.first_sample != self._next_sample:
+            self._forget(block.first_sample)
+        signal = self._sign * channel_volts(block.counts, channel=self._channel, info=self._info)
+        self._next_sample = block.first_sample + len(signal)
+        if not len(signal):
+            return np.empty(0)
+        self._note_extremes(signal)
+        edges = self._find_edges(signal, block.first_sample)
+        self._last_value = float(signal[-1])
+        self._edges.extend(edges.tolist())
+        self.pulses += len(edges)
+        return edges
+
+    def _over(self, turns: int) -> float:
+        if len(self._edges) < 2:
+            return 0.0
+        period = float(np.median(np.diff(self._edges)[-turns:])) / self._rate
+        return 2 * math.pi / max(period, self.age)
+
+    def _forget(self, first_sample: int) -> None:
+        """Start afresh after a gap: a period across it would be a guess. The levels are still good."""
+        self._edges.clear()
+        self._armed = False
+        self._last_value = None
+        self._start = first_sample
+
+    def _note_extremes(self, signal: NDArray[np.float64]) -> None:
+        self._extremes.append((self._next_sample, float(signal.min()), float(signal.max())))
+        while self._extremes[0][0] < self._next_sample - LEVELS_SECONDS * self._rate:
+            self._extremes.popleft()
+
+    def _find_edges(self, signal: NDArray[np.float64], first_sample: int) -> NDArray[np.float64]:
+        low, high = min(e[1] for e in self._extremes), max(e[2] for e in self._extremes)
+        if high - low < SMALLEST_PULSE:
+            return np.empty(0)
+        threshold = (low + high) / 2 if self._threshold is None else self._threshold * self._sign
+        if self._last_value is not None:
+            signal, first_sample = np.concatenate([[self._last_value], signal]), first_sample - 1
+        above = signal >= threshold
+        crossings = np.flatnonzero(above[:-1] & ~above[1:])
+        arming = np.flatnonzero(signal > threshold + HYSTERESIS * (high - low))
+        return first_sample + _interpolated(signal, self._armed_only(crossings, arming), threshold)
+
+    def _armed_only(self, crossings: NDArray[np.intp], arming: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Keep the crossings that have an arming sample since the one before; carry the rest to the next block."""
+        armed_by = np.searchsorted(arming, crossings, side="right")  # arming samples up to each crossing
+        kept, used = [], 0
+        for crossing, count in zip(crossings, armed_by, strict=True):
+            if self._armed or count > used:
+                kept.append(crossing)
+            self._armed, used = False, int(count)
+        self._armed = self._armed or len(arming) > used
+        return np.array(kept, dtype=np.intp)
+
+
+def _interpolated(signal: NDArray[np.float64], crossings: NDArray[np.intp], threshold: float) -> NDArray[np.float64]:
+    """Return where a straight line between the samples at each crossing and the next meets the threshold."""
+    before, after = signal[crossings], signal[crossings + 1]
+    return crossings + (before - threshold) / (before - after)

@@ -1,0 +1,139 @@
+"""The blind rig behind three verbs: command the drive, advance the clock, take the counts.
+
+Everything random comes from streams of the truth's seed that are drawn in the order of the samples, so the counts
+depend on the seed and on when commands came, never on the size of the steps `advance` is called with.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import DataError
+from rotorrig.sims.plant.faults.base import forces
+from rotorrig.sims.plant.integrate import ShaftMotion
+from rotorrig.sims.plant.motor import Motor
+from rotorrig.sims.plant.sensors import FULL_SCALE_COUNTS, VOLTS_PER_COUNT, Sensors
+from rotorrig.sims.plant.shaft import Rotor, build
+from rotorrig.sims.plant.streams import stream
+from rotorrig.sims.plant.truth import Truth
+
+GRAVITY = 9.80665  # m/s^2
+DEFAULT_RATE = 10_000.0  # Hz, for a config without a DAQ
+STEP_ANGLE = 0.03  # rad of the first mode per step at most: its period is then 7.5e-5 too long
+CHUNK = 8192  # samples integrated at a time, for memory alone
+
+
+class Plant:
+    """The rig of one truth, at rest at first. Sample k is taken at (k + 1) / sample_rate."""
+
+    def __init__(self, rig: RigConfig, truth: Truth, *, sample_rate: float | None = None) -> None:
+        """Build the rig; `sample_rate` [Hz] defaults to the config's.
+
+        Raises DataError if `truth` was drawn for other bearings, disks or probes, or holds an unknown fault.
+        """
+        _check_fits(rig, truth)
+        self.sample_rate = sample_rate or (rig.daq.sample_rate if rig.daq else DEFAULT_RATE)
+        acting = tuple(force for spec in truth.faults for force in forces(rig, spec.name, spec.parameters))
+        rotor = build(rig, truth, extra=(force.position for force in acting))
+        self._substeps = _substeps(rotor, self.sample_rate)
+        step = 1.0 / (self.sample_rate * self._substeps)
+        self._sense = 1.0 if rig.rotation == "x-to-y" else -1.0
+        shaken = _shaken(rig)
+        self._motor = Motor(step=step, hunting=truth.noise.hunting, rng=stream(truth.seed, "hunting"))
+        self._shaft = ShaftMotion(
+            rotor,
+            step=step,
+            gravity=_gravity(rig),
+            unbalances=tuple(
+                (disk.position, u.amount, self._sense * u.angle)
+                for disk, u in zip(rig.disks, truth.unbalances, strict=True)
+            ),
+            random_at=shaken,
+            faults=acting,
+            watched=tuple(p.position for p in rig.probes),
+        )
+        self._sensors = Sensors(rig, truth, sample_rate=self.sample_rate)
+        self._rattle = stream(truth.seed, "bearing force")
+        # white noise held for a step h has the one-sided density 2 h sigma^2
+        self._rattle_rms = truth.noise.bearing_force / math.sqrt(2.0 * step)
+        self._shaken = len(shaken)
+        self._samples = 0
+        self._take(0)  # compiles what no cache holds here, not while a driver waits for samples
+
+    @property
+    def channels(self) -> int:
+        """Channels of the DAQ, numbered as in the config; one no probe uses carries a shorting plug's noise."""
+        return self._sensors.channels
+
+    @property
+    def volts_per_count(self) -> tuple[float, ...]:
+        """Volts per count, one per channel."""
+        return (VOLTS_PER_COUNT,) * self.channels
+
+    @property
+    def full_scale_counts(self) -> int:
+        """Counts run from minus this to this less one."""
+        return FULL_SCALE_COUNTS
+
+    @property
+    def t(self) -> float:
+        """Time of the last sample taken [s]."""
+        return self._samples / self.sample_rate
+
+    @property
+    def speed(self) -> float:
+        """Shaft speed now [rad/s], never negative."""
+        return self._motor.speed
+
+    def command(self, setpoint: float, ramp: float, powered: bool) -> None:
+        """Go to `setpoint` [rad/s] at `ramp` [rad/s^2], or coast if not `powered`; from the next sample on.
+
+        Raises ValueError on a negative or infinite setpoint or ramp.
+        """
+        self._motor.command(setpoint, ramp, powered)
+
+    def advance(self, t: float) -> NDArray[np.int32]:
+        """Return all counts (sample, channel) after the last call's up to time `t` [s]; none if `t` is no later."""
+        wanted = math.floor(t * self.sample_rate + 1e-6)
+        blocks = [np.empty((0, self.channels), np.int32)]
+        while self._samples < wanted:
+            blocks.append(self._take(min(CHUNK, wanted - self._samples)))
+        return np.concatenate(blocks)
+
+    def _take(self, samples: int) -> NDArray[np.int32]:
+        steps = samples * self._substeps
+        angle, speed, alpha = self._motor.run(steps)
+        rattle = self._rattle_rms * self._rattle.standard_normal((steps, self._shaken, 2))
+        s = self._sense
+        at_probes = self._shaft.run(s * angle, s * speed, s * alpha, rattle)
+        self._samples += samples
+        last = slice(self._substeps - 1, None, self._substeps)
+        return self._sensors.counts(at_probes[last], angle[last])
+
+
+def _check_fits(rig: RigConfig, truth: Truth) -> None:
+    probes = {len(truth.probe_gain_factors), len(truth.probe_angle_errors), len(truth.probe_curvatures)}
+    disks = [u.disk for u in truth.unbalances]
+    got = ([b.name for b in truth.bearings], disks, len(truth.disk_mass_factors), probes)
+    want = ([b.name for b in rig.bearings], [d.name for d in rig.disks], len(rig.disks), {len(rig.probes)})
+    if got != want:
+        raise DataError(
+            f"truth of seed {truth.seed}: has bearings {got[0]}, disks {disks} and {max(probes)} probes, "
+            f"want those of '{rig.name}': {want[0]}, {want[1]} and {len(rig.probes)}"
+        )
+
+
+def _substeps(rotor: Rotor, sample_rate: float) -> int:
+    return math.ceil(float(rotor.critical_speeds(1)[0]) / (STEP_ANGLE * sample_rate))
+
+
+def _gravity(rig: RigConfig) -> tuple[float, float]:
+    return {"-x": (-GRAVITY, 0.0), "-y": (0.0, -GRAVITY), "none": (0.0, 0.0)}[rig.gravity]
+
+
+def _shaken(rig: RigConfig) -> tuple[float, ...]:
+    """Return the places of the bearings whose balls rattle: the identified ones, else all."""
+    names = rig.identify.bearings if rig.identify else tuple(b.name for b in rig.bearings)
+    return tuple(rig.bearing(name).position for name in names)

@@ -1,0 +1,275 @@
+"""What the simulated rig really is: hidden deviations from the nameplate, noise levels, faults; and its sealed file.
+
+A `Truth` is drawn from a seed within the tolerances below, sealed into a JSON file before a sweep, and opened only by
+a scorer after a diagnosis has been written.
+"""
+
+import json
+import math
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field, fields, is_dataclass
+from pathlib import Path
+from typing import Any, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from rotorrig.rig.description import Bearing, Disk, RigConfig
+from rotorrig.rig.errors import DataError
+from rotorrig.sims.plant.faults.base import check
+from rotorrig.sims.plant.streams import stream
+
+SCHEMA = "rotorrig.plant.truth/1"
+
+# Uniform within +-, relative to the nameplate: what nobody knows of a bearing before a test.
+STIFFNESS_TOLERANCE = 0.05
+DAMPING_TOLERANCE = 0.20
+UNBALANCE_TOLERANCE = 0.10
+# One standard deviation, clipped at two: what a careful workshop reaches.
+MODULUS_SIGMA = 0.01
+DENSITY_SIGMA = 0.002
+DISK_MASS_SIGMA = 0.005
+GAIN_SIGMA = 0.01
+PROBE_ANGLE_SIGMA = math.radians(1.0)
+KEYPHASOR_SIGMA = math.radians(2.0)
+CURVATURE_TOLERANCE = 0.002  # of the scale factor at 300 um, quadratic and cubic part each
+BALANCE_QUALITY = 6.3e-3  # m/s: grade G 6.3 of ISO 21940-11, for a disk whose nameplate names no unbalance
+COEFFICIENTS = ("kxx", "kyy", "kxy", "kyx", "cxx", "cyy", "cxy", "cyx")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FaultSpec:
+    """A fault by the name of its file in `faults/`; parameters left out take that file's defaults."""
+
+    name: str
+    parameters: dict[str, float] = field(default_factory=dict)  # SI
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BearingTruth:
+    """The eight coefficients a bearing really has, [N/m] and [N s/m]."""
+
+    name: str
+    kxx: float
+    kyy: float
+    kxy: float
+    kyx: float
+    cxx: float
+    cyy: float
+    cxy: float
+    cyx: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnbalanceTruth:
+    """The unbalance a disk really has."""
+
+    disk: str
+    amount: float  # kg m
+    angle: float  # rad from shaft angle zero, in the sense of rotation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Noise:
+    """Everything random after the start; the defaults are a good rotor kit's, `Noise.none()` is silence."""
+
+    probe: float = 1.5e-3  # V rms, white
+    keyphasor: float = 5e-3  # V rms, white
+    hum: float = 1e-7  # m, 0-peak, at the mains' 50 Hz, the same in all probes
+    bearing_force: float = 1.0e-3  # N per root Hz, one-sided, x and y of each identified bearing
+    hunting: float = 5e-4  # relative rms of the powered speed
+
+    @classmethod
+    def none(cls) -> "Noise":
+        """Return a rig without noise."""
+        return cls(probe=0.0, keyphasor=0.0, hum=0.0, bearing_force=0.0, hunting=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Truth:
+    """One rig as it is. Tuples follow the order of the config's bearings, disks and probes."""
+
+    config_hash: str
+    seed: int
+    bearings: tuple[BearingTruth, ...]
+    unbalances: tuple[UnbalanceTruth, ...]  # one per disk
+    modulus_factor: float
+    density_factor: float
+    disk_mass_factors: tuple[float, ...]  # on mass and both inertias
+    probe_gain_factors: tuple[float, ...]
+    probe_angle_errors: tuple[float, ...]  # rad, added to the config's angle
+    probe_curvatures: tuple[tuple[float, float], ...]  # see sensors.bent
+    keyphasor_offset: float  # rad, shaft angle at which the chosen edge is emitted
+    runout_seed: int | None  # None: shafts perfectly round
+    noise: Noise
+    faults: tuple[FaultSpec, ...] = ()
+
+
+def draw(rig: RigConfig, *, seed: int, faults: Iterable[FaultSpec] = ()) -> Truth:
+    """Return the rig of that seed: the nameplate within its tolerances. Raises DataError on an unknown fault."""
+    probes = range(len(rig.probes))
+    return Truth(
+        config_hash=rig.hash,
+        seed=seed,
+        bearings=_draw_bearings(rig, seed),
+        unbalances=tuple(_draw_unbalance(rig, disk, seed) for disk in rig.disks),
+        modulus_factor=1.0 + _clipped(seed, "modulus", MODULUS_SIGMA),
+        density_factor=1.0 + _clipped(seed, "density", DENSITY_SIGMA),
+        disk_mass_factors=tuple(1.0 + _clipped(seed, f"mass {d.name}", DISK_MASS_SIGMA) for d in rig.disks),
+        probe_gain_factors=tuple(1.0 + _clipped(seed, f"gain {i}", GAIN_SIGMA) for i in probes),
+        probe_angle_errors=tuple(_clipped(seed, f"angle {i}", PROBE_ANGLE_SIGMA) for i in probes),
+        probe_curvatures=tuple(
+            (_within(seed, f"quadratic {i}", CURVATURE_TOLERANCE), _within(seed, f"cubic {i}", CURVATURE_TOLERANCE))
+            for i in probes
+        ),
+        keyphasor_offset=_clipped(seed, "keyphasor", KEYPHASOR_SIGMA),
+        runout_seed=seed,
+        noise=Noise(),
+        faults=_checked(faults),
+    )
+
+
+def nameplate(rig: RigConfig, *, seed: int = 0, faults: Iterable[FaultSpec] = ()) -> Truth:
+    """Return the rig exactly as its nameplate says: round, silent, linear. Raises DataError on an unknown fault."""
+    ones = (1.0,) * len(rig.probes)
+    return Truth(
+        config_hash=rig.hash,
+        seed=seed,
+        bearings=tuple(_bearing(b, dict.fromkeys(COEFFICIENTS, 1.0)) for b in rig.bearings),
+        unbalances=tuple(
+            UnbalanceTruth(
+                disk=d.name,
+                amount=d.unbalance.amount if d.unbalance else 0.0,
+                angle=d.unbalance.angle if d.unbalance else 0.0,
+            )
+            for d in rig.disks
+        ),
+        modulus_factor=1.0,
+        density_factor=1.0,
+        disk_mass_factors=(1.0,) * len(rig.disks),
+        probe_gain_factors=ones,
+        probe_angle_errors=(0.0,) * len(ones),
+        probe_curvatures=((0.0, 0.0),) * len(ones),
+        keyphasor_offset=0.0,
+        runout_seed=None,
+        noise=Noise.none(),
+        faults=_checked(faults),
+    )
+
+
+def identified_truth(rig: RigConfig, truth: Truth) -> dict[str, float]:
+    """Return what a perfect fit of the config's [identify] table would find, SI: kxx, kyy, cxx, cyy, u and phase.
+
+    `phase` [rad, -pi to pi] is the unbalance's angle from the emitted keyphasor edge, in the sense of rotation.
+    Raises DataError if the config has no [identify] table.
+    """
+    if rig.identify is None:
+        raise DataError(f"config '{rig.name}': has no [identify] table, want one to know what is to be found")
+    bearing = next(b for b in truth.bearings if b.name == rig.identify.bearings[0])
+    unbalance = next(u for u in truth.unbalances if u.disk == rig.identify.unbalance)
+    phase = math.remainder(unbalance.angle + truth.keyphasor_offset, math.tau)
+    found = {name: float(getattr(bearing, name)) for name in ("kxx", "kyy", "cxx", "cyy")}
+    return found | {"u": unbalance.amount, "phase": phase}
+
+
+def seal(truth: Truth, path: Path) -> None:
+    """Write `truth` to a JSON file. Raises DataError if it cannot be written."""
+    text = json.dumps({"schema": SCHEMA, **asdict(truth)}, indent=1)
+    try:
+        path.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        raise DataError(f"{path}: cannot be written ({error.strerror}), want a place for the sealed truth") from error
+
+
+def unseal(path: Path) -> Truth:
+    """Read a sealed truth back. Raises DataError, in one sentence, on a file that holds none."""
+    try:
+        table = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror}), want a sealed truth in JSON") from error
+    except ValueError as error:
+        raise DataError(f"{path}: is no JSON ({error}), want a sealed truth") from error
+    if not isinstance(table, dict) or table.get("schema") != SCHEMA:
+        got = table.get("schema", "no schema") if isinstance(table, dict) else f"a JSON {type(table).__name__}"
+        raise DataError(f"{path}: holds {got}, want a sealed truth of schema {SCHEMA}")
+    del table["schema"]
+    try:
+        truth: Truth = _decode(Truth, table, "truth")
+        _checked(truth.faults)
+    except (ValueError, DataError) as error:
+        raise DataError(f"{path}: is no usable truth: {error}") from error
+    return truth
+
+
+def _draw_bearings(rig: RigConfig, seed: int) -> tuple[BearingTruth, ...]:
+    """Draw each bearing by itself, but the identified ones with common factors: they are alike on the nameplate."""
+    together = rig.identify.bearings if rig.identify else ()
+    drawn = []
+    for bearing in rig.bearings:
+        owner = "identified" if bearing.name in together else bearing.name
+        factors = {
+            c: 1.0 + _within(seed, f"{owner} {c}", STIFFNESS_TOLERANCE if c.startswith("k") else DAMPING_TOLERANCE)
+            for c in COEFFICIENTS
+        }
+        drawn.append(_bearing(bearing, factors))
+    return tuple(drawn)
+
+
+def _bearing(plate: Bearing, factors: dict[str, float]) -> BearingTruth:
+    return BearingTruth(name=plate.name, **{c: getattr(plate, c) * factors[c] for c in COEFFICIENTS})
+
+
+def _draw_unbalance(rig: RigConfig, disk: Disk, seed: int) -> UnbalanceTruth:
+    if disk.unbalance:
+        expected = disk.unbalance.amount
+    else:
+        fastest = rig.motor.max_speed if rig.motor else max((p.end for p in rig.plans.values()), default=377.0)
+        expected = disk.mass * BALANCE_QUALITY / fastest
+    return UnbalanceTruth(
+        disk=disk.name,
+        amount=expected * (1.0 + _within(seed, f"unbalance {disk.name}", UNBALANCE_TOLERANCE)),
+        angle=float(stream(seed, f"heavy spot {disk.name}").uniform(-np.pi, np.pi)),
+    )
+
+
+def _within(seed: int, name: str, tolerance: float) -> float:
+    return float(stream(seed, name).uniform(-tolerance, tolerance))
+
+
+def _clipped(seed: int, name: str, sigma: float) -> float:
+    return float(np.clip(stream(seed, name).normal(), -2.0, 2.0) * sigma)
+
+
+def _checked(faults: Iterable[FaultSpec]) -> tuple[FaultSpec, ...]:
+    kept = tuple(faults)
+    for fault in kept:
+        check(fault.name, fault.parameters)
+    return kept
+
+
+def _decode(kind: Any, value: Any, where: str) -> Any:
+    """Return JSON `value` as `kind`: a dataclass of ours, a tuple, a dict or a scalar. Raises ValueError."""
+    if isinstance(kind, type) and is_dataclass(kind):
+        return _decode_dataclass(kind, value, where)
+    origin, inner = get_origin(kind), get_args(kind)
+    if origin is tuple and isinstance(value, list):
+        kinds = inner[:1] * len(value) if inner[-1] is Ellipsis else inner
+        if len(kinds) == len(value):
+            return tuple(_decode(k, v, f"{where}[{i}]") for i, (k, v) in enumerate(zip(kinds, value, strict=True)))
+    elif origin is dict and isinstance(value, dict):
+        return {key: _decode(inner[1], v, f"{where}.{key}") for key, v in value.items()}
+    elif kind is float and isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
+        return float(value)
+    elif kind in (str, int, int | None) and isinstance(value, kind) and not isinstance(value, bool):
+        return value
+    raise ValueError(f"{where} is {json.dumps(value)[:60]}, want {getattr(kind, '__name__', kind)}")
+
+
+def _decode_dataclass(kind: type, value: Any, where: str) -> Any:
+    names = {f.name for f in fields(kind)}
+    if not isinstance(value, dict):
+        raise ValueError(f"{where} is a {type(value).__name__}, want a table")
+    if odd := names.symmetric_difference(value):
+        name = min(odd)
+        raise ValueError(f"{where}.{name} {'is missing' if name in names else 'is none of its keys'}")
+    hints = get_type_hints(kind)
+    return kind(**{name: _decode(hints[name], value[name], f"{where}.{name}") for name in names})

@@ -1,0 +1,37 @@
+"""The rigid disk (chapter, section 5.1, eq. 5), attached to the shaft by the rows that read its motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DiskAttachment:
+    """A rigid disk on whatever coordinates the model has: x, y, a, b of its centre are `rows @ q`."""
+
+    name: str
+    rows: NDArray[np.float64]  # (4, dof)
+    mass: float  # kg
+    polar: float  # kg m^2
+    transverse: float  # kg m^2, about a diameter
+
+
+def disk_mass(disk: DiskAttachment) -> NDArray[np.float64]:
+    """Return M_T + M_R of eq. (5), (dof, dof)."""
+    inertia = np.array([disk.mass, disk.mass, disk.transverse, disk.transverse])
+    return (disk.rows.T * inertia) @ disk.rows
+
+
+def disk_gyroscopic(disk: DiskAttachment) -> NDArray[np.float64]:
+    """Return G for rotation from x towards y, (dof, dof): It a'' + Omega Ip b' = 0 and It b'' - Omega Ip a' = 0."""
+    half = disk.polar * np.outer(disk.rows[2], disk.rows[3])
+    return half - half.T
+
+
+def unbalance_direction(disk: DiskAttachment, rotation: int) -> NDArray[np.complex128]:
+    """Return the force phasor of a unit rotating force at the disk, (dof,): (1, -j) for rotation x to y.
+
+    With Re(F e^{j theta}) this is (cos theta, sin theta); the other sense of rotation turns y's sign.
+    """
+    return disk.rows[0] - 1j * rotation * disk.rows[1]

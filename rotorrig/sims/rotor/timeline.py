@@ -1,0 +1,73 @@
+"""Shaft angle, speed and acceleration from the keyphasor's pulse times."""
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import median_filter
+
+from rotorrig.rig.errors import DataError
+
+TURN = 2 * np.pi
+
+
+class Turns(NamedTuple):
+    """The speed at every whole turn and halfway in time between: what the integrator steps over."""
+
+    t: NDArray[np.float64]  # (turn,) s
+    omega: NDArray[np.float64]  # (turn,) rad/s
+    alpha: NDArray[np.float64]  # (turn,) rad/s^2
+    omega_mid: NDArray[np.float64]  # (turn - 1,)
+    alpha_mid: NDArray[np.float64]  # (turn - 1,)
+    theta_mid: NDArray[np.float64]  # (turn - 1,) rad, from the turn before
+
+
+class Timeline:
+    """Shaft angle, speed and acceleration over time: a cubic spline of 2 pi k at the keyphasor pulses t_k [s].
+
+    A missed pulse is recognised by an interval of about twice (three times..) its neighbours'. Raises DataError.
+
+    >>> steady = Timeline(np.arange(10) * 0.02)
+    >>> float(round(steady.omega(0.1) / (2 * np.pi), 9))
+    50.0
+    """
+
+    def __init__(self, pulse_t: ArrayLike) -> None:
+        pulse_t = np.asarray(pulse_t, dtype=float)
+        if pulse_t.ndim != 1 or len(pulse_t) < 4:
+            raise DataError(f"keyphasor: got pulse times of shape {pulse_t.shape}, want four or more in a row")
+        interval = np.diff(pulse_t)
+        if not np.all(interval > 0):
+            first = int(np.argmin(interval > 0)) + 1
+            raise DataError(f"keyphasor: pulse {first} at {pulse_t[first]:g} s is not later than the one before")
+        usual = median_filter(interval, 5, mode="nearest")
+        turn = np.append(0.0, np.cumsum(np.maximum(1, np.rint(interval / usual))))
+        self._turn_of = CubicSpline(pulse_t, turn)
+        self.t = CubicSpline(turn, pulse_t)(np.arange(turn[-1] + 1))  # (turn,) s, the missed ones too
+
+    def theta(self, t: ArrayLike) -> NDArray[np.float64]:
+        """Return the shaft angle [rad] since the first pulse."""
+        return TURN * self._turn_of(np.asarray(t, dtype=float))
+
+    def omega(self, t: ArrayLike) -> NDArray[np.float64]:
+        """Return the speed [rad/s]."""
+        return TURN * self._turn_of(np.asarray(t, dtype=float), 1)
+
+    def alpha(self, t: ArrayLike) -> NDArray[np.float64]:
+        """Return the angular acceleration [rad/s^2]."""
+        return TURN * self._turn_of(np.asarray(t, dtype=float), 2)
+
+    @cached_property
+    def turns(self) -> Turns:
+        """The speed turn by turn."""
+        mid = (self.t[:-1] + self.t[1:]) / 2
+        return Turns(
+            t=self.t,
+            omega=self.omega(self.t),
+            alpha=self.alpha(self.t),
+            omega_mid=self.omega(mid),
+            alpha_mid=self.alpha(mid),
+            theta_mid=self.theta(mid) - self.theta(self.t[:-1]),
+        )

@@ -1,0 +1,200 @@
+"""Hand-made results of a run: a rotor on isotropic supports in closed form, so that every figure is known."""
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rotorrig.identify.diagnosis import Diagnosis, Misfit, Verdict
+from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
+from rotorrig.processing.response import OrderTrackedResponse, Run
+from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.probes.base import DaqInfo
+from rotorrig.rig.provenance import Provenance
+
+ROOT = Path(__file__).parents[2]
+RAD = np.pi / 30  # rad/s per rpm
+CRITICAL = 2230 * RAD
+DAMPING = 0.04
+ECCENTRICITY = 15e-6  # m: the peak is e / (2 zeta) = 187.5 um
+PHASE = np.radians(40)
+SIGMA = 0.3e-6  # m, of each component of z
+SOURCE = Provenance(
+    config_hash="0123456789abcdef", code_version="0.1.0", source="run.mcap", source_hash="fedcba9876543210"
+)
+
+
+def jeffcott(omega: NDArray[np.float64], damping: float = DAMPING) -> NDArray[np.complex128]:
+    """The x phasor of a disk on a massless shaft [m], forward circular whirl: y lags it by 90 degrees."""
+    r = omega / CRITICAL
+    return ECCENTRICITY * np.exp(1j * PHASE) * r**2 / (1 - r**2 + 2j * damping * r)
+
+
+def make_response(rig: RigConfig, *, rows: int = 365) -> OrderTrackedResponse:
+    """A slow roll of ten rows, then `rows` up and as many down; 2X peaks at half the critical speed."""
+    rng = np.random.default_rng(8)
+    up = np.linspace(480, 3600, rows) * RAD
+    omega = np.concatenate([np.full(10, 240 * RAD), up, up[::-1]])
+    run = np.repeat([0, 1, 2], [10, rows, rows])
+    angles = np.array([p.angle for p in rig.probes])
+    runout = 3e-6 * np.exp(1j * (np.arange(len(angles)) + 0.5))
+    z = np.zeros((len(omega), len(angles), 3), dtype=complex)
+    z[:, :, 1] = runout + jeffcott(omega)[:, None] * np.exp(-1j * angles)
+    z[:, :, 2] = 0.05 * jeffcott(2 * omega)[:, None] * np.exp(-1j * angles)
+    z[:, :, 1:] += SIGMA * (rng.standard_normal((*z.shape[:2], 2)) + 1j * rng.standard_normal((*z.shape[:2], 2)))
+    slow_roll = np.zeros((len(angles), 3), dtype=complex)
+    slow_roll[:, 1] = runout + jeffcott(np.array([240 * RAD])) * np.exp(-1j * angles)
+    covariance = np.broadcast_to(SIGMA**2 * np.eye(2 * len(angles)), (len(omega), 3, 2 * len(angles), 2 * len(angles)))
+    return OrderTrackedResponse(
+        rig=rig,
+        probes=tuple(p.name for p in rig.probes),
+        orders=(0.0, 1.0, 2.0),
+        runs=(Run(name="slow roll", direction=0), Run(name="up", direction=1), Run(name="down", direction=-1)),
+        run=run,
+        t=np.concatenate([np.linspace(0, 10, 10), np.linspace(12, 116, rows), np.linspace(118, 160, rows)]),
+        omega=omega,
+        alpha=np.gradient(omega),
+        revolutions=np.full(len(omega), 8.0),
+        window="hann",
+        z=z,
+        covariance=covariance,
+        slow_roll=slow_roll,
+        slow_roll_covariance=covariance[0],
+        slow_roll_omega=240 * RAD,
+        usable=np.ones(z.shape[:2], dtype=bool),
+        reasons=((),) * len(omega),
+        keyphasor_t=np.empty(0),
+        source=SOURCE,
+    )
+
+
+def prediction_of(response: OrderTrackedResponse, damping: float = DAMPING) -> NDArray[np.complex128]:
+    """1X as measured: the runout of `make_response` and the closed form, without the noise."""
+    angles = np.array([p.angle for p in response.rig.probes])
+    runout = 3e-6 * np.exp(1j * (np.arange(len(angles)) + 0.5))
+    return runout + jeffcott(response.omega, damping)[:, None] * np.exp(-1j * angles)
+
+
+def make_diagnosis(response: OrderTrackedResponse, prediction: NDArray[np.complex128], *, adequate: bool) -> Diagnosis:
+    residual = np.full(response.z.shape, np.nan + 0j)
+    residual[:, :, 1] = response.order(1.0) - prediction
+    residual[:, :, 2] = response.order(2.0)
+    peak = float(np.abs(residual[:, 0, 1]).max())
+    worst = Misfit(
+        run="down",
+        probe="1x",
+        order=1.0,
+        speed_from=2100 * RAD,
+        speed_to=2350 * RAD,
+        sigma=peak / SIGMA / 2,
+        residual=peak,
+        relative=-0.2,
+        phase=-0.03,
+        sentence="In the down run, 2100 to 2350 rpm, probe 1x departs from the model.",
+    )
+    words = "The model agrees with the run." if adequate else "The model does not agree with the run near 2230 rpm."
+    return Diagnosis(
+        verdict=Verdict.ADEQUATE if adequate else Verdict.UNEXPLAINED,
+        sentence=words,
+        false_alarm_rate=0.01,
+        noise_floor=SIGMA,
+        chi2=2950.0 if adequate else 295000.0,
+        dof=2910,
+        p=0.3 if adequate else 0.0,
+        worst=(worst,),
+        residual=residual,
+        sigmas=np.abs(residual) / (np.sqrt(2) * SIGMA),
+        source=SOURCE,
+    )
+
+
+def swept_counts(rig: RigConfig, *, seconds: float = 16.0, rate: float = 10_000.0) -> tuple[NDArray[np.int32], DaqInfo]:
+    """Counts (sample, channel) of a run from 480 to 3000 rpm and back to 1500, noise of 3 mV, no runout."""
+    t = np.arange(int(seconds * rate)) / rate
+    at = [0, 1, 0.65 * seconds, 0.7 * seconds, seconds - 0.5, seconds]
+    omega = np.interp(t, at, np.array([480, 480, 3000, 3000, 1500, 1500]) * RAD)
+    theta = np.cumsum(omega) / rate
+    angles = np.array([p.angle for p in rig.probes])
+    x = (jeffcott(omega)[:, None] * np.exp(1j * (theta[:, None] - angles))).real
+    volts = -10 + 7874 * x + 0.003 * np.random.default_rng(1).standard_normal(x.shape)
+    past = np.mod(theta + np.pi, 2 * np.pi) - np.pi  # rad past the mark; the flank crosses -5 V there
+    pulse = np.where(past < 0.3, np.clip(-5 - 50 * past, -8.0, -2.0), -2.0)
+    scale = 20 / 2**23
+    info = DaqInfo(
+        model="test", serial="1", sample_rate=rate, channels=5, volts_per_count=(scale,) * 5, full_scale_counts=2**23
+    )
+    return np.round(np.column_stack([volts, pulse]) / scale).astype(np.int32), info
+
+
+@pytest.fixture(scope="session")
+def rig() -> RigConfig:
+    return load(ROOT / "configs" / "rk4.toml")
+
+
+@pytest.fixture(scope="session")
+def response(rig: RigConfig) -> OrderTrackedResponse:
+    return make_response(rig)
+
+
+@pytest.fixture(scope="session")
+def identification(response: OrderTrackedResponse) -> Identification:
+    fit = Fit(
+        name="whole sweep",
+        band=(480 * RAD, 3600 * RAD),
+        estimates=(
+            Estimate(name="kxx", value=34210.0, sigma=120.0, unit="N/m", nameplate=33900.0),
+            Estimate(name="kyy", value=33950.0, sigma=140.0, unit="N/m", nameplate=34600.0),
+            Estimate(name="cxx", value=14.2, sigma=0.9, unit="N s/m", nameplate=15.0),
+            Estimate(name="cyy", value=1e3, sigma=np.inf, unit="N s/m", nameplate=15.0, determined=False),
+            Estimate(name="u", value=1.62e-5, sigma=1.1e-7, unit="kg m", nameplate=1.5e-5),
+            Estimate(name="phase", value=0.698, sigma=0.004, unit="rad", nameplate=0.0),
+        ),
+        nuisances=(
+            Estimate(name="E", value=0.0031, sigma=0.0052, unit="", nameplate=0.0),
+            Estimate(name="angle 1x", value=0.01, sigma=0.008, unit="rad", nameplate=0.0),
+        ),
+        optima=(Optimum(theta=(34210.0, 33950.0, 14.2, 1e3, 1.62e-5), cost=0.0123),),
+        objective="f1",
+        evaluations=4321,
+        stop="converged",
+        seed=7,
+        chi2=2950.0,
+        dof=2910,
+        prediction=prediction_of(response),
+        words=("cyy ran into its bound: this data does not give it.",),
+    )
+    band = dataclasses.replace(fit, name="chapter", band=(480 * RAD, 2140 * RAD), words=(), nuisances=())
+    return Identification(fits=(fit, band), effects=(), wall_s=12.3, source=SOURCE)
+
+
+@pytest.fixture(scope="session")
+def good(response: OrderTrackedResponse) -> Diagnosis:
+    adequate = make_diagnosis(response, prediction_of(response), adequate=True)
+    adequate.sigmas[:, :, 2] = np.nan  # a run without 2X to speak of
+    return adequate
+
+
+@pytest.fixture(scope="session")
+def poor(response: OrderTrackedResponse) -> Diagnosis:
+    return make_diagnosis(response, prediction_of(response, damping=0.055), adequate=False)
+
+
+@pytest.fixture(scope="session")
+def poorly_fitted(response: OrderTrackedResponse, identification: Identification) -> Identification:
+    fit = dataclasses.replace(identification.fits[0], prediction=prediction_of(response, damping=0.055), chi2=295000.0)
+    return dataclasses.replace(identification, fits=(fit,))
+
+
+@pytest.fixture(scope="session")
+def closed_form() -> Callable[[NDArray[np.float64]], NDArray[np.complex128]]:
+    """The x phasor [m] over speed [rad/s]."""
+    return jeffcott
+
+
+@pytest.fixture(scope="session")
+def swept(rig: RigConfig) -> tuple[NDArray[np.int32], DaqInfo]:
+    """Counts (sample, channel) of a run-up and a coast-down."""
+    return swept_counts(rig)

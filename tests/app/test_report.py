@@ -1,0 +1,304 @@
+"""The report says what its inputs say: the inputs are closed forms with known peaks, see conftest.py."""
+
+import dataclasses
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from rotorrig.app import figures
+from rotorrig.app.curves import curves, lag_degrees, phase_window, residual_grid
+from rotorrig.app.orbits import orbit, planes
+from rotorrig.app.report import write_report
+from rotorrig.app.rig_drawing import end_view, side_view
+from rotorrig.app.wording import plus_minus, shown
+from rotorrig.identify.diagnosis import Diagnosis
+from rotorrig.identify.identification import Estimate, Identification
+from rotorrig.processing.response import OrderTrackedResponse, Run
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import DataError
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+TRUTH = {"kxx": 34000.0, "kyy": 34100.0, "cxx": 14.8, "cyy": 15.0, "u": 1.61e-5, "phase": 0.70}
+
+
+class Page(HTMLParser):
+    """Headings, table cells, links and elements of a page, in order."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[str] = []
+        self.links: list[str] = []
+        self.words: list[tuple[str, str]] = []  # element, text in it
+        self.ids: list[str] = []
+        self.unlabelled: list[str] = []
+        self._open: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        found = dict(attrs)
+        self.elements.append(tag)
+        self.links += [value or "" for name, value in attrs if name in ("src", "href", "srcset", "action", "data")]
+        self.ids += [found["id"] or ""] if "id" in found else []
+        if found.get("role") == "img" and not found.get("aria-label"):
+            self.unlabelled.append(tag)
+        if tag not in ("meta", "link", "br", "input", "line", "rect", "circle", "path"):
+            self._open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        if self._open and self._open[-1] == tag:
+            self._open.pop()
+
+    def handle_data(self, data: str) -> None:
+        if data.strip() and self._open and self._open[-1] not in ("script", "style"):
+            self.words.append((self._open[-1], data.strip()))
+
+    def first(self, tag: str) -> str:
+        return next(words for where, words in self.words if where == tag)
+
+    def said(self) -> str:
+        return " ".join(words for _, words in self.words)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "report.html"
+
+
+@pytest.fixture(scope="module")
+def full(
+    tmp_path_factory: pytest.TempPathFactory,
+    response: OrderTrackedResponse,
+    identification: Identification,
+    good: Diagnosis,
+) -> Path:
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    write_report(path, response=response, identification=identification, diagnosis=good, truth=TRUTH)
+    return path
+
+
+@pytest.fixture(scope="module")
+def page(full: Path) -> Page:
+    return Page(full.read_text())
+
+
+def test_the_verdict_comes_first(page: Page) -> None:
+    assert page.first("h2") == "The model describes this run"
+
+
+def test_a_poor_fit_says_so_with_its_misfit_in_micrometres_and_sigma(
+    path: Path, response: OrderTrackedResponse, poorly_fitted: Identification, poor: Diagnosis
+) -> None:
+    write_report(path, response=response, identification=poorly_fitted, diagnosis=poor)
+    text = path.read_text()
+    page = Page(text)
+    assert "does NOT describe this run" in page.first("h2")
+    assert 'class="banner bad"' in text
+    assert f"largest misfit {poor.worst[0].residual * 1e6:.3g} µm, {poor.worst[0].sigma:.3g} σ" in page.said()
+    assert poor.worst[0].sentence in page.said()
+
+
+def test_a_poor_fit_nobody_diagnosed_is_still_called_poor(
+    path: Path, response: OrderTrackedResponse, poorly_fitted: Identification
+) -> None:
+    write_report(path, response=response, identification=poorly_fitted)
+    page = Page(path.read_text())
+    assert page.first("h2").startswith("Poor fit")
+    assert "10.1 times the noise" in page.said()  # sqrt(295000 / 2910)
+
+
+def test_a_good_fit_nobody_diagnosed_is_not_called_good(
+    path: Path, response: OrderTrackedResponse, identification: Identification
+) -> None:
+    write_report(path, response=response, identification=identification)
+    assert Page(path.read_text()).first("h2") == "Not judged"
+
+
+def test_a_response_alone_makes_a_report(path: Path, response: OrderTrackedResponse) -> None:
+    write_report(path, response=response)
+    page = Page(path.read_text())
+    assert page.first("h2") == "Measurement only"
+    assert "Identified values" not in page.said()
+
+
+def test_errors_against_the_simulated_rig_are_in_percent_and_in_sigma(page: Page) -> None:
+    # kxx 34.21 +- 0.12 kN/m, truly 34.00: 0.21 / 34.00 and 0.21 / 0.12
+    assert "34.21 ± 0.12 kN/m 33.9 kN/m +0.9 % 34 kN/m +0.6 % +1.8 σ" in page.said()
+
+
+def test_an_undetermined_parameter_is_said_to_be_and_its_bound_is_named(page: Page) -> None:
+    assert "cyy, damping, vertical not determined by this data 15 N s/m" in page.said()
+    assert "at its upper bound of 1000 N s/m" in page.said()
+    assert "inf" not in [words for _, words in page.words]
+
+
+def test_what_the_data_cannot_tell_is_quoted(page: Page, identification: Identification) -> None:
+    assert identification.fits[0].words[0] in page.said()
+
+
+def test_provenance_is_complete(page: Page) -> None:
+    for word in ("0123456789abcdef", "fedcba9876543210", "run.mcap", "4321 evaluations", "seed 7", "12.3 s"):
+        assert word in page.said()
+
+
+def test_quoted_text_cannot_become_markup(
+    path: Path, response: OrderTrackedResponse, identification: Identification, poor: Diagnosis
+) -> None:
+    evil = "</script><img src=http://x onerror=alert(1)>"
+    rig = response.rig.model_copy(update={"name": evil, "notes": evil})
+    runs = tuple(Run(name=evil, direction=run.direction) for run in response.runs)
+    fit = dataclasses.replace(identification.fits[0], words=(evil,), objective=evil, stop=evil, name=evil)
+    diagnosis = dataclasses.replace(
+        poor, sentence=evil, causes=({evil: evil},), next_run={evil: [evil]}, tied=((evil,),)
+    )
+    write_report(
+        path,
+        response=dataclasses.replace(response, rig=rig, runs=runs),
+        identification=dataclasses.replace(identification, fits=(fit,), effects=(evil,)),
+        diagnosis=diagnosis,
+    )
+    hostile = Page(path.read_text())
+    assert "img" not in hostile.elements
+    assert evil in hostile.said()
+    assert not [link for link in hostile.links if "http" in link]
+
+
+def test_nothing_is_fetched_and_every_picture_has_words(page: Page) -> None:
+    assert [link for link in page.links if not link.startswith(("#", "data:,"))] == []
+    assert page.unlabelled == []
+    assert len(page.ids) == len(set(page.ids))
+
+
+def test_a_report_of_a_typical_run_stays_below_six_megabytes(full: Path) -> None:
+    assert full.stat().st_size < 6e6
+
+
+def test_a_fit_of_another_response_is_refused(
+    path: Path, response: OrderTrackedResponse, identification: Identification
+) -> None:
+    fit = dataclasses.replace(identification.fits[0], prediction=np.zeros((3, 4), dtype=complex))
+    with pytest.raises(DataError, match=r"predicts \(speed, probe\) = \(3, 4\), the response has \(740, 4\)"):
+        write_report(path, response=response, identification=dataclasses.replace(identification, fits=(fit,)))
+
+
+def test_a_report_that_cannot_be_written_is_one_sentence(tmp_path: Path, response: OrderTrackedResponse) -> None:
+    with pytest.raises(DataError, match="cannot be written"):
+        write_report(tmp_path / "nowhere" / "report.html", response=response)
+
+
+def test_bode_curves_are_the_closed_form_with_the_runout_gone(response: OrderTrackedResponse) -> None:
+    up = curves(response, 0)[0]
+    peak = int(np.argmax(up.amplitude))
+    assert up.amplitude[peak] == pytest.approx(187.5, abs=1.5)  # e / (2 zeta), noise 0.3
+    assert up.rpm[peak] == pytest.approx(2230, abs=10)
+    assert np.interp(2230, up.rpm, up.lag) % 360 == pytest.approx(
+        50, abs=1
+    )  # 90 at resonance, less the 40 of the unbalance
+    assert up.sigma == pytest.approx(0.3)
+
+
+def test_without_a_slow_roll_the_vectors_stay_raw_and_the_report_says_so(
+    path: Path, response: OrderTrackedResponse
+) -> None:
+    bare = dataclasses.replace(response, slow_roll=response.slow_roll * np.nan, slow_roll_omega=np.nan)
+    write_report(path, response=bare)
+    assert "No slow roll was measured" in Page(path.read_text()).said()
+    assert curves(bare, 0)[0].amplitude == pytest.approx(np.abs(response.order(1.0)[response.run == 1, 0]) * 1e6)
+
+
+def test_masked_rows_leave_a_hole_in_the_curve(response: OrderTrackedResponse) -> None:
+    usable = response.usable.copy()
+    usable[20, 0] = False
+    up = curves(dataclasses.replace(response, usable=usable), 0)[0]
+    assert np.flatnonzero(np.isnan(up.amplitude)).tolist() == [10]  # ten rows of slow roll stand before the run
+
+
+def test_a_phase_curve_is_not_cut_at_the_axis_end() -> None:
+    lags = np.linspace(330, 330 + 180, 50)
+    z = np.exp(-1j * np.radians(lags))
+    drawn = lag_degrees(z, start=phase_window(z))
+    assert np.abs(np.diff(drawn)).max() < 10
+
+
+def test_residual_map_is_red_at_resonance_for_wrong_damping_only(
+    response: OrderTrackedResponse, good: Diagnosis, poor: Diagnosis
+) -> None:
+    labels, edges, grid = residual_grid(response, poor.sigmas)
+    at = int(np.searchsorted(edges, 2230)) - 1
+    assert labels[:2] == ["1x up", "1x down"]
+    assert (grid[:, at] > 30).all()
+    assert np.nanmax(residual_grid(response, good.sigmas)[2]) < 3.5
+
+
+def test_second_order_peaks_at_half_the_critical_speed(response: OrderTrackedResponse) -> None:
+    figure = figures.order_amplitudes(response, 2.0)
+    trace = figure.data[0]
+    assert np.asarray(trace.x)[np.argmax(trace.y)] == pytest.approx(1115, abs=15)
+    assert np.max(trace.y) == pytest.approx(0.05 * 187.5, abs=1.5)
+
+
+def test_orbit_of_turned_probes_is_the_same_orbit(rig: RigConfig) -> None:
+    turned = [p.model_copy(update={"angle": p.angle + np.pi / 4}) for p in rig.probes[:2]]
+    plane = planes(rig.model_copy(update={"probes": tuple(turned)}))[0]
+    x, y = 3.0, -2.0j  # an ellipse: x = 3 cos, y = 2 sin
+    z = np.array([[x * np.cos(p.angle) + y * np.sin(p.angle)] for p in turned])
+    xy = orbit(plane, z)
+    theta = np.linspace(0, 2 * np.pi, len(xy))
+    assert xy == pytest.approx(np.column_stack([3 * np.cos(theta), 2 * np.sin(theta)]))
+
+
+def test_parallel_probes_make_no_plane(rig: RigConfig) -> None:
+    parallel = tuple(p.model_copy(update={"angle": 0.0}) for p in rig.probes)
+    assert planes(rig.model_copy(update={"probes": parallel})) == ()
+
+
+def test_the_rig_is_drawn_to_scale(rig: RigConfig) -> None:
+    drawing = ElementTree.fromstring(side_view(rig))
+    (disk,) = [e for e in drawing.iter() if e.get("class") == "disk" and e.tag == "rect"]
+    assert [float(disk.get(k, "")) for k in ("x", "width", "height")] == [268.0, 25.0, 75.0]  # 280.5 less half of 25
+    words = [e.text for e in drawing.iter("text")]
+    for label in ("left A, 65", "left B, 80", "spring, 481", "1x, 1y, 250.5", "2x, 2y, 380.5", "disk, 280.5"):
+        assert label in words
+
+
+def test_the_end_view_turns_as_the_config_says(rig: RigConfig) -> None:
+    def sweep_flag(drawing: str) -> str:
+        (arc,) = [e for e in ElementTree.fromstring(drawing).iter() if "A27 " in e.get("d", "")]
+        return arc.get("d", "").split()[5]  # M x y A rx ry rotation large-arc sweep
+
+    assert sweep_flag(end_view(rig)) == "0"  # anticlockwise on paper: x to the right, y up
+    assert sweep_flag(end_view(rig.model_copy(update={"rotation": "y-to-x"}))) == "1"
+
+
+def test_numbers_carry_no_more_digits_than_their_uncertainty() -> None:
+    estimate = Estimate(name="kxx", value=33912.7, sigma=1234.0, unit="N/m", nameplate=33900.0)
+    assert plus_minus(estimate) == "33.9 ± 1.2 kN/m"
+    assert (
+        plus_minus(dataclasses.replace(estimate, value=0.0031, sigma=0.0052, unit="", nameplate=0.0)) == "0.31 ± 0.52 %"
+    )
+    assert shown(np.radians(40.0), "rad") == "40°"
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium (Debian: chromium)")
+def test_the_plots_are_drawn_in_a_browser_without_errors(full: Path, page: Page, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [
+            str(CHROMIUM), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
+            "--disable-background-networking", "--disable-component-update", "--disable-sync",
+            "--enable-logging=stderr", f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=3000",
+            "--dump-dom", full.as_uri(),
+        ],
+        capture_output=True, text=True, timeout=60, check=True,
+    )  # fmt: skip
+    drawn = done.stdout.split("<main", 1)[1]
+    assert page.elements.count("figure") == drawn.count("<figure")
+    canvases = drawn.split('class="canvas')[1:]
+    assert len(canvases) == 6  # four Bode plots, the residual map at 1X, the second order
+    assert all('class="main-svg"' in canvas for canvas in canvases)
+    # what the page itself complains of, a refused fetch included; the rest of the log is the browser's own
+    assert [line for line in done.stderr.splitlines() if "CONSOLE" in line] == []

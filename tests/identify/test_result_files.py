@@ -1,0 +1,115 @@
+"""fit.json and diagnosis.json come back as they went, are strict JSON, and refuse other files in one sentence."""
+
+import json
+import math
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.adequacy import Misfit
+from rotorrig.identify.diagnosis import Diagnosis, Verdict
+from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
+from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
+from rotorrig.rig.errors import DataError
+from rotorrig.rig.provenance import Provenance
+
+SOURCE = Provenance(config_hash="a" * 16, code_version="0", source="run.mcap", source_hash="b" * 16)
+Z = np.array([[1.5e-6 + 2e-6j, np.nan], [0.25 - 1j, 0]])
+FOUND = Identification(
+    fits=(
+        Fit(
+            name="whole sweep",
+            band=(50.0, 377.0),
+            estimates=(
+                Estimate(name="kxx", value=33900.0, sigma=120.5, unit="N/m", nameplate=34000.0),
+                Estimate(name="cyy", value=1.0, sigma=math.inf, unit="N s/m", nameplate=math.nan, determined=False),
+            ),
+            nuisances=(Estimate(name="gain 1x", value=0.01, sigma=0.005, unit="", nameplate=0.0),),
+            optima=(Optimum(theta=(1.0, 2.0, 3.0, 4.0, 5.0), cost=0.5),),
+            objective="f2",
+            evaluations=1234,
+            stop="converged",
+            seed=3,
+            chi2=1000.0,
+            dof=990,
+            prediction=Z,
+            words=("cyy ran into its bound",),
+        ),
+    ),
+    effects=(),
+    wall_s=1.25,
+    source=SOURCE,
+)
+VERDICT = Diagnosis(
+    verdict=Verdict.UNEXPLAINED,
+    sentence="The model is NOT adequate",
+    false_alarm_rate=0.05,
+    noise_floor=1e-8,
+    chi2=5000.0,
+    dof=1000,
+    p=0.0,
+    worst=(
+        Misfit(
+            run="up",
+            probe="1x",
+            order=2.0,
+            speed_from=100.0,
+            speed_to=120.0,
+            sigma=38.0,
+            residual=4e-6,
+            relative=math.nan,
+            phase=math.nan,
+            sentence="probe 1x shows 2X",
+        ),
+    ),
+    residual=Z[:, :, None],
+    sigmas=np.abs(Z)[:, :, None],
+    source=SOURCE,
+)
+
+
+def equal(a: object, b: object) -> bool:
+    if isinstance(a, np.ndarray):
+        return isinstance(b, np.ndarray) and np.allclose(a, b, rtol=1e-6, atol=0, equal_nan=True)
+    if isinstance(a, float):
+        return isinstance(b, float) and (a == b or (math.isnan(a) and math.isnan(b)))
+    if isinstance(a, tuple):
+        return isinstance(b, tuple) and len(a) == len(b) and all(map(equal, a, b))
+    if hasattr(a, "__dataclass_fields__"):
+        return type(a) is type(b) and all(equal(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))
+    return a == b
+
+
+def test_an_identification_comes_back(tmp_path: Path) -> None:
+    write_identification(tmp_path / "fit.json", FOUND)
+    assert equal(read_identification(tmp_path / "fit.json"), FOUND)
+
+
+def test_a_diagnosis_comes_back(tmp_path: Path) -> None:
+    write_diagnosis(tmp_path / "diagnosis.json", VERDICT)
+    assert equal(read_diagnosis(tmp_path / "diagnosis.json"), VERDICT)
+
+
+def test_the_files_are_strict_json_with_the_documented_keys(tmp_path: Path) -> None:
+    write_diagnosis(tmp_path / "diagnosis.json", VERDICT)
+
+    def refuse(word: str) -> None:
+        raise AssertionError(f"{word} is no JSON")
+
+    table = json.loads((tmp_path / "diagnosis.json").read_text(), parse_constant=refuse)
+    assert set(table) >= {"verdict", "noise_floor", "base", "causes", "tied", "next_run", "gain", "conventions"}
+    assert set(table["base"]) == {"chi2", "dof", "p", "worst"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "{", '{"kind": "rotorrig fit"}', '{"kind": "rotorrig fit", "version": 1, "fits": [{}]}', "[" * 10**5],
+)
+def test_another_file_is_refused_in_one_sentence(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "fit.json"
+    path.write_text(text)
+    with pytest.raises(DataError, match=r"fit\.json: ") as caught:
+        read_identification(path)
+    assert "\n" not in str(caught.value)

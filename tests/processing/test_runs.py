@@ -1,0 +1,64 @@
+"""Runs from marks, and from the speed alone."""
+
+import numpy as np
+
+from rotorrig.acquisition.recording import Event
+from rotorrig.processing.runs import find_runs
+from rotorrig.processing.tacho import TURN, ShaftAngle, shaft_angle
+
+RPM = np.pi / 30
+
+
+def shaft_with(profile: list[tuple[float, float]]) -> ShaftAngle:
+    """Return the shaft angle of a speed that goes straight between (time [s], speed [rpm])."""
+    at, rpm = np.array(profile).T
+    t = np.arange(0, at[-1], 1e-3)
+    speed = np.interp(t, at, rpm) * RPM
+    theta = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 * 1e-3)])
+    return shaft_angle(np.interp(TURN * np.arange(int(theta[-1] / TURN)), theta, t))
+
+
+SWEEP = shaft_with([(0, 240), (12, 240), (22, 480), (82, 2280), (90, 2280), (130, 480)])
+
+
+def mark(seconds: float, text: str, kind: str = "mark") -> Event:
+    return Event(t_ns=round(seconds * 1e9), kind=kind, text=text)
+
+
+def test_a_run_lasts_from_its_mark_to_the_next() -> None:
+    events = [
+        mark(0, "settling"),
+        mark(2, "slow roll"),
+        mark(12, "settling"),
+        mark(22, "up"),
+        mark(83, "down"),
+        mark(129, "end"),
+    ]
+    found = [(s.run.name, s.run.direction, s.begin, s.end) for s in find_runs(events, SWEEP)]
+    assert found == [("slow roll", 0, 2.0, 12.0), ("up", 1, 22.0, 83.0), ("down", -1, 83.0, 129.0)]
+
+
+def test_a_trip_ends_a_run_and_a_second_run_of_a_name_is_numbered() -> None:
+    events = [mark(22, "up"), mark(50, "probe 1x: 912 um", kind="trip"), mark(60, "up")]
+    assert [(s.run.name, s.end) for s in find_runs(events, SWEEP)] == [("up", 50.0), ("up 2", float(SWEEP.t[-1]))]
+
+
+def test_other_notes_end_no_run() -> None:
+    events = [mark(22, "up"), mark(30, "3 samples lost", kind="gap"), mark(60, "end")]
+    assert [(s.begin, s.end) for s in find_runs(events, SWEEP)] == [(22.0, 60.0)]
+
+
+def test_without_marks_the_speed_says_what_the_runs_are() -> None:
+    spans = find_runs([], SWEEP)
+    names = [span.run.name for span in spans]
+    assert names == ["slow roll", "up", "dwell 2280 rpm", "down"]
+    assert [span.run.direction for span in spans] == [0, 1, 0, -1]
+    for span, begin, end in zip(spans, (0, 12, 82, 90), (12, 82, 90, 130), strict=True):
+        assert abs(span.begin - begin) < 2.0
+        assert abs(span.end - end) < 2.0
+
+
+def test_hunting_is_no_run(rng: np.random.Generator) -> None:
+    at = np.arange(0, 60, 0.5)
+    wandering = [(float(t), float(rpm)) for t, rpm in zip(at, 1200 + 0.6 * rng.standard_normal(len(at)), strict=True)]
+    assert [span.run.name for span in find_runs([], shaft_with(wandering))] == ["dwell 1200 rpm"]

@@ -1,0 +1,126 @@
+"""Edges and speed from pulses placed at known shaft angles."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.probes.base import Block, DaqInfo
+from rotorrig.rig.probes.keyphasor_speed import KeyphasorSpeed
+from tests.rig.signals import RATE, block, cut, pulse_volts
+
+T = np.arange(20_000) / RATE  # two seconds
+
+
+def fixed_threshold(rk4: RigConfig, **changed: object) -> RigConfig:
+    assert rk4.keyphasor
+    return rk4.model_copy(update={"keyphasor": rk4.keyphasor.model_copy(update={"threshold": -6.0, **changed})})
+
+
+def edges_of(rig: RigConfig, info: DaqInfo, blocks: list[Block]) -> tuple[np.ndarray, KeyphasorSpeed]:
+    keyphasor = KeyphasorSpeed(rig, info)
+    return np.concatenate([keyphasor.update(b) for b in blocks]), keyphasor
+
+
+def test_edges_are_where_the_shaft_angle_is_zero(rk4: RigConfig, info: DaqInfo) -> None:
+    turns = 20.0 * T - 0.25  # whole turns at 0.0125 s + k/20 s
+    edges, keyphasor = edges_of(rk4, info, [block(pulse_volts(turns))])
+    np.testing.assert_allclose(edges, (np.arange(40) + 0.25) * RATE / 20, atol=1e-3)
+    assert keyphasor.pulses == 40
+
+
+def test_the_rising_edge_is_the_other_side_of_the_pulse(rk4: RigConfig, info: DaqInfo) -> None:
+    turns = 20.0 * T - 0.25
+    edges, _ = edges_of(fixed_threshold(rk4, edge="rising"), info, [block(pulse_volts(turns))])
+    np.testing.assert_allclose(edges, (np.arange(40) + 0.25 - 20 / 360) * RATE / 20, atol=1e-3)
+
+
+def test_speed_is_that_of_the_last_turn(rk4: RigConfig, info: DaqInfo) -> None:
+    hz, rate = 20.0, 5.0  # 20 Hz rising by 5 Hz/s
+    turns = hz * T + rate * T**2 / 2 + 0.5
+    _, keyphasor = edges_of(rk4, info, [block(pulse_volts(turns))])
+    last = math.floor(turns[-1])
+    begin, end = ((-hz + math.sqrt(hz**2 + 2 * rate * (n - 0.5))) / rate for n in (last - 1, last))
+    assert keyphasor.speed == pytest.approx(2 * math.pi / (end - begin), rel=1e-6)
+
+
+@given(at=st.lists(st.integers(1, 19_999), max_size=12, unique=True))
+def test_edges_do_not_depend_on_the_cuts(rk4: RigConfig, info: DaqInfo, at: list[int]) -> None:
+    whole = block(pulse_volts(37.2 * T - 0.1))
+    rig = fixed_threshold(rk4)
+    one, _ = edges_of(rig, info, [whole])
+    many, keyphasor = edges_of(rig, info, cut(whole, sorted(at)))
+    np.testing.assert_allclose(many, one, atol=1e-9)
+    assert keyphasor.pulses == len(one) == 75
+
+
+def test_a_threshold_found_from_the_levels_is_midway(rk4: RigConfig, info: DaqInfo) -> None:
+    blocks = cut(block(pulse_volts(20 * T - 0.25)), list(range(200, 20_000, 200)))
+    found, _ = edges_of(rk4, info, blocks)
+    given_, _ = edges_of(fixed_threshold(rk4), info, blocks)
+    np.testing.assert_allclose(found, given_, atol=0.01)
+
+
+def test_noise_on_the_edge_makes_no_second_pulse(rk4: RigConfig, info: DaqInfo) -> None:
+    rng = np.random.default_rng(3)
+    slow = pulse_volts(4.0 * T - 0.25)  # an edge of 14 samples
+    noisy = block(slow + rng.normal(0, 0.2, len(T)))
+    _, keyphasor = edges_of(rk4, info, cut(noisy, list(range(200, 20_000, 200))))
+    assert keyphasor.pulses == 8
+
+
+def test_noise_without_pulses_is_no_pulse(rk4: RigConfig, info: DaqInfo) -> None:
+    rng = np.random.default_rng(4)
+    _, keyphasor = edges_of(rk4, info, [block(-10 + rng.normal(0, 0.05, len(T)))])
+    assert (keyphasor.pulses, keyphasor.speed, keyphasor.age) == (0, 0.0, 2.0)
+
+
+def test_without_pulses_the_speed_can_only_be_lower_every_moment(rk4: RigConfig, info: DaqInfo) -> None:
+    turns = np.minimum(20.0 * T, 20.5)  # stands still after 1.025 s, half a turn after its last edge
+    _, keyphasor = edges_of(rk4, info, [block(pulse_volts(turns))])
+    assert keyphasor.age == pytest.approx(1.0, abs=1e-4)
+    assert keyphasor.speed == pytest.approx(2 * math.pi / 1.0, rel=1e-3)
+    assert keyphasor.time == 2.0
+
+
+@pytest.mark.parametrize("spoilt", ["stray", "missing"])
+def test_the_steady_speed_is_deaf_to_one_stray_or_missing_pulse(rk4: RigConfig, info: DaqInfo, spoilt: str) -> None:
+    volts = pulse_volts(20.0 * T[:19_800] + 0.5)
+    where = slice(18_600, 18_630) if spoilt == "stray" else slice(18_500, 19_000)  # the edge at 1.875 s
+    volts[where] = -2.0 if spoilt == "stray" else -10.0
+    _, keyphasor = edges_of(rk4, info, [block(volts)])
+    assert keyphasor.steady_speed == pytest.approx(2 * math.pi * 20, rel=1e-3)
+
+
+def test_no_period_is_measured_across_a_gap(rk4: RigConfig, info: DaqInfo) -> None:
+    whole = block(pulse_volts(20.0 * T))
+    before, _, after = cut(whole, [8_100, 11_700])
+    keyphasor = KeyphasorSpeed(rk4, info)
+    keyphasor.update(before)
+    edges = keyphasor.update(after)
+    np.testing.assert_allclose(edges[0], 12_000, atol=1e-2)
+    assert keyphasor.steady_speed == pytest.approx(2 * math.pi * 20, rel=1e-5)
+
+
+def test_right_after_a_gap_the_speed_is_unknown(rk4: RigConfig, info: DaqInfo) -> None:
+    before, _, after = cut(block(pulse_volts(20.0 * T)), [8_100, 19_900])
+    _, keyphasor = edges_of(rk4, info, [before, after])
+    assert keyphasor.speed == 0.0
+    assert keyphasor.age == pytest.approx(0.01)
+
+
+def test_an_empty_block_changes_nothing(rk4: RigConfig, info: DaqInfo) -> None:
+    whole = block(pulse_volts(20.0 * T))
+    first, second = cut(whole, [10_000])
+    empty = Block(counts=np.empty((0, 5), np.int32), first_sample=10_000, t_ns=10**9)
+    edges, _ = edges_of(rk4, info, [first, empty, second])
+    assert len(edges) == edges_of(rk4, info, [whole])[1].pulses
+
+
+def test_a_config_without_keyphasor_is_said(rk4: RigConfig, info: DaqInfo) -> None:
+    with pytest.raises(ConfigError, match="keyphasor: is missing"):
+        KeyphasorSpeed(rk4.model_copy(update={"keyphasor": None}), info)

@@ -1,0 +1,87 @@
+"""The misaligned coupling: its law by hand, and what it does to the rig."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import DataError
+from rotorrig.sims.plant.faults.base import PointForce, forces, names
+from rotorrig.sims.plant.plant import Plant
+from rotorrig.sims.plant.truth import FaultSpec, nameplate
+
+from ..by_hand import RPM, measured
+
+BORE_ALONE = {"bore_force": 0.3, "bore_angle": 0.5, "stiffness_variation": 0.0}
+STIFFNESS_ALONE = {"bore_force": 0.0, "offset": 1e-4, "offset_angle": 0.0, "stiffness_variation": 3000.0}
+
+
+def the_force(rig: RigConfig, **values: float) -> PointForce:
+    (only,) = forces(rig, "coupling", values)
+    return only
+
+
+def at(force: PointForce, angle: float, x: float = 0.0, y: float = 0.0) -> tuple[float, float]:
+    return force.law(angle, 100.0, x, y, 0.0, 0.0, np.array(force.constants))
+
+
+def test_the_folder_is_the_list_of_faults() -> None:
+    assert "coupling" in names()
+    assert "base" not in names()
+
+
+def test_it_acts_on_the_driven_end(rk4: RigConfig) -> None:
+    assert the_force(rk4).position == 0.0
+
+
+def test_an_eccentric_bore_is_a_constant_force_that_turns_with_the_shaft(rk4: RigConfig) -> None:
+    force = the_force(rk4, **BORE_ALONE)
+    for angle in (0.0, 1.0, 4.0):
+        assert at(force, angle) == pytest.approx((0.3 * math.cos(angle + 0.5), 0.3 * math.sin(angle + 0.5)))
+
+
+def test_an_uneven_stiffness_turns_the_offset_s_force_twice_per_turn(rk4: RigConfig) -> None:
+    """Along its stiff diameter it pushes 0.3 N more, across it 0.3 N less, half-way it pushes sideways."""
+    force = the_force(rk4, **STIFFNESS_ALONE)
+    assert at(force, 0.0) == pytest.approx((0.3, 0.0), abs=1e-12)
+    assert at(force, math.pi / 4) == pytest.approx((0.0, 0.3), abs=1e-12)
+    assert at(force, math.pi / 2) == pytest.approx((-0.3, 0.0), abs=1e-12)
+    assert at(force, 0.0, x=1e-4) == pytest.approx((0.0, 0.0), abs=1e-12)  # the shaft stands where the motor does
+
+
+def test_an_unknown_parameter_is_refused(rk4: RigConfig) -> None:
+    with pytest.raises(DataError, match="has no parameter 'stifness_variation', did you mean 'stiffness_variation'"):
+        the_force(rk4, stifness_variation=1.0)
+
+
+def second_order(rig: RigConfig, rpm: float, faults: list[FaultSpec]) -> float:
+    """Return the 2X amplitude of probe 1x at a steady speed [m]."""
+    plant = Plant(rig, nameplate(rig, faults=faults))
+    plant.command(rpm * RPM, 1000.0, True)
+    plant.advance(3.0)
+    return float(abs(measured(plant, 1.5, order=2)[0]))
+
+
+def test_2x_peaks_at_half_the_first_critical_speed_and_needs_the_fault(rk4: RigConfig) -> None:
+    """The first criticals of 2226 and 2237 rpm are met by 2X at 1113 and 1118 rpm."""
+    fault = [FaultSpec(name="coupling", parameters={"bore_force": 0.0})]
+    speeds = [700, 900, 1000, 1080, 1115, 1150, 1230, 1400, 1700]
+    twice = [second_order(rk4, rpm, fault) for rpm in speeds]
+    assert speeds[int(np.argmax(twice))] == 1115
+    assert max(twice) > 5 * max(twice[0], twice[-1])
+    assert second_order(rk4, 1115, []) < 0.01 * max(twice)
+
+
+def test_the_bore_s_force_does_not_grow_with_speed_squared_as_an_unbalance_does(rk4: RigConfig) -> None:
+    def first(rpm: float, values: dict[str, float]) -> complex:
+        silent = nameplate(rk4, faults=[FaultSpec(name="coupling", parameters=values)])
+        plant = Plant(rk4, silent)
+        plant.command(rpm * RPM, 1000.0, True)
+        plant.advance(2.0)
+        return complex(measured(plant, 2.0)[0])
+
+    off = {"bore_force": 0.0, "stiffness_variation": 0.0}
+    slow, fast = (abs(first(rpm, BORE_ALONE) - first(rpm, off)) for rpm in (300, 600))
+    # both far below critical: only 1 / (1 - (W / w)^2) is left, 1.018 and 1.078
+    assert fast / slow == pytest.approx(1.078 / 1.018, rel=0.03)

@@ -1,0 +1,52 @@
+"""The drive in front of the simulated rig itself: what it believes is what the rotor does, within lag and hunting."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from rotorrig.rig.clock import ManualClock
+from rotorrig.rig.description import load
+from rotorrig.sims.plant import truth
+from rotorrig.sims.plant.plant import Plant
+from rotorrig.sims.wire.powerflex400 import PowerFlex400
+
+CONFIG = Path(__file__).parents[3] / "configs" / "rk4.toml"
+
+
+@pytest.fixture(scope="module")
+def rotor() -> Plant:
+    rig = load(CONFIG)
+    return Plant(rig, truth.draw(rig, seed=1))
+
+
+def test_the_simulated_rotor_goes_where_the_drive_believes_it_is(rotor: Plant, clock: ManualClock) -> None:
+    drive = PowerFlex400(rotor, rpm_per_hz=60.0, max_frequency=70.0, clock=clock)
+
+    def believed() -> float:
+        return drive.read(8451, 1)[0] / 100 * 2 * math.pi
+
+    drive.write(39, [1400, 700])  # 5 Hz/s up, 10 Hz/s down
+    drive.write(8192, [0b10, 1500])
+    rotor.advance(rotor.t + 2.0)
+    assert believed() == pytest.approx(10 * 2 * math.pi)
+    assert rotor.speed == pytest.approx(believed(), rel=0.04)  # 50 ms behind
+    rotor.advance(rotor.t + 2.0)
+    assert rotor.speed == pytest.approx(believed(), rel=0.005)
+
+    drive.write(37, [1])
+    drive.write(8192, [0b01])
+    rotor.advance(rotor.t + 2.0)
+    coasted = rotor.speed
+    assert 0.3 < coasted / (15 * 2 * math.pi) < 0.99
+
+    drive.write(8192, [0b10])
+    assert believed() == pytest.approx(coasted, abs=0.05)
+    rotor.advance(rotor.t + 3.0)
+    assert rotor.speed == pytest.approx(15 * 2 * math.pi, rel=0.005)
+
+    drive.write(37, [0])
+    drive.write(8192, [0b01])
+    rotor.advance(rotor.t + 2.5)
+    assert believed() == 0.0
+    assert rotor.speed < 0.05 * 15 * 2 * math.pi
