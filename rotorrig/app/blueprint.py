@@ -17,23 +17,21 @@ MAP_BOUNDS = rrb.VisualBounds2D(x_range=(-30, 208), y_range=(-13, 78))
 
 def live_blueprint(rig: RigConfig) -> rrb.Blueprint:
     """Return orbits left, Bode plots right, speed and time base below."""
-    recent = rrb.VisibleTimeRange(
-        "time",
-        start=rr.TimeRangeBoundary.cursor_relative(seconds=-TIME_BASE),
-        end=rr.TimeRangeBoundary.cursor_relative(),
-    )
-    whole = rrb.VisibleTimeRange(
-        "time", start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.cursor_relative()
-    )
+    now, ever = rr.TimeRangeBoundary.cursor_relative(), rr.TimeRangeBoundary.infinite()
+    recent = rr.TimeRangeBoundary.cursor_relative(seconds=-TIME_BASE)
     below = rrb.Horizontal(
         rrb.TimeSeriesView(
-            origin="speed", name="Speed, rpm", time_ranges=[whole], plot_legend=rrb.PlotLegend(visible=False)
+            origin="speed",
+            name="Speed, rpm",
+            axis_x=rrb.TimeAxis(view_range=rr.TimeRange(ever, ever)),
+            time_ranges=[rrb.VisibleTimeRange("time", start=ever, end=now)],
+            plot_legend=rrb.PlotLegend(visible=False),
         ),
         rrb.TimeSeriesView(
             origin="waveform",
             name="Time base, µm about the mean; dots at the keyphasor",
-            axis_x=rrb.TimeAxis(view_range=rr.TimeRange(recent.range.start, recent.range.end)),
-            time_ranges=[recent],
+            axis_x=rrb.TimeAxis(view_range=rr.TimeRange(recent, now)),
+            time_ranges=[rrb.VisibleTimeRange("time", start=recent, end=now)],
             plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop),
         ),
         column_shares=[1, 1.6],

@@ -182,7 +182,7 @@ def import_(
     config: Annotated[Path, typer.Option("--config", help="the rig's TOML file", show_default=False)],
     vectors: Annotated[Path | None, typer.Option("--vectors", help="a mapping (TOML): FILE is a Bode table")] = None,
 ) -> None:
-    """Bring in foreign data: waveforms (to a run.mcap) or, with --vectors MAPPING, a Bode table (to a response.mcap)."""
+    """Bring in waveforms (to a run.mcap) or, with --vectors MAPPING, a Bode table (to a response.mcap)."""
     from rotorrig.app import importing
 
     out.print(importing.bring_in(file, rig=load(config), mapping=vectors, out=out_file), highlight=False)

@@ -107,7 +107,7 @@ def phase_window(z: NDArray[np.complex128]) -> float:
     gaps = np.diff(np.append(lags, lags[0] + 360.0))
     widest = int(np.argmax(gaps))
     middle = lags[widest] + gaps[widest] / 2
-    return float(np.round(middle / 45.0) * 45.0) - 360.0 * (middle > 180.0)
+    return float(np.round(middle / 45.0) * 45.0 - (360.0 if middle > 180.0 else 0.0))
 
 
 def broken_at_wraps(lag: NDArray[np.float64]) -> NDArray[np.float64]:

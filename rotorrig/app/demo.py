@@ -63,7 +63,8 @@ def run_demo(rig: RigConfig, *, out: Path, seed: int = 1, rate: float = 20.0) ->
         _report(rig, folder, found, diagnosis, truth)
     console.rule()
     console.print(
-        f"Done in {time.perf_counter() - began:.0f} s. Open {out / 'report.html'} and {out / 'misaligned/report.html'}; "
+        f"Done in {time.perf_counter() - began:.0f} s. "
+        f"Open {out / 'report.html'} and {out / 'misaligned/report.html'}; "
         f"rotor view {out / 'demo.rrd'} shows orbits and Bode plots."
     )
 
@@ -94,7 +95,7 @@ def _sweep(rig: RigConfig, folder: Path, case: Case, rate: float, bars: Progress
 
     with simulated_bench(rig.text, seed=case.seed, hidden=folder / SEALED, rate=rate) as ports:
         bars.update(task, description="sweeping")
-        result = record_sweep(rig, out=folder / "run.mcap", ports=ports, progress=show)
+        result = record_sweep(rig, out=folder / "run.mcap", ports=ports, overwrite=True, progress=show)
     bars.update(task, completed=1.0, note=f"{result.seconds:.0f} s recorded")
 
 

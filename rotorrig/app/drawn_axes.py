@@ -34,6 +34,7 @@ class Panel:
     y: tuple[float, float]
     x_step: float
     y_step: float
+    y_turn: float = math.inf  # 360 for an angle: labels start again there
     title: str = ""
     x_title: str = ""
 
@@ -70,7 +71,10 @@ class Panel:
     def _labels(self, xs: Sequence[float], ys: Sequence[float]) -> list[tuple[float, float, str]]:
         below, beside = self.top + self.height + 5.5, self.left - 8.0
         found = [(self.place([x], [0])[0][0], below, f"{x:g}") for x in xs] if self.x_title else []
-        found += [(beside, self.place([0], [y])[0][1], f"{y:g}") for y in ys]
+        found += [
+            (beside, self.place([0], [y])[0][1], f"{y % self.y_turn if math.isfinite(self.y_turn) else y:g}")
+            for y in ys
+        ]
         found.append((self.left + self.width / 2, self.top - 5.0, self.title))
         if self.x_title:
             found.append((self.left + self.width / 2, below + 7.5, self.x_title))

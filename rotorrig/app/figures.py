@@ -33,13 +33,14 @@ def bode(response: OrderTrackedResponse, probe: int, *, prediction: NDArray[np.c
     """
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.06, row_heights=[0.62, 0.38])
     for curve in curves(response, probe, prediction=prediction):
-        figure.add_trace(_measured(curve, curve.amplitude, "%{y:.2f} µm"), row=1, col=1)
-        figure.add_trace(_measured(curve, curve.lag, "%{y:.1f}°", legend=False), row=2, col=1)
+        figure.add_trace(_trace(curve, curve.amplitude), row=1, col=1)
+        figure.add_trace(_trace(curve, curve.lag, angle=True, legend=False), row=2, col=1)
         if curve.model_amplitude is not None and curve.model_lag is not None:
-            figure.add_trace(_modelled(curve, curve.model_amplitude, "%{y:.2f} µm"), row=1, col=1)
-            figure.add_trace(_modelled(curve, curve.model_lag, "%{y:.1f}°", legend=False), row=2, col=1)
+            figure.add_trace(_trace(curve, curve.model_amplitude, modelled=True), row=1, col=1)
+            figure.add_trace(_trace(curve, curve.model_lag, modelled=True, angle=True, legend=False), row=2, col=1)
     figure.update_yaxes(title="amplitude, µm 0-peak", rangemode="tozero", row=1, col=1)
-    figure.update_yaxes(title="phase lag, °", dtick=90, row=2, col=1)
+    quarters = np.arange(-360, 811, 90)  # an axis may begin anywhere; its labels stay within 0 .. 360
+    figure.update_yaxes(title="phase lag, °", tickvals=quarters, ticktext=quarters % 360, row=2, col=1)
     figure.update_xaxes(title="speed, rpm", row=2, col=1)
     return _styled(figure, height=430)
 
@@ -84,44 +85,41 @@ def order_amplitudes(response: OrderTrackedResponse, order: float) -> go.Figure:
     for p in range(len(response.probes)):
         place = {"row": p // 2 + 1, "col": p % 2 + 1}
         for i, curve in enumerate(curves(response, p, order=order)):
-            figure.add_trace(_measured(curve, curve.amplitude, "%{y:.2f} µm", legend=p == 0), **place)
+            figure.add_trace(_trace(curve, curve.amplitude, legend=p == 0), **place)
             if i == 0:
                 figure.add_trace(_noise(curve, legend=p == 0), **place)
     figure.update_yaxes(rangemode="tozero", title="µm 0-peak", col=1)
     figure.update_xaxes(title="speed, rpm", row=(len(response.probes) + 1) // 2)
-    return _styled(figure, height=80 + 210 * ((len(response.probes) + 1) // 2))
+    _styled(figure, height=80 + 210 * ((len(response.probes) + 1) // 2))
+    figure.update_layout(legend_y=1.06, margin_t=56)  # above the panels' titles
+    return figure
 
 
-def _measured(curve: Curve, y: NDArray[np.float64], reading: str, *, legend: bool = True) -> go.Scatter:
-    name = escape(curve.run)
-    return go.Scatter(
-        x=np.round(curve.rpm, 1),
-        y=np.round(y, 3),
-        mode="markers",
-        name=name,
-        legendgroup=name,
-        showlegend=legend,
-        marker={
-            "size": 5,
-            "color": COLOURS[curve.direction],
-            "opacity": 0.6,
-            "symbol": "circle" if curve.direction > 0 else "circle-open",  # two runs that agree stay two
-        },
-        hovertemplate=f"%{{x:.0f}} rpm: {reading}<extra>{name}</extra>",
+def _trace(
+    curve: Curve, y: NDArray[np.float64], *, modelled: bool = False, angle: bool = False, legend: bool = True
+) -> go.Scatter:
+    """Return one run of a plot: dots if measured, a line if modelled; an angle is read out within 0 .. 360."""
+    name = escape(curve.run) + (", model" if modelled else "")
+    rising, colour = curve.direction > 0, COLOURS[curve.direction]
+    look = (
+        {"mode": "lines", "line": {"width": 1.8, "color": colour, "dash": "solid" if rising else "dash"}}
+        if modelled
+        # two symbols, so that two runs that agree are still seen to be two
+        else {
+            "mode": "markers",
+            "marker": {"size": 5, "color": colour, "opacity": 0.6, "symbol": "circle" if rising else "circle-open"},
+        }
     )
-
-
-def _modelled(curve: Curve, y: NDArray[np.float64], reading: str, *, legend: bool = True) -> go.Scatter:
-    name = f"{escape(curve.run)}, model"
+    reading = "%{customdata:.1f}°" if angle else "%{y:.2f} µm"
     return go.Scatter(
         x=np.round(curve.rpm, 1),
         y=np.round(y, 3),
-        mode="lines",
+        customdata=np.round(y % 360.0, 1) if angle else None,
         name=name,
         legendgroup=name,
         showlegend=legend,
-        line={"width": 1.8, "color": COLOURS[curve.direction], "dash": "solid" if curve.direction > 0 else "dash"},
         hovertemplate=f"%{{x:.0f}} rpm: {reading}<extra>{name}</extra>",
+        **look,
     )
 
 

@@ -1,5 +1,7 @@
 """What a sweep looks like as it runs: orbits, growing Bode plots, speed and time base, drawn into a Rerun stream."""
 
+import dataclasses
+
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
@@ -13,7 +15,8 @@ from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 
 OLDER = (52, 96, 128)  # the turns before the last
-PER_TURN = 64  # points of a turn that are drawn
+PER_TURN = 64  # points of a turn that are drawn, at least
+BODE_EVERY = 1.0  # s of the sample clock: the whole curve is sent each time
 PROBE_COLOURS = ((74, 163, 223), (242, 142, 43), (126, 200, 120), (214, 120, 200))
 
 
@@ -25,7 +28,7 @@ class LiveScene:
         self._probes = tuple(probe.name for probe in rig.probes)
         self._tracker = LiveTracker(rig, info)
         self._bode = GrowingBode()
-        self._grown = False
+        self._grown, self._bode_due = False, 0.0
         self._planes = planes(rig)
         self._orbits = [OrbitPicture(stream, f"orbit/{i}") for i in range(len(self._planes))]
         top = fastest_rpm(rig)
@@ -40,14 +43,14 @@ class LiveScene:
         """Track the next block."""
         self._grown |= self._bode.add(*self._tracker.take(block))
 
-    def draw(self) -> None:
-        """Draw the present state at the present time of the sample clock."""
+    def draw(self, *, last: bool = False) -> None:
+        """Draw the present state at the present time of the sample clock; the `last` picture leaves nothing out."""
         self._stream.set_time("time", duration=self._tracker.time)
         self._stream.log("speed/keyphasor", rr.Scalars(self._tracker.speed * RPM))
-        if self._grown:
+        if self._grown and (last or self._tracker.time >= self._bode_due):
             self._draw_bodes()
-            self._grown = False
-        if (waveform := self._tracker.waveform()) is not None:
+            self._grown, self._bode_due = False, self._tracker.time + BODE_EVERY
+        if (waveform := _thinned(self._tracker.waveform())) is not None:
             for plane, picture in zip(self._planes, self._orbits, strict=True):
                 self._draw_orbit(plane, picture, waveform)
             self._draw_time_base(waveform)
@@ -71,7 +74,7 @@ class LiveScene:
             for way, (rpm, z) in drawn.items():
                 name, colour, order = ("up", UP, 2.0) if way > 0 else ("down", DOWN, 3.0)
                 picture.line(name, panels, rpm, z[:, p], colour, order=order)
-            rpm, z = drawn[self._bode.direction] if self._bode.direction in drawn else drawn[-self._bode.direction]
+            rpm, z = drawn[self._bode.direction]
             picture.dots("now", panels, rpm[-1:], z[-1:, p], MARK, radius=4.0, order=4.0)
 
     def _draw_orbit(self, plane: Plane, picture: OrbitPicture, waveform: Waveform) -> None:
@@ -83,14 +86,13 @@ class LiveScene:
         picture.draw([*orbits, ("last-turn", xy[last], UP)], at_edges)
 
     def _draw_time_base(self, waveform: Waveform) -> None:
-        """Send what is new, thinned, with a break where turns were left out."""
-        step = max(1, len(waveform.t) // (PER_TURN * (len(waveform.edges) - 1)))
-        t, x = waveform.t[::step], waveform.x[::step] * UM
+        """Send what is new, with a break where turns were left out."""
+        t, x = waveform.t, waveform.x * UM
         new, edges = t > self._shown_until, waveform.edges[waveform.edges > self._shown_until]
         t, x = t[new], x[new]
         if not len(t):
             return
-        if t[0] - self._shown_until > 2 * step * (waveform.t[1] - waveform.t[0]):
+        if t[0] - self._shown_until > 2 * (waveform.t[1] - waveform.t[0]):
             t, x = np.append(t[0] - 1e-6, t), np.vstack([np.full(x.shape[1], np.nan), x])
         for p, name in enumerate(self._probes):
             self._send(f"waveform/{name}", t, x[:, p])
@@ -102,3 +104,11 @@ class LiveScene:
             self._stream.send_columns(
                 path, indexes=[rr.TimeColumn("time", duration=t)], columns=rr.Scalars.columns(scalars=values)
             )
+
+
+def _thinned(waveform: Waveform | None) -> Waveform | None:
+    """Return about `PER_TURN` points of each turn."""
+    if waveform is None:
+        return None
+    step = max(1, len(waveform.t) // (PER_TURN * (len(waveform.edges) - 1)))
+    return dataclasses.replace(waveform, t=waveform.t[::step], x=waveform.x[::step])

@@ -2,6 +2,7 @@
 
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Literal
 
 from rotorrig.acquisition.mcap_file import read_recording
 from rotorrig.acquisition.replay import ReplayDaq
@@ -11,7 +12,7 @@ from rotorrig.rig.errors import ConfigError
 
 def play(path: Path, *, rate: str, view: bool) -> float:
     """Play `path` and return its length [s]. Raises DataError, ConfigError."""
-    pace: str | float = rate
+    pace: float | Literal["max"] = "max"
     if rate != "max":
         try:
             pace = float(rate)

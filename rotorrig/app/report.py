@@ -18,7 +18,7 @@ from rotorrig.app.curves import RPM, slow_roll_known
 from rotorrig.app.orbit_drawing import orbit_pictures
 from rotorrig.app.report_verdict import banner
 from rotorrig.app.rig_drawing import end_view, side_view
-from rotorrig.identify.diagnosis import Diagnosis
+from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Identification
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import DataError
@@ -40,7 +40,7 @@ def write_report(
     _check(response, identification, diagnosis)
     sections = [
         banner(identification, diagnosis),
-        _identified(response, identification, truth),
+        _identified(response, identification, diagnosis, truth),
         _bode(response, identification),
         _residuals(response, diagnosis),
         _orders(response),
@@ -81,17 +81,22 @@ def _check(response: OrderTrackedResponse, identification: Identification | None
 
 
 def _identified(
-    response: OrderTrackedResponse, identification: Identification | None, truth: Mapping[str, float] | None
+    response: OrderTrackedResponse,
+    identification: Identification | None,
+    diagnosis: Diagnosis | None,
+    truth: Mapping[str, float] | None,
 ) -> str:
     if identification is None:
         return ""
+    wrong = diagnosis is not None and diagnosis.verdict not in (Verdict.ADEQUATE, Verdict.CANNOT_TELL)
+    warning = f'<p class="warning">{_WRONG_MODEL}</p>' if wrong else ""
     search = response.rig.identify
     tables = [report_tables.estimates(fit, search=search, truth=truth) for fit in identification.fits]
     nuisances = [report_tables.nuisances(fit) for fit in identification.fits[:1] if fit.nuisances]
     note = (
         "<p>± is one standard deviation of this data and this model; it says nothing of what the model leaves out.</p>"
     )
-    return _section("identified", "Identified values", *tables, note, *nuisances)
+    return _section("identified", "Identified values", warning, *tables, note, *nuisances)
 
 
 def _bode(response: OrderTrackedResponse, identification: Identification | None) -> str:
@@ -163,6 +168,10 @@ def _orders(response: OrderTrackedResponse) -> str:
     return _section("orders", "Other orders", f"<p>{escape(_ORDERS_NOTE)}</p>", *plots)
 
 
+_WRONG_MODEL = (
+    "These are the values with which a model that does not describe the run comes nearest to it: "
+    "they may be off by far more than their standard deviations say."
+)
 _ORDERS_NOTE = (
     "An unbalanced linear rotor answers at 1X alone. A peak here at a critical speed divided by the order "
     "means a force at that order: misalignment, a loose or nonlinear support, a shaft of uneven stiffness."

@@ -15,7 +15,7 @@ HEADLINES = {
     Verdict.ADEQUATE: ("good", "The model describes this run"),
     Verdict.NAMED: ("bad", "The base model does NOT describe this run; a cause is named"),
     Verdict.TIED: ("bad", "The base model does NOT describe this run; several causes fit equally well"),
-    Verdict.UNEXPLAINED: ("bad", "The model does NOT describe this run, and no known cause explains it"),
+    Verdict.UNEXPLAINED: ("bad", "The model does NOT describe this run"),
     Verdict.CANNOT_TELL: ("unsure", "This data cannot tell whether the model is right"),
 }
 
@@ -24,6 +24,8 @@ def banner(identification: Identification | None, diagnosis: Diagnosis | None) -
     """Return the verdict as HTML: a headline, a sentence, and the figures behind them."""
     if diagnosis is not None:
         tone, headline = HEADLINES[diagnosis.verdict]
+        if diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.causes:
+            headline += ", and none of the causes tried explains it"
         return _banner(tone, headline, diagnosis.sentence, _evidence(diagnosis), _worst(diagnosis))
     if identification is not None and identification.fits:
         fit = identification.fits[0]
@@ -70,4 +72,5 @@ def size(misfits: Sequence[Misfit]) -> str:
 def _worst(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.verdict is Verdict.ADEQUATE:
         return []
-    return [misfit.sentence for misfit in diagnosis.worst[:SHOWN_MISFITS]]
+    sentences = [misfit.sentence for misfit in diagnosis.worst[:SHOWN_MISFITS]]
+    return [sentence for sentence in sentences if sentence not in diagnosis.sentence]

@@ -23,15 +23,16 @@ class OrbitPicture:
     def __init__(self, stream: rr.RecordingStream, path: str) -> None:
         self._stream = stream
         self._path = path
-        self._scale = 0.0
+        self._scale = SMALLEST_ORBIT
+        orbit_panel(self._scale).log(stream, f"{path}/axes")
 
     def draw(self, orbits: list[tuple[str, NDArray[np.float64], Colour]], dots: NDArray[np.float64]) -> None:
         """Draw named orbits (point, 2) [µm], NaN breaks a line, and dots (dot, 2) [µm] at keyphasor edges."""
         reach = max((float(np.nanmax(np.abs(xy))) for _, xy, _ in orbits if np.isfinite(xy).any()), default=0.0)
-        if reach > self._scale or reach < SHRINK * self._scale:
+        if reach > self._scale or SMALLEST_ORBIT < reach < SHRINK * self._scale:
             self._scale = max(nice(1.05 * reach), SMALLEST_ORBIT)
+            orbit_panel(self._scale).log(self._stream, f"{self._path}/axes")
         panel = orbit_panel(self._scale)
-        panel.log(self._stream, f"{self._path}/axes")
         for name, xy, colour in orbits:
             self._stream.log(f"{self._path}/{name}", rr.LineStrips2D(panel.strips(*xy.T), colors=colour, radii=-1.0))
         places = panel.place(*dots.T) if len(dots) else np.empty((0, 2))
@@ -71,7 +72,8 @@ class BodePicture:
         )  # fmt: skip
         lag = Panel(
             left=0, top=66, width=186, height=34, x=wide, y=(lag_from, lag_from + 360), x_step=step,
-            y_step=90, title="phase lag, °", x_title="speed, rpm",
+            y_step=90,
+            y_turn=360, title="phase lag, °", x_title="speed, rpm",
         )  # fmt: skip
         if (amplitude, lag) != self._drawn:
             amplitude.log(self._stream, f"{self._path}/amplitude/axes", static=self._static)

@@ -23,6 +23,7 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.waveform import Waveforms
 
 ORBIT_SPEEDS = 60
+MAP_BINS = 100  # of the residual map: about four rows of a run in each
 RAW = (96, 104, 112)
 SIGMA_STOPS = (
     (0.0, (34, 38, 43)),
@@ -53,7 +54,7 @@ def write_result_rrd(
         _draw_by_speed(stream, response, prediction, recording, bodes)
     if diagnosis is not None:
         _draw_residual(stream, response, diagnosis)
-    words = _words(response, identification, diagnosis)
+    words = _words(response, identification, diagnosis, recorded=recording is not None)
     stream.log("verdict", rr.TextDocument(words, media_type=rr.MediaType.MARKDOWN), static=True)
     stream.disconnect()
 
@@ -134,11 +135,11 @@ def _unfiltered(
 
 def _draw_residual(stream: rr.RecordingStream, response: OrderTrackedResponse, diagnosis: Diagnosis) -> None:
     """Draw the 1X residual as an image with its own axes, 200 wide and 60 high."""
-    labels, edges, grid = residual_grid(response, diagnosis.sigmas, bins=200)
+    labels, edges, grid = residual_grid(response, diagnosis.sigmas, bins=MAP_BINS)
     if not len(labels):
         return
     tall = max(1, 60 // len(labels))
-    image = np.kron(_coloured(grid), np.ones((tall, 1, 1), dtype=np.uint8))
+    image = np.kron(_coloured(grid), np.ones((tall, 200 // MAP_BINS, 1), dtype=np.uint8))
     height = float(image.shape[0])
     stream.log("residual/map", rr.Image(image), static=True)
     panel = Panel(
@@ -162,7 +163,13 @@ def _coloured(grid: NDArray[np.float64]) -> NDArray[np.uint8]:
     return image.astype(np.uint8)
 
 
-def _words(response: OrderTrackedResponse, identification: Identification | None, diagnosis: Diagnosis | None) -> str:
+def _words(
+    response: OrderTrackedResponse,
+    identification: Identification | None,
+    diagnosis: Diagnosis | None,
+    *,
+    recorded: bool,
+) -> str:
     said = [f"# {response.rig.name}"]
     if diagnosis:
         said += [f"**{str(diagnosis.verdict).upper()}**: {diagnosis.sentence}"]
@@ -172,4 +179,6 @@ def _words(response: OrderTrackedResponse, identification: Identification | None
             f"\n| {e.name} | {plus_minus(e)} | {shown(e.nameplate, e.unit)} |" for e in identification.fits[0].estimates
         )
     said.append("Blue: speed rises, orange: it falls; dots measured, pale lines model. White dot: keyphasor edge.")
+    if recorded:
+        said.append("Grey: the orbit as recorded, two turns, runout included.")
     return "\n\n".join(said)

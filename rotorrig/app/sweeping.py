@@ -1,8 +1,9 @@
 """Run a sweep from a config: connect, record, stop, close, with the drivers a lab would use."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rotorrig.acquisition import plans
 from rotorrig.acquisition.engine import SweepResult, run_sweep
@@ -12,9 +13,12 @@ from rotorrig.rig import connect
 from rotorrig.rig.clock import WallClock
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.interlock import Interlock
-from rotorrig.rig.probes.base import Block
+from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.provenance import Provenance, code_version
 from rotorrig.sims.wire.launch import BenchPorts, simulated_bench
+
+if TYPE_CHECKING:
+    from rotorrig.app.viewer import LiveView
 
 Progress = Callable[[plans.Step, float, float], None]  # step, fraction of the sweep's steps, speed [rad/s]
 
@@ -23,14 +27,13 @@ def sweep(rig: RigConfig, *, out: Path, plan: str, seed: int | None, rate: float
     """Run `rotor sweep`: with a `seed` on a simulated rig, otherwise on the config's devices; live view if wanted."""
     with ExitStack() as stack:
         ports = None if seed is None else stack.enter_context(simulated_bench(rig.text, seed=seed, rate=rate))
-        listeners = [stack.enter_context(live_view(rig))] if view else []
         bars = stack.enter_context(progress_bars())
         task = bars.add_task("sweeping", total=1.0, note="")
 
         def show(step: plans.Step, fraction: float, speed: float) -> None:
             bars.update(task, completed=fraction, note=f"{speed * plans.RPM:.0f} rpm")
 
-        return record_sweep(rig, out=out, plan=plan, ports=ports, listeners=listeners, progress=show)
+        return record_sweep(rig, out=out, plan=plan, ports=ports, view=view, progress=show)
 
 
 def record_sweep(
@@ -39,7 +42,8 @@ def record_sweep(
     out: Path,
     plan: str = "default",
     ports: BenchPorts | None = None,
-    listeners: Sequence[Callable[[Block], None]] = (),
+    overwrite: bool = False,
+    view: bool = False,
     progress: Progress | None = None,
 ) -> SweepResult:
     """Run plan `plan` of the config and record it to `out`; `ports` replace the config's, for a simulated rig.
@@ -52,10 +56,11 @@ def record_sweep(
         daq = stack.enter_context(connect.daq(rig, port=ports.daq_port if ports else None))
         motor.open()
         info = daq.open()
+        live = stack.enter_context(_live_view(rig, info)) if view else None
         source = Provenance(
             config_hash=rig.hash, code_version=code_version(), source="simulated rig" if ports else rig.name
         )
-        writer = stack.enter_context(RecordingWriter(out, rig, info, source))
+        writer = stack.enter_context(RecordingWriter(out, rig, info, source, overwrite=overwrite))
         return run_sweep(
             steps,
             motor=motor,
@@ -63,7 +68,13 @@ def record_sweep(
             rig=rig,
             writer=writer,
             interlock=Interlock(rig, info),
-            listeners=listeners,
+            listeners=[live.show] if live else [],
             progress=progress,
             clock=WallClock(),
         )
+
+
+def _live_view(rig: RigConfig, info: DaqInfo) -> "LiveView":
+    from rotorrig.app.viewer import LiveView, serve  # Rerun takes a second to import
+
+    return LiveView(rig, info, serve())

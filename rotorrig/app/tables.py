@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 
+from rich import box
 from rich.table import Table
 
 from rotorrig.acquisition.plans import RPM
@@ -22,24 +23,24 @@ SHOWN = {
 
 def identified(found: Identification, truth: Mapping[str, float] | None = None) -> Table:
     """Return a table of every fit's values and 1-sigma uncertainties; errors in % and sigmas where truth is known."""
-    table = Table(title="Identified, ± 1 sigma" + (", beside the plant's sealed truth" if truth else ""))
-    table.add_column("")
-    table.add_column("nameplate", justify="right")
-    for fit in found.fits:
-        table.add_column(f"{fit.name}\n{fit.band[0] * RPM:.0f}-{fit.band[1] * RPM:.0f} rpm", justify="right")
-        if truth:
-            table.add_column("error", justify="right")
+    beside = ", beside the plant's sealed truth" if truth else ""
+    table = Table(title=f"Identified, ± 1 sigma{beside}", box=box.SIMPLE_HEAD, title_justify="left")
+    table.add_column("", no_wrap=True)
+    table.add_column("plate", justify="right")
     if truth:
         table.add_column("truth", justify="right")
+    for fit in found.fits:
+        band = f"{fit.band[0] * RPM:.0f}-{fit.band[1] * RPM:.0f} rpm"
+        table.add_column(f"{fit.name}\n{band}", justify="right", no_wrap=True)
+        if truth:
+            table.add_column("off", justify="right", no_wrap=True)
     for name, (factor, unit) in SHOWN.items():
-        cells = [f"{name} [{unit}]".replace("[", r"\["), number(found.fits[0].estimate(name).nameplate * factor)]
+        cells = [rf"{name} \[{unit}]", number(found.fits[0].estimate(name).nameplate * factor)]
+        cells += [number(truth[name] * factor)] if truth else []
         for fit in found.fits:
             estimate = fit.estimate(name)
             cells.append(value_with_sigma(estimate, factor))
-            if truth:
-                cells.append(error(estimate, truth[name], factor))
-        if truth:
-            cells.append(number(truth[name] * factor))
+            cells += [error(estimate, truth[name], factor)] if truth else []
         table.add_row(*cells)
     return table
 
@@ -47,23 +48,17 @@ def identified(found: Identification, truth: Mapping[str, float] | None = None) 
 def value_with_sigma(estimate: Estimate, factor: float) -> str:
     """Return "33.91 ± 0.12", with as many digits as the sigma warrants."""
     if not estimate.determined or not math.isfinite(estimate.sigma):
-        return f"({estimate.value * factor:.3g}) not determined"
+        return f"({estimate.value * factor:.3g}) undetermined"
     sigma = estimate.sigma * factor
     digits = max(0, 1 - math.floor(math.log10(sigma))) if sigma > 0 else 3
     return f"{estimate.value * factor:.{digits}f} ± {sigma:.{digits}f}"
 
 
 def error(estimate: Estimate, truth: float, factor: float) -> str:
-    """Return "+0.4 %, 0.7 sigma"; an angle's error in degrees."""
-    difference = estimate.value - truth
+    """Return "+0.4 %", or an angle's error in degrees."""
     if estimate.name == "phase":
-        difference = math.remainder(difference, 2 * math.pi)
-        size = f"{difference * factor:+.2f} deg"
-    else:
-        size = f"{difference / truth:+.2%}".replace("%", " %")
-    if not estimate.determined or not math.isfinite(estimate.sigma):
-        return size
-    return f"{size}, {abs(difference) / estimate.sigma:.1f} sigma"
+        return f"{math.remainder(estimate.value - truth, 2 * math.pi) * factor:+.1f}°"
+    return f"{100 * (estimate.value / truth - 1):+.1f} %"
 
 
 def number(value: float) -> str:

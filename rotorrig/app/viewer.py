@@ -85,6 +85,7 @@ class LiveView:
                     self._scene.take(block)
                 self._scene.draw()
                 self._pause(FRAME - (time.monotonic() - began))
+            self._scene.draw(last=True)
             self._stream.disconnect()
         except Exception as error:  # a picture is not worth a sweep
             self.fault = f"{type(error).__name__}: {error}"
@@ -163,6 +164,7 @@ def write_recording_rrd(path: Path, recording: RawRecording) -> None:
             t_ns = round(at * 1e9 / recording.daq.sample_rate)
             scene.take(Block(counts=counts[begin : begin + step], first_sample=at, t_ns=t_ns))
             scene.draw()
+    scene.draw(last=True)
     stream.disconnect()
 
 

@@ -11,7 +11,7 @@ nameplate errors included: benchmarks/healthy.py, figures in docs/adequacy.md.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,8 @@ from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse
 
 STRETCH = 8  # rows
-GLOBAL_LIMIT = 1.5  # chi2 per degree of freedom
-FOCUSED_LIMIT = 3.0  # rms sigma of the worst stretch
+GLOBAL_LIMIT = 1.0  # chi2 per degree of freedom
+FOCUSED_LIMIT = 2.5  # rms sigma of the worst stretch
 FALSE_ALARM_RATE = 0.05
 
 RPM = 30 / np.pi
@@ -139,6 +139,8 @@ def _misfit(
     sigmas: NDArray[np.float64],
     s: _Stretch,
 ) -> Misfit:
+    odd = s.rows[sigmas[s.rows, s.probe, s.order] > FOCUSED_LIMIT]
+    s = replace(s, rows=np.arange(odd[0], odd[-1] + 1)) if len(odd) else s  # a stretch is coarser than its cause
     off = residual[s.rows, s.probe, s.order]
     peak = float(np.nanmax(np.abs(off)))
     at = float(response.omega[s.rows[np.nanargmax(np.abs(off))]])

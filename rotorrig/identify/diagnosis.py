@@ -77,7 +77,7 @@ def _sentence(adequacy: Adequacy) -> str:
             f"(limit {GLOBAL_LIMIT:g}), the worst stretch of speeds at {adequacy.worst_sigma:.1f} sigma "
             f"(limit {FOCUSED_LIMIT:g})."
         )
-    worst = adequacy.misfits[0].sentence if adequacy.misfits else ""
+    worst = " ".join({m.order: m.sentence for m in reversed(adequacy.misfits)}.values())  # the loudest of each order
     return (
         f"The model is NOT adequate: 1X residuals at {adequacy.reduced_chi2:.3g} chi2 per degree of freedom "
         f"(limit {GLOBAL_LIMIT:g}), the worst stretch of speeds at {adequacy.worst_sigma:.0f} sigma "

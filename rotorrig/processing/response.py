@@ -5,12 +5,15 @@ metres, 0-peak; phase lag = -arg z. Order 0 holds the gap (mean position) as a r
 """
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.provenance import Provenance
+
+Window = Literal["hann", "rectangular"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,7 +38,7 @@ class OrderTrackedResponse:
     omega: NDArray[np.float64]  # (speed,) rad/s, mean over the window
     alpha: NDArray[np.float64]  # (speed,) rad/s^2; NaN: unknown
     revolutions: NDArray[np.float64]  # (speed,) length of the row's window in turns
-    window: str  # "hann" or "rectangular": the weights of the turns in a row, the tracking filter's smear
+    window: Window  # the weights of the turns in a row, the tracking filter's smear
     z: NDArray[np.complex128]  # (speed, probe, order) m, 0-peak, raw
     covariance: NDArray[np.float64]  # (speed, order, 2 probe, 2 probe) m^2 of (re z_1, im z_1, re z_2, ...)
     slow_roll: NDArray[np.complex128]  # (probe, order) m; NaN where there is none

@@ -10,14 +10,14 @@ import math
 from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.mcap_file import Contents, FileKind, FileWriter, read_file
 from rotorrig.acquisition.schemas import message_type
-from rotorrig.processing.response import OrderTrackedResponse, Run
+from rotorrig.processing.response import OrderTrackedResponse, Run, Window
 from rotorrig.rig.errors import DataError
 
 KIND = FileKind(name="response", version=1, remedy="make it anew with `rotor track`")
@@ -117,6 +117,8 @@ def read_response(path: Path) -> OrderTrackedResponse:
         reasons = tuple(tuple(str(word) for word in row) for row in json.loads(table.reasons_json))
     except (ValueError, TypeError, KeyError) as error:
         raise DataError(f"{path}: its runs or reasons cannot be read ({error})") from error
+    if table.window not in get_args(Window):
+        raise DataError(f"{path}: has window {table.window[:40]!r}, want one of {', '.join(get_args(Window))}")
     response = OrderTrackedResponse(
         rig=contents.rig,
         probes=tuple(table.probes),

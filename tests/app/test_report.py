@@ -100,6 +100,7 @@ def test_a_poor_fit_says_so_with_its_misfit_in_micrometres_and_sigma(
     assert 'class="banner bad"' in text
     assert f"largest misfit {poor.worst[0].residual * 1e6:.3g} µm, {poor.worst[0].sigma:.3g} σ" in page.said()
     assert poor.worst[0].sentence in page.said()
+    assert "a model that does not describe the run" in page.said()  # beside the values it gave
 
 
 def test_a_poor_fit_nobody_diagnosed_is_still_called_poor(
@@ -116,6 +117,16 @@ def test_a_good_fit_nobody_diagnosed_is_not_called_good(
 ) -> None:
     write_report(path, response=response, identification=identification)
     assert Page(path.read_text()).first("h2") == "Not judged"
+
+
+def test_an_unexplained_run_claims_no_more_than_was_tried(
+    path: Path, response: OrderTrackedResponse, poorly_fitted: Identification, poor: Diagnosis
+) -> None:
+    write_report(path, response=response, identification=poorly_fitted, diagnosis=poor)
+    assert "causes tried" not in Page(path.read_text()).first("h2")
+    tried = dataclasses.replace(poor, causes=({"cause": "bow", "gain": 0.1},))
+    write_report(path, response=response, identification=poorly_fitted, diagnosis=tried)
+    assert Page(path.read_text()).first("h2").endswith("none of the causes tried explains it")
 
 
 def test_a_response_alone_makes_a_report(path: Path, response: OrderTrackedResponse) -> None:

@@ -169,7 +169,7 @@ def headless() -> Iterator[ViewerClient]:
     port = free_port()
     words = [viewer_program(), "--headless", "--bind", "127.0.0.1", "--port", str(port), "--hide-welcome-screen"]
     process = subprocess.Popen(
-        [*words, "--window-size", "1500x950"],
+        [*words, "--window-size", "1300x850"],
         env=quiet_environment(),
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
@@ -226,7 +226,9 @@ def test_the_result_is_drawn_in_every_view(
     assert len(seen) == 8
     for name, picture in seen.items():
         if name.startswith("Bode"):
-            assert pixels(picture, BLUE) > 50 and pixels(picture, ORANGE) > 50
+            # the model lies on both runs and one run on the other: much of the two colours is covered
+            assert pixels(picture, BLUE) > 15 and pixels(picture, ORANGE) > 15
+            assert pixels(picture, (250, 200, 140)) > 200  # the model
         elif name.startswith("Orbit"):
             assert pixels(picture, BLUE) > 200
             assert pixels(picture, (240, 240, 240)) > 20  # the keyphasor dot

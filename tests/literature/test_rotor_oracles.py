@@ -38,16 +38,16 @@ def test_rk4_unbalance_response_is_that_of_ross(rk4, case, left):
 
 
 def test_lalanne_natural_frequencies_at_25000_rpm(lalanne):
-    want = [55.411, 67.197, 157.898, 193.640, 249.854, 407.470, 446.718, 622.70, 714.92]  # Hz, ROSS, FACTS
+    want = [55.411, 67.197, 157.898, 193.640, 249.854, 407.470, 446.718, 622.70, 714.92]  # Hz, ROSS
     modes = whirl_modes(assemble(lalanne, max_element=0.1), 25_000 * RPM, count=9)
     got = [abs(mode.eigenvalue) / (2 * np.pi) for mode in modes]
     np.testing.assert_allclose(got, want, rtol=1.5e-5)
 
 
 def test_lalanne_damped_critical_speeds(lalanne):
-    want = [3620.4, 3798.1, 10017, 11278, 16769, 24399, 26603]  # rpm, ROSS
+    want = np.array([3620.4, 3798.1, 10017, 11278, 16769, 24399, 26603])  # rpm, ROSS
     got = critical_speeds(assemble(lalanne, max_element=0.1), up_to=30_000 * RPM) / RPM
-    np.testing.assert_allclose(got, want, rtol=3e-5)
+    assert np.all(abs(got - want) <= [0.05, 0.05, 0.5, 0.5, 0.5, 0.5, 0.5])  # all the digits printed
 
 
 def test_lalanne_peaks_are_where_and_as_high_as_printed(lalanne):

@@ -14,8 +14,8 @@ def classify(points: Array, *, similarity: float) -> NDArray[np.intp]:
     learns the point (its weights are the mean of what it learned); else the point becomes a new neuron. At the end
     every point joins the neuron nearest to it. The outcome depends on the order of the points.
 
-    The chapter leaves the similarity law open. Here it is 1 - |v - b| / sqrt(dim), 1 for equal points and 0 for opposite
-    corners of the cube: unlike one relative to |b|, it treats a cluster near the origin like any other.
+    The chapter leaves the similarity law open. Here it is 1 - |v - b| / sqrt(dim): 1 for equal points, 0 for opposite
+    corners of the cube. Unlike a law relative to |b|, it treats a cluster near the origin like any other.
 
     >>> classify(np.array([[0.1, 0.1], [0.9, 0.9], [0.1, 0.12]]), similarity=0.9).tolist()
     [0, 1, 0]
@@ -25,7 +25,8 @@ def classify(points: Array, *, similarity: float) -> NDArray[np.intp]:
     learned = np.zeros(len(points))
     count = 0
     for point in points:
-        squares = ((weights[:count] - point) ** 2).sum(axis=1)
+        away = weights[:count] - point
+        squares = np.einsum("ij,ij->i", away, away)
         winner = int(squares.argmin()) if count else 0
         if count == 0 or squares[winner] > reach**2:
             winner = count  # mismatch: the orienting subsystem resets, the novelty is stored as a new neuron

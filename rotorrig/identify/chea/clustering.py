@@ -28,11 +28,11 @@ class Clustering:
 def cluster(points: Array, settings: Settings) -> Clustering:
     """Return the clustering of points (n, dim) of the unit cube that has the least CEF (section 2.3, steps 2 and 3).
 
-    Clusterings with fewer than `min_cluster_size` points per cluster on average are left out: the sum in eq. (1) gives a
-    cluster of one a spread of zero, so 200 points scattered over five dimensions, hardly any two alike, would count as
-    200 mature clusters before the first generation. The least similarity always remains as a choice.
+    Clusterings with fewer than `min_cluster_size` points per cluster on average are left out: eq. (1) gives a cluster
+    of one a spread of zero, so 200 points scattered over five dimensions, hardly any two alike, would count as mature
+    before the first generation. The least similarity always remains as a choice.
     """
-    found = []
+    found: list[Clustering] = []
     for similarity in settings.similarities:
         labels = classify(points, similarity=similarity)
         if found and (labels.max() + 1) * settings.min_cluster_size > len(points):
@@ -46,7 +46,8 @@ def cef(points: Array, labels: NDArray[np.intp], *, similarity: float, settings:
     """Return eq. (1) of points (n, dim) classified as `labels` (n,).
 
     The spread delta_j is the sum of squares, as printed, where the text speaks of an average. A lone cluster has no
-    neighbour to be distant from: its distance is taken as 1, the edge of the cube.
+    neighbour to be distant from: its distance is taken as the largest there is, the diagonal of the cube. (With 1, the
+    edge, the first stage on Rastrigin's function goes on until one basin has taken over: success 83 %, not 95 %.)
     """
     sizes = np.bincount(labels)
     centres = np.array([points[labels == j].mean(axis=0) for j in range(len(sizes))])

@@ -1,7 +1,5 @@
 """The efficient random search of section 2.5: each new point as far as possible from all previous ones."""
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist

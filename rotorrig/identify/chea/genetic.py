@@ -16,9 +16,11 @@ class Colony:
 
     The chapter names crossover and mutation probabilities and is silent on the rest. Chosen here:
 
-    - Gray code: neighbouring grid points differ in one bit. Plain binary has its worst cliff at the middle of the box
-      (0111... to 1000...), just where the test functions have their minima. Its price: the first bit mirrors a
-      parameter about the middle, which helps with functions symmetric there; hence the tests on shifted boxes.
+    - Gray code: neighbouring grid points differ in one bit; plain binary has its worst cliff in the middle of the box
+      (0111... to 1000...). Its price: the first bit mirrors a parameter about the middle. That spreads copies over the
+      peaks of a function symmetric there, for good (the four maxima of the second test function) and for bad (two
+      side minima of Rastrigin's, mature before the centre is found). So judge it on shifted boxes too: Rastrigin,
+      60 seeds, centred and shifted, 93 % and 98 % with Gray code, 97 % and 88 % with plain binary.
     - Probabilities are per pair and per individual. Flipping every bit with probability 0.8 exp(-1/2) would make the
       first generation anew, and evaluate nearly all of every generation: more calls than the chapter reports.
     - Tournaments of three. With two, the first stage on Rastrigin's function takes 12 to 15 generations, not 6.

@@ -72,9 +72,10 @@ class Ledger:
         self.nit += 1
         if self._callback is None:
             return
-        shown = OptimizeResult(x=self.best_x.copy(), fun=self.best_fun, nfev=self.nfev, nit=self.nit, stage=stage)
+        best = OptimizeResult()
+        best.update(x=self.best_x.copy(), fun=self.best_fun, nfev=self.nfev, nit=self.nit, stage=stage)
         try:
-            self._callback(shown)
+            self._callback(best)
         except StopIteration:
             raise Halt(StopReason.CALLBACK) from None
 
@@ -82,12 +83,14 @@ class Ledger:
         x = self.scaling.to_parameters(u)
         self._remember(u)  # before the call, so that an interrupted one is counted too
         try:
-            returned = self._fun(x if self._vectorized else x[0])
+            returned = self._fun(x.copy() if self._vectorized else x[0].copy())  # fun may write on it
         except Exception as error:  # whatever a user's model raises is a failed point, reported in the result
             f = self._failed(len(u), f"{type(error).__name__}: {error}")
         else:
             f = self._checked(returned, len(u))
         self._keep_best(x, f)
+        if self.best_fun <= self._f_target:
+            raise Halt(StopReason.TARGET)
         return f
 
     def _remember(self, u: Array) -> None:
@@ -112,9 +115,7 @@ class Ledger:
         return np.full(n, np.inf)
 
     def _keep_best(self, x: Array, f: Array) -> None:
-        for i in np.flatnonzero(f < self.best_fun):
-            if f[i] < self.best_fun:
-                self.best_x, self.best_fun = x[i].copy(), float(f[i])
-                self.history.append((self.nfev - len(f) + int(i) + 1, self.best_fun))
-        if self.best_fun <= self._f_target:
-            raise Halt(StopReason.TARGET)
+        for i, value in enumerate(f.tolist()):
+            if value < self.best_fun:
+                self.best_x, self.best_fun = x[i].copy(), value
+                self.history.append((self.nfev - len(f) + i + 1, value))

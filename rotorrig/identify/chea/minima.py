@@ -47,5 +47,5 @@ class Minima:
 
 
 def _distance(a: Array, b: Array) -> float:
-    """The largest difference in any one parameter, so that a tolerance means the same in every dimension."""
+    """Return the largest difference in any one parameter: a tolerance then means the same in every dimension."""
     return float(np.abs(a - b).max())

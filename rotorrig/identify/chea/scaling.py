@@ -26,7 +26,8 @@ class Scaling:
     def to_parameters(self, u: Array) -> Array:
         """Return the parameters (..., dim) of points of the unit cube, never outside the bounds by rounding.
 
-        >>> from_bounds([(1.0, 100.0), (0.0, 2.0)], ("log", "linear")).to_parameters(np.array([0.5, 0.5])).tolist()
+        >>> scaling = from_bounds([(1.0, 100.0), (0.0, 2.0)], ("log", "linear"))
+        >>> scaling.to_parameters(np.array([0.5, 0.5])).round(9).tolist()
         [10.0, 1.0]
         """
         low, high = self._ends()
@@ -40,7 +41,7 @@ class Scaling:
 
 
 def from_bounds(bounds: Bounds | Sequence[ArrayLike], x_scale: str | Sequence[str]) -> Scaling:
-    """Return the `Scaling` of (dim, 2) bounds or a scipy `Bounds`; `x_scale` is "linear" or "log", or one per parameter.
+    """Return the `Scaling` of (dim, 2) bounds or a scipy `Bounds`; `x_scale` is "linear", "log" or one per parameter.
 
     Raises ValueError on bounds that are not finite, not ascending, or not positive where the scale is logarithmic.
     """

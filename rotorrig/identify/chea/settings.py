@@ -37,3 +37,7 @@ class Settings:
     min_cluster_size: float = 5.0  # on average; see clustering.py
     max_levels: int = 4  # how often a box may be reduced to a cluster's before giving up on telling its minima apart
     same_point: float = 0.01  # ends of local searches this close are one point
+
+
+#: The source's own parameters.
+SEED = Settings()

@@ -20,8 +20,8 @@ class StopReason(StrEnum):
         return list(StopReason).index(self)
 
 
-class Halt(Exception):  # noqa: N818 - no error: it unwinds the search, scipy's SLSQP included, and `chea` catches it
-    """Ends a search from within an evaluation or a report."""
+class Halt(Exception):
+    """Ends a search from within an evaluation or a report, through scipy's SLSQP if need be; `chea` catches it."""
 
     def __init__(self, reason: StopReason) -> None:
         super().__init__(reason.value)

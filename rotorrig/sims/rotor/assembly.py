@@ -1,5 +1,8 @@
 """From a nameplate to the equations of motion (chapter, section 5.4, eq. 8): `assemble(rig)` is a `RotorModel`.
 
+"The chapter" in this package: Kim, Yang et al., A Hybrid Evolutionary Algorithm and its Application to Parameter
+Identification of Rolling Elements Bearings, sections 5.1 to 5.5.
+
 A model is the shaft's matrices plus attachments given by the rows that read their motion, so that a reduced model
 (reduction.py) is the same type and a bearing, a disk's mass or Young's modulus is changed without a new assembly.
 """
@@ -15,8 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.rotor.beam import NODE_DOF, Element, shaft_element
-from rotorrig.sims.rotor.bearing import BearingAttachment, bearing_damping, bearing_stiffness, coefficients
-from rotorrig.sims.rotor.disk import DiskAttachment, disk_gyroscopic, disk_mass
+from rotorrig.sims.rotor.bearing import BearingAttachment, attached_bearing, bearing_damping, bearing_stiffness
+from rotorrig.sims.rotor.disk import DiskAttachment, attached_disk, disk_gyroscopic, disk_mass
 
 T = TypeVar("T", DiskAttachment, BearingAttachment)
 MERGE = 1e-6  # m: parts nearer than this share a node
@@ -79,21 +82,8 @@ def assemble(rig: RigConfig, *, element: Element = "timoshenko", max_element: fl
 
     return RotorModel(
         shaft=shaft,
-        disks=tuple(
-            DiskAttachment(
-                name=d.name,
-                rows=rows(d.position, NODE_DOF),
-                mass=d.mass,
-                polar=d.polar_inertia,
-                transverse=d.transverse_inertia,
-            )
-            for d in rig.disks
-        ),
-        bearings=tuple(
-            BearingAttachment(name=b.name, rows=rows(b.position, 2), K=K, C=C)
-            for b in rig.bearings
-            for K, C in [coefficients(b)]
-        ),
+        disks=tuple(attached_disk(d, rows(d.position, NODE_DOF)) for d in rig.disks),
+        bearings=tuple(attached_bearing(b, rows(b.position, 2)) for b in rig.bearings),
         probes=np.array([[math.cos(p.angle), math.sin(p.angle)] @ rows(p.position, 2) for p in rig.probes]),
         probe_names=tuple(p.name for p in rig.probes),
         rotation=1 if rig.rotation == "x-to-y" else -1,

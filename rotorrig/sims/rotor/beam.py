@@ -33,7 +33,7 @@ def shaft_element(shaft: Shaft, length: float, *, element: Element = "timoshenko
 
     "timoshenko": consistent mass with rotary inertia and shear (Nelson, J. Mech. Design 102, 1980, 793).
     "lumped": the chapter's; half of the element's mass and rotary inertia at either node, the same stiffness.
-    The signs of G are those of EFFECTS: +Ip at (a, b), -Ip at (b, a); eq. (5) and (6) carry G on the other side.
+    G has the polar inertia at (a, b) and its negative at (b, a); eq. (5) and (6) carry it with the other sign.
     """
     plane = _one_plane(shaft, length)
     mass, tilt = (plane.mass, plane.tilt) if element == "timoshenko" else _lumped(shaft, length)

@@ -18,11 +18,11 @@ class BearingAttachment:
     C: NDArray[np.float64]  # (2, 2) N s/m
 
 
-def coefficients(bearing: Bearing) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return K [N/m] and C [N s/m] of a nameplate bearing, (2, 2) each."""
+def attached_bearing(bearing: Bearing, rows: NDArray[np.float64]) -> BearingAttachment:
+    """Return a nameplate bearing on the journal that `rows` (2, dof) read."""
     K = np.array([[bearing.kxx, bearing.kxy], [bearing.kyx, bearing.kyy]])
     C = np.array([[bearing.cxx, bearing.cxy], [bearing.cyx, bearing.cyy]])
-    return K, C
+    return BearingAttachment(name=bearing.name, rows=rows, K=K, C=C)
 
 
 def bearing_stiffness(bearing: BearingAttachment) -> NDArray[np.float64]:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.rig.description import Disk
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DiskAttachment:
@@ -15,6 +17,13 @@ class DiskAttachment:
     mass: float  # kg
     polar: float  # kg m^2
     transverse: float  # kg m^2, about a diameter
+
+
+def attached_disk(disk: Disk, rows: NDArray[np.float64]) -> DiskAttachment:
+    """Return a nameplate disk on the node that `rows` (4, dof) read."""
+    return DiskAttachment(
+        name=disk.name, rows=rows, mass=disk.mass, polar=disk.polar_inertia, transverse=disk.transverse_inertia
+    )
 
 
 def disk_mass(disk: DiskAttachment) -> NDArray[np.float64]:

@@ -6,7 +6,8 @@ any other d = k + j Omega c, exactly:
     (I + H_bb (d - d0)) q_b = H_bf F,    q_p = H_pf F - H_pb (d - d0) q_b
 
 so that one candidate costs a 2m x 2m solve per speed for m bearings. The reference is damped: an undamped rest of the
-rotor has resonances of its own inside the grid, where H would be useless.
+rotor has resonances of its own inside the grid, where H would be useless. Measured with configs/rk4.toml, 84 speeds,
+one bearing, one thread: 45 us for one candidate, 4 to 6 us each in a population of 200.
 """
 
 from collections.abc import Sequence
@@ -47,9 +48,9 @@ class Receptance:
         reaction = [change[i % 2] * q for i, q in enumerate(self._bearing_motion(change))]
         leading = max(reaction[0].ndim, u.ndim) - 1
         aligned = (slice(None), *(None,) * leading)  # (probe, 1.., speed) against (.., speed)
-        seen = self.probe_force[aligned] - self.probe_bearing[:, 0][aligned] * reaction[0]
-        for i in range(1, len(reaction)):
-            seen -= self.probe_bearing[:, i][aligned] * reaction[i]
+        seen = self.probe_force[aligned] - sum(
+            self.probe_bearing[:, i][aligned] * force for i, force in enumerate(reaction)
+        )
         return np.moveaxis(seen * u, 0, -1)  # speeds innermost until here: long inner loops
 
     def _bearing_motion(self, change: tuple[NDArray[np.complex128], ...]) -> list[NDArray[np.complex128]]:
@@ -58,12 +59,12 @@ class Receptance:
         A = [[self.bearing_bearing[i, j] * change[j % 2] for j in range(size)] for i in range(size)]
         q = list(self.bearing_force)
         for pivot in range(size):
-            A[pivot][pivot] += 1
+            A[pivot][pivot] = A[pivot][pivot] + 1
             for row in range(pivot + 1, size):
                 factor = A[row][pivot] / A[pivot][pivot]
                 for column in range(pivot + 1, size):
-                    A[row][column] -= factor * A[pivot][column]
-                q[row] = q[row] - factor * q[pivot]  # not in place: it would write into the receptance
+                    A[row][column] = A[row][column] - factor * A[pivot][column]  # not in place: shapes may grow
+                q[row] = q[row] - factor * q[pivot]
         for row in reversed(range(size)):
             for column in range(row + 1, size):
                 q[row] = q[row] - A[row][column] * q[column]

@@ -1,6 +1,9 @@
-"""1X while the speed moves, as a tracking filter sees it: EFFECTS E22 (sweep) and E23 (smear), from measured pulses.
+"""1X while the speed moves, as a tracking filter sees it: the lag of a sweep and the smear of the window.
 
-`swept_response` needs no parameter of its own: the keyphasor tells the speed at every instant.
+`swept_response` needs no parameter of its own: the keyphasor tells the speed at every instant. Against integration in
+time of configs/rk4.toml through its resonance the error is 2e-6 of the peak (30 rpm/s up, 60 rpm/s down, damping ratio
+0.02); the steady response would be wrong by 0.13 and 0.24. With a damping ratio of 0.001 it is up to 1e-3: the beat
+behind the resonance then lasts until it is too fast to be followed from turn to turn.
 """
 
 from collections.abc import Mapping

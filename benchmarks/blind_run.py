@@ -1,0 +1,50 @@
+"""A sweep of the blind plant in this process: no wire, no file, otherwise what a rig would record."""
+
+from collections.abc import Callable
+
+from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, steps
+from rotorrig.acquisition.recording import Event, RawRecording
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.probes.base import Block, DaqInfo
+from rotorrig.rig.provenance import Provenance, code_version
+from rotorrig.sims.plant.plant import Plant
+from rotorrig.sims.plant.truth import FaultSpec, draw
+
+
+def record(rig: RigConfig, *, seed: int, faults: tuple[FaultSpec, ...] = ()) -> RawRecording:
+    """Drive the plant of that seed through the config's default plan."""
+    plant = Plant(rig, draw(rig, seed=seed, faults=faults))
+    events: list[Event] = []
+    blocks: list[Block] = []
+
+    def run_until(done: Callable[[], bool], limit: float) -> None:
+        end = plant.t + limit
+        while plant.t < end and not done():
+            first = round(plant.t * plant.sample_rate)
+            counts = plant.advance(min(plant.t + 0.1, end))
+            blocks.append(Block(counts=counts, first_sample=first, t_ns=round(first * 1e9 / plant.sample_rate)))
+
+    for step in steps(rig):
+        match step:
+            case Mark(label=label):
+                events.append(Event(t_ns=round(plant.t * 1e9), kind="mark", text=label))
+            case Ramp(to=to, rate=rate):
+                plant.command(to, rate, True)
+                run_until(lambda to=to: abs(plant.speed - to) < 0.002 * to, 1000)
+            case Dwell(seconds=seconds):
+                run_until(lambda: False, seconds)
+            case Coast(until=until):
+                plant.command(0.0, 1.0, False)
+                run_until(lambda until=until: plant.speed < until, 1000)
+    info = DaqInfo(
+        model="plant",
+        serial=str(seed),
+        sample_rate=plant.sample_rate,
+        channels=plant.channels,
+        volts_per_count=plant.volts_per_count,
+        full_scale_counts=plant.full_scale_counts,
+    )
+    source = Provenance(config_hash=rig.hash, code_version=code_version(), source=f"plant of seed {seed}")
+    return RawRecording(
+        rig=rig, daq=info, blocks=tuple(blocks), events=tuple(events), motor=(), source=source, complete=True
+    )

@@ -1,0 +1,119 @@
+"""The fit finds what the blind plant hides, with honest uncertainties, and says what it cannot tell.
+
+The plant shares neither mesh, beam theory, time integration nor sensor code with the model that is fitted to it.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
+from rotorrig.identify.diagnosis import Verdict, diagnose
+from rotorrig.identify.fit import WHOLE, fit
+from rotorrig.identify.identification import Identification
+from rotorrig.identify.measurement import measure
+from rotorrig.identify.polish import Problem
+from rotorrig.identify.space import bounds
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.errors import ConfigError, DataError
+from rotorrig.sims.plant.truth import draw, identified_truth
+from tests.conftest import BLIND_SEED
+
+
+@pytest.fixture(scope="module")
+def found(blind_response: OrderTrackedResponse) -> Identification:
+    return fit(blind_response, seed=0)
+
+
+def test_the_plants_hidden_values_are_found_within_their_uncertainty(
+    found: Identification, blind_response: OrderTrackedResponse
+) -> None:
+    rig = blind_response.rig
+    truth = identified_truth(rig, draw(rig, seed=BLIND_SEED))
+    for name, value in truth.items():
+        estimate = found.fits[0].estimate(name)
+        off = math.remainder(estimate.value - value, math.tau) if name == "phase" else estimate.value - value
+        assert abs(off) < 4 * estimate.sigma, f"{name}: {estimate.value:.6g} ± {estimate.sigma:.2g}, truth {value:.6g}"
+        scale = 1.0 if name == "phase" else value
+        assert estimate.sigma < 0.03 * scale, f"{name} is hardly known: ± {estimate.sigma / scale:.1%}"
+
+
+def test_the_whole_sweep_comes_first_and_the_configs_bands_follow(found: Identification) -> None:
+    assert [f.name for f in found.fits] == [WHOLE, "below critical"]
+    low, high = found.fits[1].band
+    assert low >= 480 * math.pi / 30
+    assert high <= 2140 * math.pi / 30
+
+
+def test_a_healthy_rig_is_adequate(found: Identification, blind_response: OrderTrackedResponse) -> None:
+    diagnosis = diagnose(blind_response, found)
+    assert diagnosis.verdict is Verdict.ADEQUATE
+    assert diagnosis.sentence.startswith("The model is adequate")
+
+
+def test_a_model_without_the_moving_speed_is_called_wrong(blind_response: OrderTrackedResponse) -> None:
+    untimed = replace(blind_response, keyphasor_t=np.empty(0))
+    found = fit(untimed)
+    adequacy = assess(untimed, found.fits[0])
+    assert not adequacy.adequate
+    assert adequacy.reduced_chi2 > GLOBAL_LIMIT
+    assert any("steady" in words for words in found.fits[0].words)
+
+
+def test_a_vector_added_in_a_narrow_band_is_located(
+    found: Identification, blind_response: OrderTrackedResponse
+) -> None:
+    z = blind_response.z.copy()
+    up = blind_response.run == 1
+    rpm = blind_response.omega * 30 / np.pi
+    odd = up & (rpm > 1400) & (rpm < 1600)
+    z[odd, 2, blind_response.orders.index(2.0)] += 10e-6
+    adequacy = assess(replace(blind_response, z=z), found.fits[0])
+    worst = adequacy.misfits[0]
+    assert not adequacy.adequate
+    assert (worst.run, worst.probe, worst.order) == ("up", "2x", 2.0)
+    assert worst.sigma > FOCUSED_LIMIT
+    assert 1300 < worst.speed_from * 30 / math.pi < 1450
+    assert 1550 < worst.speed_to * 30 / math.pi < 1700
+    assert worst.residual == pytest.approx(10e-6, rel=0.3)
+
+
+def test_the_jacobian_is_the_derivative_of_the_residual(blind_response: OrderTrackedResponse) -> None:
+    identify = blind_response.rig.identify
+    assert identify is not None
+    measured = measure(blind_response)
+    problem = Problem(blind_response, measured, np.log(bounds(identify)[:4]))
+    p = problem.start(np.array([33900.0, 34600.0, 15.0, 15.0]))
+    p[problem.parameters.gain] += 0.01
+    p[problem.parameters.angle] -= 0.02
+    jacobian = problem.jacobian(p)
+    for i, name in enumerate(problem.parameters.names):
+        step = 1e-10 if name.startswith(("u ", "runout")) else 1e-5
+        ahead, behind = p.copy(), p.copy()
+        ahead[i] += step
+        behind[i] -= step
+        central = (problem.residual(ahead) - problem.residual(behind)) / (2 * step)
+        assert np.linalg.norm(jacobian[:, i] - central) < 1e-4 * np.linalg.norm(central), name
+
+
+def test_one_probe_alone_leaves_the_other_direction_undetermined(blind_response: OrderTrackedResponse) -> None:
+    usable = blind_response.usable.copy()
+    usable[:, [1, 2, 3]] = False
+    alone = fit(replace(blind_response, usable=usable)).fits[0]
+    assert alone.estimate("kxx").determined
+    assert not alone.estimate("cyy").determined
+    assert math.isinf(alone.estimate("cyy").sigma)
+    assert any(words.startswith("cyy") for words in alone.words)
+
+
+def test_too_few_rows_are_refused(blind_response: OrderTrackedResponse) -> None:
+    with pytest.raises(DataError, match="0 usable rows between 95493 and 114592 rpm, want at least 5"):
+        measure(blind_response, band=(10000.0, 12000.0))
+
+
+def test_a_rig_without_an_identify_table_is_refused(blind_response: OrderTrackedResponse) -> None:
+    rig = blind_response.rig.model_copy(update={"identify": None})
+    with pytest.raises(ConfigError, match=r"no \[identify\] section"):
+        fit(replace(blind_response, rig=rig))

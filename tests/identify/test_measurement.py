@@ -1,0 +1,48 @@
+"""Whitening: residuals drawn from the covariance come out with unit variance, masked vectors play no part."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from rotorrig.identify.measurement import measure
+from rotorrig.processing.response import OrderTrackedResponse
+
+
+def test_noise_of_the_stated_covariance_whitens_to_one_sigma(
+    blind_response: OrderTrackedResponse, rng: np.random.Generator
+) -> None:
+    exact = blind_response.rig.model_copy(
+        update={"prior": blind_response.rig.prior.model_copy(update={"probe_linearity": 0.0})}
+    )
+    response = replace(blind_response, rig=exact)
+    measured = measure(response)
+    order = response.orders.index(1.0)
+    factor = np.linalg.cholesky(response.covariance[measured.rows, order])
+    pairs = np.einsum("rij,rjk->rik", factor, rng.standard_normal((*factor.shape[:2], 200)))
+    noise = pairs[:, 0::2] + 1j * pairs[:, 1::2]
+    full = np.concatenate([noise, np.zeros_like(noise[:1])])
+    sigmas = np.stack([measured.sigmas(full[..., k]) for k in range(200)])[:, :-1]
+    assert abs(sigmas.std() - 1) < 0.01
+    neighbours = (sigmas[..., 0] * sigmas[..., 2]).mean()  # two probes, correlated in the data
+    assert abs(neighbours) < 0.02
+
+
+def test_a_masked_vector_has_no_weight(blind_response: OrderTrackedResponse) -> None:
+    usable = blind_response.usable.copy()
+    usable[10, 1] = False
+    measured = measure(replace(blind_response, usable=usable))
+    row = int(np.flatnonzero(measured.rows == 10)[0]) if 10 in measured.rows else None
+    off = np.zeros_like(measured.z)
+    assert row is not None
+    off[row, 1] = 1.0
+    assert np.abs(measured.sigmas(off)).max() == 0
+    assert measured.size == 2 * (measured.usable.size - 1)
+
+
+def test_the_scale_factors_linearity_widens_large_readings_only(blind_response: OrderTrackedResponse) -> None:
+    measured = measure(blind_response)
+    order = blind_response.orders.index(1.0)
+    noise = np.sqrt(np.einsum("rii->ri", blind_response.covariance[measured.rows, order])[:, 0])
+    amplitude = np.abs(blind_response.compensated()[measured.rows, 0])
+    share = blind_response.rig.prior.probe_linearity * amplitude
+    np.testing.assert_allclose(measured.sigma[:-1, 0] ** 2, noise**2 + share**2, rtol=0.05)
