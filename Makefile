@@ -20,6 +20,9 @@ types: .venv/ready
 
 check: lint types test
 
+pictures: .venv/ready
+	$(BIN)/python docs/make_pictures.py demo
+
 # uv where there is one (seconds), else the venv module and pip; the same pinned versions either way.
 .venv/ready: pyproject.toml constraints.txt
 	@if command -v uv >/dev/null 2>&1; then \

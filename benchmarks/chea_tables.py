@@ -15,6 +15,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import Bounds
 
 from rotorrig.identify.chea.chea import chea
 from rotorrig.identify.chea.result import CheaResult
@@ -78,7 +79,7 @@ def solve(case: Case, seed: int) -> CheaResult:
     """Run one case with one seed."""
     rng = np.random.default_rng(seed)
     middle = rng.uniform(-case.shift, case.shift, 2) * case.half
-    bounds = np.column_stack([middle - case.half, middle + case.half])
+    bounds = Bounds(middle - case.half, middle + case.half)
     return chea(case.fun, bounds, rng=rng, vectorized=True, settings=SEED)
 
 

@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from types import FrameType
 
 from rotorrig.acquisition.fanout import Listener, Writer
-from rotorrig.acquisition.plans import RPM, Coast, Dwell, Mark, Ramp, Step
+from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, Step
 from rotorrig.acquisition.recording import Event
 from rotorrig.acquisition.session import POLL_AT_SPEED, Session
 from rotorrig.rig.clock import Clock, WallClock
@@ -22,6 +22,7 @@ from rotorrig.rig.errors import LimitExceeded, RigError
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.motor.base import MotorDriver, Stop
 from rotorrig.rig.probes.base import Daq
+from rotorrig.rig.units import RPM
 
 Progress = Callable[[Step, float, float], None]  # step, fraction of the sweep 0..1, speed [rad/s]
 

@@ -3,12 +3,12 @@
 `list(plan)` is a sweep's preview and its limit check; the engine runs the same steps.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from rotorrig.rig.description import RigConfig, RunUpCoastDown
 from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.units import RPM
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +42,6 @@ class Mark:
 
 Step = Ramp | Dwell | Coast | Mark
 
-RPM = 30.0 / math.pi  # rpm per rad/s
 SETTLING_RAMP = 10.0  # rad/s^2, about 95 rpm/s: gentle, and outside the recorded runs
 
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from rotorrig.acquisition.plans import RPM
 from rotorrig.app import tables
 from rotorrig.app.console import out
 from rotorrig.rig import connect
 from rotorrig.rig.description import RigConfig
+from rotorrig.rig.units import RPM
 
 
 def show_rig(rig: RigConfig) -> None:

@@ -24,6 +24,8 @@ Out = Annotated[Path, typer.Option("--out", "-o", help="the file to write", show
 Response = Annotated[Path, typer.Argument(metavar="RESPONSE", help="a response.mcap", show_default=False)]
 Recording = Annotated[Path, typer.Argument(metavar="RUN", help="a run.mcap", show_default=False)]
 Seed = Annotated[int, typer.Option(help="of the search; of the simulated rig's hidden deviations")]
+Hidden = Annotated[Path | None, typer.Option(help="a sealed file with what the simulated rig hides, instead of a seed")]
+Rate = Annotated[float, typer.Option(help="simulated seconds per second, at the most")]
 View = Annotated[bool, typer.Option("--view", help="show orbits, Bode plot, speed and time base while it runs")]
 
 
@@ -61,14 +63,15 @@ def sweep(
     simulate: Annotated[bool, typer.Option("--simulate", help="on a simulated rig instead of the devices")] = False,
     view: View = False,
     seed: Seed = 1,
-    rate: Annotated[float, typer.Option(help="simulated seconds per second, at the most")] = 20.0,
+    hidden: Hidden = None,
+    rate: Rate = 20.0,
 ) -> None:
     """Run a sweep and record it."""
     from rotorrig.app import sweeping
 
-    result = sweeping.sweep(
-        load(config), out=out_file, plan=plan, seed=seed if simulate else None, rate=rate, view=view
-    )
+    rig = load(config)
+    stand_in = sweeping.StandIn(seed=seed, hidden=hidden, rate=rate) if simulate else None
+    result = sweeping.sweep(rig, out=out_file, plan=plan, stand_in=stand_in, view=view)
     out.print(f"{out_file}: {result.seconds:.1f} s, {result.samples} scans, {result.gaps} gaps recorded")
     if result.trip:
         raise RigError(f"{result.trip}; the rotor was stopped and {out_file} holds the sweep up to there")
@@ -204,8 +207,8 @@ def export(file: Annotated[Path, typer.Argument(help="a response.mcap", show_def
 def simulate(
     config: Config,
     seed: Seed = 1,
-    hidden: Annotated[Path | None, typer.Option(help="a sealed file with what the rig hides")] = None,
-    rate: Annotated[float, typer.Option(help="simulated seconds per second, at the most")] = 1.0,
+    hidden: Hidden = None,
+    rate: Rate = 1.0,
 ) -> None:
     """Keep a simulated rig running on two serial ports until Ctrl-C, for another terminal to sweep."""
     from rotorrig.app import simulating
@@ -244,3 +247,7 @@ def bundled(name: str) -> RigConfig:
 
 def _plain(error: Exception) -> str:
     return str(error).replace("[", r"\[")
+
+
+if __name__ == "__main__":
+    main()

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.units import RPM
 
-RPM = 30.0 / np.pi  # rpm per rad/s
 UM = 1e6  # µm per m
 STRONG = 0.1  # of the largest vector: below, a phase is mostly noise and has no say in where the axis is cut
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.progress import Progress
 
 from rotorrig.acquisition.mcap_file import read_recording
-from rotorrig.acquisition.plans import RPM, Step
+from rotorrig.acquisition.plans import Step
 from rotorrig.app import tables
 from rotorrig.app.console import out as console
 from rotorrig.app.console import progress_bars
@@ -22,6 +22,7 @@ from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import read_response, write_response
 from rotorrig.rig.description import RigConfig
+from rotorrig.rig.units import RPM
 from rotorrig.sims.plant.truth import FaultSpec, Truth, draw, identified_truth, seal, unseal
 from rotorrig.sims.wire.launch import simulated_bench
 

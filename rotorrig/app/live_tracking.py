@@ -13,6 +13,7 @@ from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.probes.calibration import ProbeScale
 from rotorrig.rig.probes.keyphasor_speed import KeyphasorSpeed
+from rotorrig.rig.units import RPM
 
 KEPT_TURNS = 3  # of waveform, for the orbit and the time base
 LONGEST_TURN = 2.0  # s; a shaft slower than 30 rpm has no orbit to show
@@ -113,7 +114,7 @@ class GrowingBode:
     def add(self, omega: NDArray[np.float64], z: NDArray[np.complex128]) -> bool:
         """Add turns (turn,), (turn, probe); return whether the plot has grown."""
         grown = False
-        for speed, vector in zip(omega * (30 / np.pi), z, strict=True):
+        for speed, vector in zip(omega * RPM, z, strict=True):
             self._waiting.append((float(speed), vector))
             if len(self._waiting) == POINT_TURNS:
                 grown |= self._point()

@@ -8,6 +8,7 @@ from rotorrig.app.curves import lag_degrees
 from rotorrig.app.drawn_axes import MARK, Panel, step_for
 from rotorrig.app.orbit_drawing import nice
 from rotorrig.rig.description import RigConfig
+from rotorrig.rig.units import RPM
 
 SHRINK = 0.3  # of the scale: an orbit smaller than this gets a smaller one
 SMALLEST_ORBIT = 1.0  # µm, half width
@@ -126,4 +127,4 @@ def fastest_rpm(rig: RigConfig) -> float:
     """Return the speed a Bode plot of this rig should reach [rpm]: its fastest plan, else its limit."""
     speeds = [plan.end for plan in rig.plans.values()]
     speeds += [rig.limits.overspeed] if rig.limits and not speeds else []
-    return 100.0 * np.ceil(max(speeds) * (30 / np.pi) / 100.0 - 1e-6) if speeds else FASTEST
+    return 100.0 * np.ceil(max(speeds) * RPM / 100.0 - 1e-6) if speeds else FASTEST

@@ -4,13 +4,13 @@ import time
 from pathlib import Path
 
 from rotorrig.app.console import out
+from rotorrig.app.sweeping import StandIn, simulated
 from rotorrig.rig.description import RigConfig
-from rotorrig.sims.wire.launch import simulated_bench
 
 
 def stand_in(rig: RigConfig, *, seed: int, hidden: Path | None, rate: float) -> None:
     """Run the simulated rig and say where it is, in the config's own words. Returns at Ctrl-C."""
-    with simulated_bench(rig.text, seed=seed, hidden=hidden, rate=rate) as ports:
+    with simulated(rig, StandIn(seed=seed, hidden=hidden, rate=rate)) as ports:
         out.print(f'\\[motor] port = "{ports.motor_port}"', highlight=False)
         out.print(f'\\[daq]   port = "{ports.daq_port}"', highlight=False)
         out.print("Put these into a copy of the config and sweep it from another terminal; Ctrl-C ends the rig.")

@@ -1,7 +1,8 @@
 """Run a sweep from a config: connect, record, stop, close, with the drivers a lab would use."""
 
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from rotorrig.rig.description import RigConfig
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.provenance import Provenance, code_version
+from rotorrig.rig.units import RPM
 from rotorrig.sims.wire.launch import BenchPorts, simulated_bench
 
 if TYPE_CHECKING:
@@ -23,17 +25,32 @@ if TYPE_CHECKING:
 Progress = Callable[[plans.Step, float, float], None]  # step, fraction of the sweep's steps, speed [rad/s]
 
 
-def sweep(rig: RigConfig, *, out: Path, plan: str, seed: int | None, rate: float, view: bool) -> SweepResult:
-    """Run `rotor sweep`: with a `seed` on a simulated rig, otherwise on the config's devices; live view if wanted."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StandIn:
+    """The simulated rig to sweep instead of the config's devices."""
+
+    seed: int
+    hidden: Path | None = None  # a sealed truth; else one is drawn from the seed
+    rate: float = 20.0  # simulated seconds per second, at the most
+
+
+def sweep(rig: RigConfig, *, out: Path, plan: str, stand_in: StandIn | None, view: bool) -> SweepResult:
+    """Run `rotor sweep`, on the config's devices or a simulated rig, with progress and, if wanted, the live view."""
+    plans.steps(rig, plan)  # a wrong plan is said before anything starts
     with ExitStack() as stack:
-        ports = None if seed is None else stack.enter_context(simulated_bench(rig.text, seed=seed, rate=rate))
+        ports = stack.enter_context(simulated(rig, stand_in)) if stand_in else None
         bars = stack.enter_context(progress_bars())
         task = bars.add_task("sweeping", total=1.0, note="")
 
         def show(step: plans.Step, fraction: float, speed: float) -> None:
-            bars.update(task, completed=fraction, note=f"{speed * plans.RPM:.0f} rpm")
+            bars.update(task, completed=fraction, note=f"{speed * RPM:.0f} rpm")
 
         return record_sweep(rig, out=out, plan=plan, ports=ports, view=view, progress=show)
+
+
+def simulated(rig: RigConfig, stand_in: StandIn) -> AbstractContextManager[BenchPorts]:
+    """Return the simulated rig, started on entry and ended on exit."""
+    return simulated_bench(rig.text, seed=stand_in.seed, hidden=stand_in.hidden, rate=stand_in.rate)
 
 
 def record_sweep(

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from rich import box
 from rich.table import Table
 
-from rotorrig.acquisition.plans import RPM
 from rotorrig.identify.identification import Estimate, Identification
 from rotorrig.rig.description import RigConfig
+from rotorrig.rig.units import RPM
 
 #: name -> (factor from SI, unit for people)
 SHOWN = {

@@ -19,13 +19,12 @@ from numpy.typing import NDArray
 from rotorrig.identify.identification import Fit
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.units import RPM
 
 STRETCH = 8  # rows
 GLOBAL_LIMIT = 1.0  # chi2 per degree of freedom
 FOCUSED_LIMIT = 2.5  # rms sigma of the worst stretch
 FALSE_ALARM_RATE = 0.05
-
-RPM = 30 / np.pi
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import DataError
+from rotorrig.rig.units import RPM
 
 SLOW_ROLL = "slow roll"
 _MASKED = 1.0  # m: the standard deviation of a vector that is not usable
@@ -47,8 +48,8 @@ def measure(
     rows = np.flatnonzero(swept & inside & response.usable.any(axis=1))
     if len(rows) < 5:
         raise DataError(
-            f"{response.source.source or 'response'}: {len(rows)} usable rows between {low * 30 / np.pi:.0f} and "
-            f"{high * 30 / np.pi:.0f} rpm, want at least 5"
+            f"{response.source.source or 'response'}: {len(rows)} usable rows between {low * RPM:.0f} and "
+            f"{high * RPM:.0f} rpm, want at least 5"
         )
     n = response.orders.index(order)
     z = np.concatenate([response.z[rows, :, n], response.slow_roll[None, :, n]])

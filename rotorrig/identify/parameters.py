@@ -24,13 +24,13 @@ class Parameters:
         self.others = tuple(b.name for b in rig.bearings if b.name not in sought)
         self.names = (
             *NAMES[:4],
-            *("E", "disk mass", *(f"bearing {name}" for name in self.others)),
+            *("E", "disk mass", *(f"bearing {name} {axis}" for name in self.others for axis in "xy")),
             *(f"gain {name}" for name in probes),
             *(f"angle {name}" for name in probes),
             *("u re", "u im"),
             *(f"runout {name} {part}" for name in probes for part in ("re", "im")),
         )
-        ends = np.cumsum([4, 2 + len(self.others), n, n, 2, 2 * n])
+        ends = np.cumsum([4, 2 + 2 * len(self.others), n, n, 2, 2 * n])
         starts = [0, *ends[:-1]]
         self.bearing, self.nameplate, self.gain, self.angle, self.unbalance, self.runout = (
             slice(int(a), int(b)) for a, b in zip(starts, ends, strict=True)
@@ -39,7 +39,7 @@ class Parameters:
         self.linear = slice(self.unbalance.start, self.runout.stop)
         prior = rig.prior
         self._sigma = np.full(len(self.names), np.inf)
-        self._sigma[self.nameplate] = [prior.youngs_modulus, prior.disk_mass] + [prior.bearing] * len(self.others)
+        self._sigma[self.nameplate] = [prior.youngs_modulus, prior.disk_mass] + [prior.bearing] * 2 * len(self.others)
         self._sigma[self.gain] = prior.probe_gain
         self._sigma[self.angle] = prior.probe_angle
         self._sigma[self.runout] = prior.runout

@@ -54,7 +54,7 @@ class Problem:
         p[names.linear] = np.linalg.lstsq(columns, -self.residual(p), rcond=None)[0]
         return p
 
-    def solve(self, start: Reals, *, max_steps: int = 40) -> Polished:
+    def solve(self, start: Reals, *, max_steps: int = 25) -> Polished:
         """Refine by trust-region least squares within the box of k and c."""
         found = least_squares(
             self.residual,

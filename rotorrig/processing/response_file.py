@@ -19,6 +19,7 @@ from rotorrig.acquisition.mcap_file import Contents, FileKind, FileWriter, read_
 from rotorrig.acquisition.schemas import message_type
 from rotorrig.processing.response import OrderTrackedResponse, Run, Window
 from rotorrig.rig.errors import DataError
+from rotorrig.rig.units import RPM
 
 KIND = FileKind(name="response", version=1, remedy="make it anew with `rotor track`")
 PIECE = 8 * 2**20  # bytes of an array in one message
@@ -38,16 +39,17 @@ ARRAY = message_type(
     "ResponseArray",
     {"name": "string", "dtype": "string", "shape": "repeated int64", "offset": "int64", "data": "bytes"},
 )
+# Rerun plots the first four doubles of a message by itself: the speed, of another scale, stands behind them.
 VECTOR = message_type(
     "OrderVector",
     {
         "speed_rpm": "int64",  # rounded, for a speed axis
-        "exact_speed_rpm": "double",
         "amplitude_um": "double",  # 0-peak, raw
         "phase_lag_deg": "double",  # 0 to 360
         "compensated_amplitude_um": "double",  # slow-roll vector subtracted; NaN without one
         "compensated_phase_lag_deg": "double",
         "sigma_um": "double",  # 1 sigma of the real or imaginary part
+        "exact_speed_rpm": "double",
         "run": "string",
         "usable": "bool",
         "reasons": "string",
@@ -57,9 +59,9 @@ GAP = message_type(
     "Gap",
     {
         "speed_rpm": "int64",
-        "exact_speed_rpm": "double",
         "gap_um": "double",  # mean position towards the probe, 0 at its gap voltage
         "sigma_um": "double",
+        "exact_speed_rpm": "double",
         "run": "string",
         "usable": "bool",
         "reasons": "string",
@@ -174,7 +176,7 @@ def _times(response: OrderTrackedResponse) -> list[int]:
 
 def _rows(response: OrderTrackedResponse, i: int) -> Iterator[tuple[str, Any, dict[str, Any]]]:
     """Yield topic, message type and fields of every probe and order of row `i`."""
-    rpm = float(response.omega[i]) * 30 / math.pi
+    rpm = float(response.omega[i]) * RPM
     for (p, probe), (n, order) in product(enumerate(response.probes), enumerate(response.orders)):
         variance = response.covariance[i, n, 2 * p : 2 * p + 2, 2 * p : 2 * p + 2]
         common = {

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from rotorrig.acquisition.recording import Event
 from rotorrig.processing.response import Run
 from rotorrig.processing.tacho import ShaftAngle
+from rotorrig.rig.units import RPM
 
 DIRECTION = {"slow roll": 0, "up": 1, "down": -1, "dwell": 0}  # of a mark's first word or words; others are no runs
 SLOW_ROLL_BELOW = 600 * np.pi / 30  # rad/s: a dwell slower than that is a slow roll
@@ -91,4 +92,4 @@ def _trend(shaft: ShaftAngle, t: NDArray[np.float64]) -> NDArray[np.intp]:
 def _name(direction: int, speed: float, slowest: float) -> str:
     if direction:
         return "up" if direction > 0 else "down"
-    return "slow roll" if speed == slowest and speed < SLOW_ROLL_BELOW else f"dwell {speed * 30 / np.pi:.0f} rpm"
+    return "slow roll" if speed == slowest and speed < SLOW_ROLL_BELOW else f"dwell {speed * RPM:.0f} rpm"

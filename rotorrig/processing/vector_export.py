@@ -7,6 +7,7 @@ import numpy as np
 
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import DataError
+from rotorrig.rig.units import RPM
 
 _HEAD = (
     "# order vectors, raw; amplitude um 0-peak; phase lag deg = -arg z, z = 2 mean(x exp(-j theta)),",
@@ -39,12 +40,11 @@ def write_csv(path: Path, response: OrderTrackedResponse) -> int:
 
 
 def _line(response: OrderTrackedResponse, row: int, orders: list[int]) -> list[str]:
-    rpm = 30 / np.pi
     cells = [
         response.runs[response.run[row]].name,
         f"{response.t[row]:.6f}",
-        f"{response.omega[row] * rpm:.3f}",
-        f"{response.alpha[row] * rpm:.4f}",
+        f"{response.omega[row] * RPM:.3f}",
+        f"{response.alpha[row] * RPM:.4f}",
     ]
     for probe in range(len(response.probes)):
         for n in orders:

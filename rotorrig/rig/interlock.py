@@ -15,8 +15,8 @@ from rotorrig.rig.motor.base import MotorState
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.probes.calibration import ProbeScale
 from rotorrig.rig.probes.keyphasor_speed import KeyphasorSpeed
+from rotorrig.rig.units import RPM
 
-RPM = 30.0 / math.pi  # rpm per rad/s
 MEAN_SECONDS = (
     1.0  # time constant of the running mean; it follows 1X by 1 / (omega * 1 s): 4 % at 240 rpm, 0.4 % at 2400
 )

@@ -5,10 +5,13 @@ number is refused, so that nobody has to guess; so is a speed in Hz (2 pi apart 
 """
 
 import functools
+import math
 from typing import Any
 
 import pint
 from pydantic import BeforeValidator, ValidationInfo
+
+RPM = 30.0 / math.pi  # rpm per rad/s
 
 #: quantity -> (SI unit, an example to show in an error)
 QUANTITIES: dict[str, tuple[str, str]] = {

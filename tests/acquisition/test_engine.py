@@ -9,7 +9,7 @@ import pytest
 
 from rotorrig.acquisition.engine import SweepResult, run_sweep
 from rotorrig.acquisition.mcap_file import RecordingWriter, read_recording
-from rotorrig.acquisition.plans import RPM, Coast, Dwell, Mark, Ramp, Step
+from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, Step
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.description import RigConfig
@@ -18,6 +18,7 @@ from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.motor.base import MotorState, Stop
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
+from rotorrig.rig.units import RPM
 from tests.acquisition.scripted_rig import ScriptedDaq, ScriptedMotor, Shaft
 
 PLAN: tuple[Step, ...] = (

@@ -51,7 +51,10 @@ def chea(
 
     Raises ValueError on unusable bounds, scale or budget, TypeError when `fun` returns no number.
 
-    Measured over 100 seeds (see benchmarks/chea_tables.py).
+    Measured over 100 seeds (benchmarks/chea_tables.py), mean calls and success, the chapter's in brackets: eq. (2)
+    1344, 100 % (1120); eq. (3) with all four global minima 1902, 100 % (1131); eq. (4) 2836, 95 % (2100, 99 %), and on
+    a box shifted at random 2785, 90 %. 400 of the calls are the far search. A failure is quiet: each cluster held one
+    minimum, and none of them was the global one.
 
     >>> found = chea(lambda x: (x[0] - 3) ** 2 + (x[1] - 1) ** 2, [(-5, 5), (-5, 5)], rng=np.random.default_rng(1))
     >>> found.x.round(4).tolist(), str(found.stop_reason)

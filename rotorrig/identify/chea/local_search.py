@@ -29,24 +29,27 @@ def descend(evaluate: Callable[[Array], Array], start: Array, value: float) -> t
     # constant added to it matters; unscaled, an objective in metres squared stops at once.
     met: dict[bytes, float] = {start.tobytes(): value}
 
-    def fun(u: Array) -> float:
+    def value_at(u: Array) -> float:
         nonlocal best
         if u.tobytes() not in met:
             met[u.tobytes()] = float(evaluate(u[None])[0])
         f = met[u.tobytes()]
         if f < best[1]:
             best = u.copy(), f
-        return f / scale
+        return f
 
-    def jac(u: Array) -> Array:
-        return (slope if np.array_equal(u, start) else _slope(evaluate, u, fun(u) * scale)) / scale
+    def scaled_value(u: Array) -> float:
+        return value_at(u) / scale
+
+    def scaled_slope(u: Array) -> Array:
+        return (slope if np.array_equal(u, start) else _slope(evaluate, u, value_at(u))) / scale
 
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Values in x were outside bounds")  # scipy clips them
         minimize(
-            fun,
+            scaled_value,
             start,
-            jac=jac,
+            jac=scaled_slope,
             method="SLSQP",
             bounds=[(0.0, 1.0)] * len(start),
             options={"ftol": 1e-10, "maxiter": 50 * len(start)},

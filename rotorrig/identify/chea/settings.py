@@ -32,7 +32,7 @@ class Settings:
     far_candidates: int = 5
 
     # Silent in the source
-    tournament: int = 3  # with it a generation count of 4 to 9, the source's 5 and 6 among them; see genetic.py
+    tournament: int = 3  # first stage of eqs. (2) to (4) in 7, 4 and 7 generations (median); see genetic.py
     max_generations: int = 30  # mutation is 2e-7 by then, and the population a few copies
     min_cluster_size: float = 5.0  # on average; see clustering.py
     max_levels: int = 4  # how often a box may be reduced to a cluster's before giving up on telling its minima apart

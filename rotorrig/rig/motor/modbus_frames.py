@@ -1,11 +1,9 @@
 """Register words of a Modbus drive to values and back: pure; which registers and bits, a `Profile` says."""
 
-import math
 from dataclasses import asdict, dataclass
 
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
-
-RPM = 30.0 / math.pi  # rpm per rad/s
+from rotorrig.rig.units import RPM
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,11 +1,11 @@
 """Both emulators in front of one plant, in one event loop: no threads, no locks, one simulated time."""
 
 import asyncio
-import math
 from collections.abc import Callable
 
 from rotorrig.rig.clock import WallClock
 from rotorrig.rig.description import Motor
+from rotorrig.rig.units import RPM
 from rotorrig.sims.wire import modbus_motor, probe_daq
 from rotorrig.sims.wire.plant_port import Plant
 from rotorrig.sims.wire.powerflex400 import PowerFlex400
@@ -32,7 +32,7 @@ async def emulate(
     """
     real_time = rate <= 1.0
     clock = WallClock()
-    hertz = motor.max_speed * 30.0 / math.pi / motor.rpm_per_hz
+    hertz = motor.max_speed * RPM / motor.rpm_per_hz
     drive = PowerFlex400(plant, rpm_per_hz=motor.rpm_per_hz, max_frequency=hertz, clock=clock)
     board = probe_daq.Firmware(plant, serial=serial, waits=not real_time)
 

@@ -62,7 +62,7 @@ def test_vectorised_or_not_the_search_is_the_same() -> None:
 
 
 def test_the_same_generator_repeats_the_search_and_another_does_not() -> None:
-    first, again, other = run(seed=4), run(seed=4), run(seed=5)
+    first, again, other = (run(seed=seed, vectorized=True) for seed in (4, 4, 5))
     assert first.xl.tolist() == again.xl.tolist()
     assert first.nfev == again.nfev
     assert first.history.tolist() != other.history.tolist()
@@ -101,10 +101,13 @@ def test_history_falls_and_ends_at_the_best() -> None:
 
 
 def test_minima_are_listed_best_first_and_are_minima() -> None:
-    result = run(seed=1)
-    assert (np.diff(result.funl) >= 0).all()
-    assert len(result.xl) == len(result.funl) >= 2
-    inner = result.xl[(np.abs(result.xl) < 4.6).all(axis=1)]
+    results = [run(seed=seed, vectorized=True) for seed in range(4)]
+    for result in results:
+        assert (np.diff(result.funl) >= 0).all()
+        assert rastrigin(result.xl).tolist() == pytest.approx(result.funl.tolist(), abs=1e-9)
+    listed = np.concatenate([result.xl for result in results])
+    assert len(listed) > 8
+    inner = listed[(np.abs(listed) < 4.6).all(axis=1)]
     # Rastrigin's minima solve x + 10 pi sin(2 pi x) = 0, so lie within 0.5 % of the whole numbers
     assert np.abs(inner - np.round(inner)).max() < 0.03
 

@@ -81,7 +81,7 @@ def test_an_exception_is_told_with_its_type() -> None:
 
 @pytest.mark.parametrize("wrong", [None, "1.0", [1.0, 2.0], 1j])
 def test_no_number_is_refused_in_a_sentence(wrong: object) -> None:
-    with pytest.raises(TypeError, match="expected 1 real number$"):
+    with pytest.raises(TypeError, match=r"expected 1 real number$"):
         Ledger(lambda x: wrong, PLANE, max_nfev=9).evaluate(FIVE)
 
 

@@ -1,0 +1,119 @@
+"""The commands a lab types, on a simulated rig behind real wires: sweep, track, identify, diagnose, report.
+
+Everything runs as the installed `rotor`, in processes of its own; the sealed truth is opened after the diagnosis.
+"""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rotorrig.processing.response_file import read_response
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.plant.truth import FaultSpec, draw, identified_truth, seal, unseal
+
+SEED = 11
+
+
+def rotor(*words: object) -> subprocess.CompletedProcess[str]:
+    """Run the command as a shell would, with a terminal wide enough not to wrap."""
+    command = [sys.executable, "-m", "rotorrig.app.cli", *map(str, words)]
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=240, env=_environment(), stdin=subprocess.DEVNULL
+    )
+
+
+def _environment() -> dict[str, str]:
+    import os
+
+    return {**os.environ, "COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
+
+
+def done(*words: object) -> str:
+    """Run the command, which must succeed, and return what it printed."""
+    result = rotor(*words)
+    assert result.returncode == 0, f"rotor {' '.join(map(str, words))}: {result.stdout}{result.stderr}"
+    assert "Traceback" not in result.stderr
+    return result.stdout
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory, hurried_rig: RigConfig) -> Path:
+    folder = tmp_path_factory.mktemp("lab")
+    (folder / "rig.toml").write_text(hurried_rig.text)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def healthy(folder: Path) -> Path:
+    done("sweep", folder / "rig.toml", "--simulate", "--seed", SEED, "--out", folder / "run.mcap")
+    done("track", folder / "run.mcap", "--out", folder / "response.mcap")
+    done("identify", folder / "response.mcap", "--out", folder / "fit.json")
+    done("diagnose", folder / "response.mcap", "--out", folder / "diagnosis.json")
+    return folder
+
+
+def test_a_sweep_over_the_wire_loses_no_sample(healthy: Path) -> None:
+    response = read_response(healthy / "response.mcap")
+    assert [run.name for run in response.runs] == ["slow roll", "up", "down"]
+    assert response.usable.all()
+    rpm = response.omega * 30 / 3.141592653589793
+    assert rpm.min() < 245
+    assert rpm.max() > 3550
+
+
+def test_what_the_rig_hid_is_found(healthy: Path, hurried_rig: RigConfig) -> None:
+    truth = identified_truth(hurried_rig, draw(hurried_rig, seed=SEED))
+    fits = json.loads((healthy / "fit.json").read_text())["fits"]
+    assert len(fits) == 2
+    for estimate in fits[0]["estimates"][:5]:
+        off = abs(estimate["value"] - truth[estimate["name"]])
+        assert off < 4 * estimate["sigma"], estimate
+        assert off < 0.05 * truth[estimate["name"]], estimate
+
+
+def test_the_healthy_rig_is_called_adequate(healthy: Path) -> None:
+    diagnosis = json.loads((healthy / "diagnosis.json").read_text())
+    assert diagnosis["verdict"] == "adequate"
+
+
+def test_the_report_stands_alone(healthy: Path) -> None:
+    page = healthy / "report.html"
+    done(
+        "report",
+        healthy / "response.mcap",
+        "--fit",
+        healthy / "fit.json",
+        "--diagnosis",
+        healthy / "diagnosis.json",
+        "--out",
+        page,
+    )
+    text = page.read_text()
+    assert "describes this run" in text
+    assert 'src="http' not in text
+
+
+def test_replay_and_export_read_what_was_written(healthy: Path) -> None:
+    assert "replayed" in done("replay", healthy / "run.mcap")
+    done("export", healthy / "response.mcap", "--out", healthy / "vectors.csv")
+    assert (healthy / "vectors.csv").read_text().count("\n") > 100
+
+
+def test_a_sealed_coupling_force_is_called_not_adequate_and_located(folder: Path, hurried_rig: RigConfig) -> None:
+    sealed = folder / "sealed.json"
+    seal(draw(hurried_rig, seed=SEED + 1, faults=[FaultSpec(name="coupling", parameters={})]), sealed)
+    done("sweep", folder / "rig.toml", "--simulate", "--hidden", sealed, "--out", folder / "bad.mcap")
+    done("track", folder / "bad.mcap", "--out", folder / "bad_response.mcap")
+    said = done("diagnose", folder / "bad_response.mcap", "--out", folder / "bad.json")
+    assert "NOT adequate" in said
+    diagnosis = json.loads((folder / "bad.json").read_text())
+    assert diagnosis["verdict"] == "unexplained"
+    assert unseal(sealed).faults[0].name == "coupling"
+    rpm = 30 / 3.141592653589793
+    second = [m for m in diagnosis["base"]["worst"] if m["order"] == 2]
+    half_critical = [m for m in second if m["speed_from"] * rpm < 1113 < m["speed_to"] * rpm]
+    assert half_critical, "2X is strongest where twice the speed meets the first critical, 2226 / 2 rpm"
+    assert "2X" in said
