@@ -227,7 +227,7 @@ def _recording(path: Path, contents: Contents) -> RawRecording:
             MotorSample(t_ns=m.t_ns, speed=m.speed, setpoint=m.setpoint, running=m.running, fault=m.fault)
             for m in of["/motor"]
         ),
-        source=replace(contents.source, source=str(path), source_hash=file_hash(path)),
+        source=replace(contents.source, source=path.name, source_hash=file_hash(path)),
         complete=END in contents.metadata and not contents.faults,
     )
 

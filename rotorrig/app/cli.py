@@ -5,7 +5,7 @@ Heavy libraries are imported inside the verb that needs them, so that `rotor --h
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -109,14 +109,15 @@ def track(run: Recording, out_file: Out) -> None:
 def identify(
     response: Response,
     out_file: Out,
-    objective: Annotated[str, typer.Option(help="of the global search: f1, f2 or f3 (chapter eq. 14-16)")] = "f2",
+    objective: Annotated[Literal["f1", "f2", "f3"], typer.Option(help="of the search, chapter eq. 14-16")] = "f2",
     seed: Seed = 0,
 ) -> None:
     """Fit bearing stiffness, damping and unbalance."""
     from rotorrig.app import identifying, tables
     from rotorrig.identify.result_files import write_identification
+    from rotorrig.processing.response_file import read_response
 
-    found = identifying.identified(response, objective=objective, seed=seed)
+    found = identifying.identified(read_response(response), objective=objective, seed=seed)
     write_identification(out_file, found)
     out.print(tables.identified(found))
     for words in found.fits[0].words:
@@ -128,6 +129,7 @@ def identify(
 def diagnose(
     responses: Annotated[list[Path], typer.Argument(metavar="RESPONSE...", show_default=False)],
     out_file: Out,
+    fit: Annotated[Path | None, typer.Option(help="the fit.json to judge; made anew if not given")] = None,
     holdout: Annotated[Path | None, typer.Option(help="a response the fit must not see")] = None,
     rig_out: Annotated[Path | None, typer.Option(help="the config, extended by what was found")] = None,
     seed: Seed = 0,
@@ -142,7 +144,9 @@ def diagnose(
     from rotorrig.identify.result_files import write_diagnosis
     from rotorrig.processing.response_file import read_response
 
-    found = diagnosis.diagnose(read_response(responses[0]), identifying.identified(responses[0], seed=seed))
+    response = read_response(responses[0])
+    identified = identifying.reused(fit, response) if fit else identifying.identified(response, seed=seed)
+    found = diagnosis.diagnose(response, identified)
     write_diagnosis(out_file, found)
     out.print(found.sentence, highlight=False)
     for misfit in found.worst[1:4]:

@@ -1,20 +1,28 @@
-"""Read a response and fit it, with a progress bar."""
+"""Fit a response with a progress bar, or take the fit a file holds."""
 
 from pathlib import Path
 
 from rotorrig.app.console import progress_bars
 from rotorrig.identify.fit import fit
 from rotorrig.identify.identification import Identification
-from rotorrig.identify.objective import OBJECTIVES
-from rotorrig.processing.response_file import read_response
-from rotorrig.rig.errors import ConfigError
+from rotorrig.identify.result_files import read_identification
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.errors import DataError
 
 
-def identified(path: Path, *, objective: str = "f2", seed: int = 0) -> Identification:
-    """Return the fits of the response in `path`. Raises DataError, ConfigError."""
-    if objective not in OBJECTIVES:
-        raise ConfigError(f"--objective: got '{objective}', want one of {', '.join(OBJECTIVES)}")
-    response = read_response(path)
+def reused(path: Path, response: OrderTrackedResponse) -> Identification:
+    """Return the fits in a fit.json. Raises DataError if they are of another response."""
+    found = read_identification(path)
+    same = found.source == response.source and found.fits[0].prediction.shape == response.z.shape[:2]
+    if not same:
+        raise DataError(
+            f"{path}: is the fit of another response ({found.source.source}), want that of {response.source.source}"
+        )
+    return found
+
+
+def identified(response: OrderTrackedResponse, *, objective: str = "f2", seed: int = 0) -> Identification:
+    """Return the fits of a response. Raises DataError, ConfigError."""
     with progress_bars() as bars:
         task = bars.add_task("identifying (CHEA)", total=None, note="")
         found = fit(response, objective=objective, seed=seed, progress=lambda text: bars.update(task, note=text))

@@ -19,7 +19,8 @@ def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
 
     response = read_table(file, mapping, rig)
     write_response(out, response)
-    return f"{out}: {len(response.omega)} rows of {len(response.probes)} probes in {len(response.runs)} runs"
+    counted = [(len(response.omega), "row"), (len(response.probes), "probe"), (len(response.runs), "run")]
+    return f"{out}: " + ", ".join(f"{n} {noun}{'s' * (n != 1)}" for n, noun in counted)
 
 
 def _waveforms(file: Path, rig: RigConfig, out: Path) -> str:

@@ -22,21 +22,19 @@ SHOWN = {
 
 
 def identified(found: Identification, truth: Mapping[str, float] | None = None) -> Table:
-    """Return a table of every fit's values and 1-sigma uncertainties; errors in % and sigmas where truth is known."""
+    """Return a table of every fit's values ± 1 sigma, beside the nameplate or, where it is known, truth and error."""
     beside = ", beside the plant's sealed truth" if truth else ""
     table = Table(title=f"Identified, ± 1 sigma{beside}", box=box.SIMPLE_HEAD, title_justify="left")
     table.add_column("", no_wrap=True)
-    table.add_column("plate", justify="right")
-    if truth:
-        table.add_column("truth", justify="right")
+    table.add_column("truth" if truth else "nameplate", justify="right", no_wrap=True)
     for fit in found.fits:
         band = f"{fit.band[0] * RPM:.0f}-{fit.band[1] * RPM:.0f} rpm"
         table.add_column(f"{fit.name}\n{band}", justify="right", no_wrap=True)
         if truth:
             table.add_column("off", justify="right", no_wrap=True)
     for name, (factor, unit) in SHOWN.items():
-        cells = [rf"{name} \[{unit}]", number(found.fits[0].estimate(name).nameplate * factor)]
-        cells += [number(truth[name] * factor)] if truth else []
+        known = truth[name] if truth else found.fits[0].estimate(name).nameplate
+        cells = [rf"{name} \[{unit}]", number(known * factor)]
         for fit in found.fits:
             estimate = fit.estimate(name)
             cells.append(value_with_sigma(estimate, factor))

@@ -39,7 +39,7 @@ ARRAY = message_type(
     "ResponseArray",
     {"name": "string", "dtype": "string", "shape": "repeated int64", "offset": "int64", "data": "bytes"},
 )
-# Rerun plots the first four doubles of a message by itself: the speed, of another scale, stands behind them.
+# Of a message, Rerun plots the first four doubles: the speed, thousands beside hundreds, stands behind them.
 VECTOR = message_type(
     "OrderVector",
     {

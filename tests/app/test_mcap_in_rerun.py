@@ -64,7 +64,10 @@ def seen(viewer: ViewerClient, file: Path, *plots: rrb.TimeSeriesView) -> dict[s
     layout.disconnect()
     viewer.set_location(next(r.location for r in viewer.get_state().recordings if r.store_id == opened))
     viewer.set_time(play_state="paused")
-    time.sleep(1.0)
+    deadline = time.monotonic() + 10.0
+    while len(viewer.get_state().views) < len(plots) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    time.sleep(1.0)  # to draw them
     pictures = views(viewer, file.parent)
     assert len(pictures) == len(plots)
     assert [entry.message for entry in viewer.get_logs() if entry.level != "INFO"] == []
@@ -93,7 +96,7 @@ def test_a_response_is_plotted(viewer: ViewerClient, tmp_path: Path, response: O
         plot("/response", name="no numbers"),
     )
     assert coloured(pictures["what Rerun finds"]) > 2000  # amplitude and phase, raw and compensated
-    assert coloured(pictures["no numbers"]) == 0
+    assert coloured(pictures["no numbers"]) < 20  # the edge of the plot beside it
     at, height = curve(pictures["amplitude"])
     for run in (1, 2):  # up, down
         t, z = response.t[response.run == run], response.z[response.run == run, 0, 1]

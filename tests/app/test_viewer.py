@@ -1,6 +1,5 @@
 """Live and result views: the tracking against closed forms, the pictures in a headless viewer."""
 
-import subprocess
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -9,13 +8,12 @@ import numpy as np
 import psutil
 import pytest
 from numpy.typing import NDArray
-from PIL import Image
 from rerun.experimental import ViewerClient
 
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.drawn_axes import Panel
 from rotorrig.app.live_tracking import GrowingBode, LiveTracker
-from rotorrig.app.sinks import free_port, proxy, quiet_environment, serve, to_file, viewer_program
+from rotorrig.app.sinks import serve, to_file
 from rotorrig.app.viewer import LiveView, as_rrd, joined, view_file, write_recording_rrd, write_result_rrd
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
@@ -24,11 +22,8 @@ from rotorrig.processing.response_file import write_response
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError, RigError
 from rotorrig.rig.probes.base import Block, DaqInfo
+from tests.app.headless import headless_viewer, marked, needs_vulkan, views
 
-VULKAN = [Path("/usr/share/vulkan/icd.d"), Path("/etc/vulkan/icd.d")]
-needs_vulkan = pytest.mark.skipif(
-    not any(folder.glob("*.json") for folder in VULKAN), reason="needs a Vulkan driver (Debian: mesa-vulkan-drivers)"
-)
 BLUE, ORANGE, RED = (74, 163, 223), (242, 142, 43), (200, 24, 66)
 
 
@@ -165,32 +160,8 @@ def test_a_served_viewer_listens_on_this_machine_alone_and_ends_with_its_sink(tm
 
 @pytest.fixture(scope="module")
 def headless() -> Iterator[ViewerClient]:
-    """A viewer without a window, on this machine alone."""
-    port = free_port()
-    words = [viewer_program(), "--headless", "--bind", "127.0.0.1", "--port", str(port), "--hide-welcome-screen"]
-    process = subprocess.Popen(
-        [*words, "--window-size", "1300x850"],
-        env=quiet_environment(),
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    try:
-        yield _connected(port)
-    finally:
-        process.terminate()
-        process.wait(timeout=10)
-
-
-def _connected(port: int) -> ViewerClient:
-    for _ in range(100):
-        try:
-            client = ViewerClient.connect(proxy(port))
-            client.get_state()
-        except Exception:
-            time.sleep(0.1)  # still starting
-        else:
-            return client
-    raise AssertionError("the headless viewer did not start")
+    with headless_viewer() as viewer:
+        yield viewer
 
 
 def pictures(viewer: ViewerClient, rrd: Path, folder: Path, **at: float) -> dict[str, np.ndarray]:
@@ -199,17 +170,11 @@ def pictures(viewer: ViewerClient, rrd: Path, folder: Path, **at: float) -> dict
     viewer.open(str(rrd))
     viewer.set_time(**at, play_state="paused")
     time.sleep(1.0)
-    found = {}
-    state = viewer.get_state()
-    assert [(view.name, view.reports) for view in state.views if view.reports] == []
-    for view in state.views:
-        viewer.save_screenshot(str(folder / "view.png"), view.view_id)
-        found[view.name] = np.asarray(Image.open(folder / "view.png").convert("RGB")).astype(int)
-    return found
+    return views(viewer, folder)
 
 
 def pixels(picture: np.ndarray, colour: tuple[int, int, int], *, within: int = 30) -> int:
-    return int((np.abs(picture - colour).max(axis=2) < within).sum())
+    return int(marked(picture, colour, within=within).sum())
 
 
 @pytest.mark.viewer

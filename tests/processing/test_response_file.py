@@ -123,6 +123,14 @@ def test_the_gap_is_a_topic_of_its_own(tmp_path: Path, response: OrderTrackedRes
     assert gap.gap_um == pytest.approx(response.z[0, 2, 0].real * 1e6)
 
 
+def test_what_a_viewer_plots_first_is_amplitude_and_phase(tmp_path: Path, response: OrderTrackedResponse) -> None:
+    write_response(tmp_path / "r.mcap", response)
+    vector = next(m for topic, _, m in messages(tmp_path / "r.mcap") if topic == "/bode/1x/1X")
+    doubles = [field.name for field in vector.DESCRIPTOR.fields if field.type == field.TYPE_DOUBLE]
+    names = ["amplitude_um", "phase_lag_deg"]
+    assert doubles[:4] == [*names, *(f"compensated_{name}" for name in names)]  # Rerun 0.41 plots four doubles
+
+
 def test_rows_of_unknown_time_are_told_apart_by_their_number(tmp_path: Path, response: OrderTrackedResponse) -> None:
     write_response(tmp_path / "r.mcap", dataclasses.replace(response, t=np.full(ROWS, np.nan)))
     times = [t for topic, t, _ in messages(tmp_path / "r.mcap") if topic == "/bode/1x/1X"]

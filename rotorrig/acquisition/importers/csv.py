@@ -70,7 +70,7 @@ def read_csv(path: Path, rig: RigConfig) -> RawRecording:
         events=(Event(t_ns=0, kind="note", text=_assumed(path, columns, rig, rate, start)),),
         motor=(),
         source=Provenance(
-            config_hash=rig.hash, code_version=code_version(), source=str(path), source_hash=file_hash(path)
+            config_hash=rig.hash, code_version=code_version(), source=path.name, source_hash=file_hash(path)
         ),
         complete=True,
     )
