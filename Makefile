@@ -23,15 +23,16 @@ check: lint types test
 pictures: .venv/ready
 	$(BIN)/python docs/make_pictures.py demo
 
-# uv where there is one (seconds), else the venv module and pip; the same pinned versions either way.
+# uv where there is one (seconds), else the venv module and pip; the same pinned versions either way. Made anew when the
+# versions change: an old one may be of another Python.
 .venv/ready: pyproject.toml constraints.txt
 	@if command -v uv >/dev/null 2>&1; then \
 	    echo "setting up .venv with uv"; \
-	    uv venv --quiet --allow-existing --python "$(PYTHON)" .venv && \
+	    uv venv --quiet --clear --python "$(PYTHON)" .venv && \
 	    UV_BUILD_CONSTRAINT=constraints.txt uv pip install --quiet --python .venv/bin/python -c constraints.txt -e '.[dev]'; \
 	else \
 	    echo "setting up .venv with pip (about a minute)"; \
-	    "$(PYTHON)" -m venv .venv && \
+	    "$(PYTHON)" -m venv --clear .venv && \
 	    PIP_CONSTRAINT=constraints.txt $(BIN)/python -m pip install --quiet -e '.[dev]'; \
 	fi
 	@touch $@

@@ -36,9 +36,6 @@ def main() -> None:
     except RigError as error:
         err.print(f"[red]error:[/] {_plain(error)}", highlight=False, soft_wrap=True)
         sys.exit(3 if isinstance(error, NotBuilt) else 1)
-    except KeyboardInterrupt:
-        err.print("[yellow]interrupted[/]")
-        sys.exit(130)
 
 
 @app.command()
@@ -71,7 +68,11 @@ def sweep(
 
     rig = load(config)
     stand_in = sweeping.StandIn(seed=seed, hidden=hidden, rate=rate) if simulate else None
-    result = sweeping.sweep(rig, out=out_file, plan=plan, stand_in=stand_in, view=view)
+    try:
+        result = sweeping.sweep(rig, out=out_file, plan=plan, stand_in=stand_in, view=view)
+    except KeyboardInterrupt as interrupt:  # or SIGTERM, or the terminal was closed
+        err.print(f"interrupted: the rotor was stopped and {out_file} holds the sweep up to there", highlight=False)
+        raise typer.Exit(130) from interrupt
     out.print(f"{out_file}: {result.seconds:.1f} s, {result.samples} scans, {result.gaps} gaps recorded")
     if result.trip:
         raise RigError(f"{result.trip}; the rotor was stopped and {out_file} holds the sweep up to there")

@@ -37,4 +37,6 @@ def play(path: Path, *, rate: str, view: bool) -> float:
             bars.advance(task, len(block.counts))
             if live:
                 live.show(block)
+    if live:
+        live.sink.linger()
     return recording.samples / recording.daq.sample_rate

@@ -4,6 +4,7 @@ Only 127.0.0.1 is listened on: Rerun's own helpers open a port to the whole netw
 """
 
 import atexit
+import contextlib
 import importlib.util
 import os
 import socket
@@ -18,7 +19,7 @@ from typing import IO, Any, Self
 
 import rerun as rr
 
-from rotorrig.app.console import out
+from rotorrig.app.console import err
 from rotorrig.rig.errors import RigError
 
 LOOPBACK = "127.0.0.1"
@@ -47,6 +48,13 @@ class Sink:
         if self.viewer is not None:
             self.viewer.wait()
 
+    def linger(self) -> None:
+        """Keep a web page, which would end with the program, until Ctrl-C; where nobody can press that, return."""
+        if self.address and err.is_terminal:
+            err.print("The view stays open until Ctrl-C.")
+            with contextlib.suppress(KeyboardInterrupt):
+                self.wait()
+
     def __enter__(self) -> Self:
         return self
 
@@ -70,7 +78,7 @@ def serve(*, save: Path | None = None, headless: bool | None = None) -> Sink:
     file = to_file(save).targets if save else ()
     process, port, address = _start(headless=not has_display() if headless is None else headless)
     if address:
-        out.print(f"no display here; the live view is at {address}", highlight=False, soft_wrap=True)
+        err.print(f"no display here; the live view is at {address}", highlight=False, soft_wrap=True)
     return Sink(targets=(rr.GrpcSink(proxy(port)), *file), address=address, viewer=process)
 
 
@@ -79,7 +87,7 @@ def show_files(paths: Sequence[Path], *, headless: bool | None = None) -> Sink:
     dark = not has_display() if headless is None else headless
     process, _, address = _start(headless=dark, files=paths)
     if address:
-        out.print(f"no display here; open {address} in a browser, Ctrl-C ends it", highlight=False, soft_wrap=True)
+        err.print(f"no display here; open {address} in a browser, Ctrl-C ends it", highlight=False, soft_wrap=True)
     return Sink(targets=(), address=address, viewer=process)
 
 

@@ -78,7 +78,7 @@ def record_sweep(
             config_hash=rig.hash, code_version=code_version(), source="simulated rig" if ports else rig.name
         )
         writer = stack.enter_context(RecordingWriter(out, rig, info, source, overwrite=overwrite))
-        return run_sweep(
+        result = run_sweep(
             steps,
             motor=motor,
             daq=daq,
@@ -89,6 +89,9 @@ def record_sweep(
             progress=progress,
             clock=WallClock(),
         )
+    if live:
+        live.sink.linger()
+    return result
 
 
 def _live_view(rig: RigConfig, info: DaqInfo) -> "LiveView":

@@ -67,8 +67,8 @@ def number(value: float) -> str:
 def rig_parts(rig: RigConfig) -> Table:
     """Return what a config says, part by part, for `rotor check`."""
     table = Table(title=f"{rig.name} (config {rig.hash})")
-    for column in ("part", "at [mm]", "what"):
-        table.add_column(column, justify="right" if column == "at [mm]" else "left")
+    for column in ("part", "at, mm", "what"):
+        table.add_column(column, justify="right" if column == "at, mm" else "left")
     shaft = rig.shaft
     table.add_row(
         "shaft",

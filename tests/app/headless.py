@@ -20,9 +20,9 @@ needs_vulkan = pytest.mark.skipif(
 
 
 @contextlib.contextmanager
-def headless_viewer() -> Iterator[ViewerClient]:
+def headless_viewer(*, port: int | None = None) -> Iterator[ViewerClient]:
     """Start a viewer; it ends with the `with` block."""
-    port = free_port()
+    port = port or free_port()
     words = [viewer_program(), "--headless", "--bind", "127.0.0.1", "--port", str(port), "--hide-welcome-screen"]
     process = subprocess.Popen(
         [*words, "--window-size", "1300x850"],

@@ -4,12 +4,16 @@ Everything runs as the installed `rotor`, in processes of its own; the sealed tr
 """
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
+from rotorrig.acquisition.mcap_file import read_recording
 from rotorrig.processing.response_file import read_response
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.plant.truth import FaultSpec, draw, identified_truth, seal, unseal
@@ -26,7 +30,6 @@ def rotor(*words: object) -> subprocess.CompletedProcess[str]:
 
 
 def _environment() -> dict[str, str]:
-    import os
 
     return {**os.environ, "COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
 
@@ -117,3 +120,24 @@ def test_a_sealed_coupling_force_is_called_not_adequate_and_located(folder: Path
     half_critical = [m for m in second if m["speed_from"] * rpm < 1113 < m["speed_to"] * rpm]
     assert half_critical, "2X is strongest where twice the speed meets the first critical, 2226 / 2 rpm"
     assert "2X" in said
+
+
+def test_ctrl_c_stops_the_rotor_and_keeps_what_was_recorded(folder: Path) -> None:
+    command = [sys.executable, "-m", "rotorrig.app.cli", "sweep", str(folder / "rig.toml"), "--simulate", "--rate", "5"]
+    process = subprocess.Popen(
+        [*command, "--out", str(folder / "cut.mcap")], stderr=subprocess.PIPE, text=True, env=_environment()
+    )
+    part = folder / "cut.mcap.part"
+    deadline = time.monotonic() + 60
+    while not (part.exists() and part.stat().st_size > 200_000):
+        assert time.monotonic() < deadline, "nothing was recorded"
+        time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "the rotor was stopped" in said
+    assert "Traceback" not in said
+    recording = read_recording(folder / "cut.mcap")
+    assert recording.complete
+    assert recording.samples > 10_000
+    assert any(event.kind == "stop" for event in recording.events)
