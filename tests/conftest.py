@@ -20,10 +20,6 @@ settings.register_profile("patient", deadline=None)  # a busy machine is no defe
 settings.load_profile("patient")
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--rig", type=Path, help="a config of a real bench, for tests marked 'hardware'")
-
-
 @pytest.fixture(scope="session")
 def rig_config() -> RigConfig:
     return load(CONFIGS / "rk4.toml")

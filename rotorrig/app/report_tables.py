@@ -62,7 +62,7 @@ def estimates(fit: Fit, *, search: Identify | None, truth: Mapping[str, float] |
     header += ["simulated rig", "error", "error in σ"] if truth else []
     rows = [_estimate_row(e, search, truth) for e in fit.estimates]
     low, high = (speed * RPM for speed in fit.band)
-    caption = f"Fit of the {fit.name}, {low:.0f} to {high:.0f} rpm"
+    caption = f"Fit, {fit.name}: {low:.0f} to {high:.0f} rpm"
     marked = [i for i, e in enumerate(fit.estimates) if not determined(e)]
     return table(caption, [*header, "remark"], rows, marked=marked)
 

@@ -60,7 +60,7 @@ def _evidence(diagnosis: Diagnosis) -> list[str]:
     if math.isfinite(diagnosis.noise_floor):
         said.append(f"noise floor {diagnosis.noise_floor * UM:.2g} µm")
     if math.isfinite(diagnosis.false_alarm_rate):
-        said.append(f"this test calls {100 * diagnosis.false_alarm_rate:.2g} % of healthy runs faulty")
+        said.append(f"this test calls at most {100 * diagnosis.false_alarm_rate:.2g} % of healthy runs faulty")
     return said
 
 
