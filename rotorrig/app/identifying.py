@@ -13,10 +13,12 @@ from rotorrig.rig.errors import DataError
 def reused(path: Path, response: OrderTrackedResponse) -> Identification:
     """Return the fits in a fit.json. Raises DataError if they are of another response."""
     found = read_identification(path)
-    same = found.source == response.source and found.fits[0].prediction.shape == response.z.shape[:2]
-    if not same:
+    ours, theirs = response.source, found.source
+    same = (ours.config_hash, ours.source, ours.source_hash) == (theirs.config_hash, theirs.source, theirs.source_hash)
+    if not same or found.fits[0].prediction.shape != response.z.shape[:2]:
         raise DataError(
-            f"{path}: is the fit of another response ({found.source.source}), want that of {response.source.source}"
+            f"{path}: is the fit of another response (of {theirs.source}, {theirs.source_hash}), "
+            f"want that of {ours.source}, {ours.source_hash}"
         )
     return found
 

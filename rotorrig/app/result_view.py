@@ -45,7 +45,9 @@ def write_result_rrd(
 
     Raises RigError if the file's folder is missing.
     """
-    stream = rr.RecordingStream("rotorrig result", recording_id=f"result-{response.source.config_hash}")
+    stream = rr.RecordingStream(
+        "rotorrig result", recording_id=f"result-{response.source.source_hash or response.source.config_hash}"
+    )
     stream.set_sinks(*to_file(path).targets, default_blueprint=result_blueprint(response.rig, response.probes))
     fit = identification.fits[0] if identification and identification.fits else None
     prediction = fit.prediction if fit else None
@@ -181,4 +183,6 @@ def _words(
     said.append("Blue: speed rises, orange: it falls; dots measured, pale lines model. White dot: keyphasor edge.")
     if recorded:
         said.append("Grey: the orbit as recorded, two turns, runout included.")
+    made = response.source
+    said.append(f"Config {made.config_hash}, data {made.source} {made.source_hash}, code {made.code_version}.")
     return "\n\n".join(said)

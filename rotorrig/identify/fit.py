@@ -6,6 +6,7 @@ where the refinement starts; that one knows phases, noise, the moving speed and 
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from rotorrig.identify.space import NAMES, UNITS, bounds
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import Bearing, RigConfig
 from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.provenance import code_version
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.receptance import condense
 from rotorrig.sims.rotor.reduction import reduce
@@ -55,7 +57,12 @@ def fit(
         for name, band in bands.items():
             progress(name)
             fits.append(_fit_band(response, name=name, band=band, objective=objective, seed=seed))
-    return Identification(fits=tuple(fits), effects=(), wall_s=time.perf_counter() - began, source=response.source)
+    return Identification(
+        fits=tuple(fits),
+        effects=(),
+        wall_s=time.perf_counter() - began,
+        source=replace(response.source, code_version=code_version()),
+    )
 
 
 def _fit_band(
