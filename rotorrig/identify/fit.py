@@ -20,7 +20,7 @@ from rotorrig.identify.polish import Polished, Problem
 from rotorrig.identify.space import NAMES, UNITS, bounds
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import Bearing, RigConfig
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.provenance import code_version
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.receptance import condense
@@ -45,20 +45,25 @@ def fit(
 ) -> Identification:
     """Identify kxx, kyy, cxx, cyy and the unbalance on the whole sweep and on the config's bands.
 
-    Raises ConfigError if the rig has no [identify] section, DataError if a band holds too few rows.
+    A band with too few rows is left out and the first fit's words say so. Raises ConfigError if the rig has no
+    [identify] section, DataError if the whole sweep holds too few rows.
     """
     rig = response.rig
     if rig.identify is None:
         raise ConfigError(f"{rig.name}: the config has no [identify] section, want bearings and a disk to identify")
     began = time.perf_counter()
-    bands = {WHOLE: (0.0, np.inf)} | dict(rig.identify.bands)
-    fits = []
+    left_out = []
     with threadpool_limits(1, user_api="blas"):  # thousands of small products: threads cost 40 times what they save
-        for name, band in bands.items():
+        progress(WHOLE)
+        fits = [_fit_band(response, name=WHOLE, band=(0.0, np.inf), objective=objective, seed=seed)]
+        for name, band in rig.identify.bands.items():
             progress(name)
-            fits.append(_fit_band(response, name=name, band=band, objective=objective, seed=seed))
+            try:
+                fits.append(_fit_band(response, name=name, band=band, objective=objective, seed=seed))
+            except DataError as error:
+                left_out.append(f"The band '{name}' was left out: {error}.")
     return Identification(
-        fits=tuple(fits),
+        fits=(replace(fits[0], words=(*fits[0].words, *left_out)), *fits[1:]),
         effects=(),
         wall_s=time.perf_counter() - began,
         source=replace(response.source, code_version=code_version()),
@@ -122,6 +127,8 @@ def amplitude_cost(
     assert rig.identify is not None
     bare = np.array([not response.runs[i].trial_unbalance for i in response.run[measured.rows]])
     chosen = np.flatnonzero(bare)
+    if len(chosen) == 0:
+        raise DataError(f"{response.source.source}: every run carries a trial mass, want one without")
     chosen = chosen[np.unique(np.linspace(0, len(chosen) - 1, _SEARCH_SPEEDS).astype(int))]
     slow_roll = np.nan_to_num(measured.z[-1])
     amplitude = np.abs(measured.z[chosen] - slow_roll)
