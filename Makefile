@@ -3,7 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test lint types check pictures clean
+.PHONY: demo test lint types check pictures bench clean
 
 demo: .venv/ready
 	$(BIN)/rotor demo --out demo
@@ -23,6 +23,9 @@ check: lint types test
 pictures: .venv/ready
 	$(BIN)/python docs/make_pictures.py demo
 
+bench: .venv/ready .venv-ross/ready
+	$(BIN)/python benchmarks/forward.py --write
+
 # uv where there is one (seconds), else the venv module and pip; the same pinned versions either way. Made anew when the
 # versions change: an old one may be of another Python.
 .venv/ready: pyproject.toml constraints.txt
@@ -37,5 +40,17 @@ pictures: .venv/ready
 	fi
 	@touch $@
 
+# ROSS, the peer of the benchmarks, needs older packages than ours: an environment of its own.
+.venv-ross/ready: constraints-ross.txt
+	@if command -v uv >/dev/null 2>&1; then \
+	    uv venv --quiet --clear --python "$(PYTHON)" .venv-ross && \
+	    uv pip install --quiet --python .venv-ross/bin/python -c constraints-ross.txt ross-rotordynamics; \
+	else \
+	    echo "setting up .venv-ross with pip (a few minutes)"; \
+	    "$(PYTHON)" -m venv --clear .venv-ross && \
+	    .venv-ross/bin/python -m pip install --quiet -c constraints-ross.txt ross-rotordynamics; \
+	fi
+	@touch $@
+
 clean:
-	rm -rf .venv demo .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	rm -rf .venv .venv-ross demo .pytest_cache .ruff_cache .mypy_cache .hypothesis

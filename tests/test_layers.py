@@ -8,7 +8,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1] / "rotorrig"
 
-BASE = ("rig.description", "rig.provenance", "rig.errors", "rig.clock", "rig.units")
+BASE = ("rig.description", "rig.nameplate", "rig.provenance", "rig.errors", "rig.clock", "rig.units")
 
 #: package -> (own modules it may import, third-party packages it may import); the longest prefix counts
 TABLE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -28,7 +28,7 @@ TABLE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "identify.chea": (("identify.chea",), ("scipy",)),
     "app": (
         ("rig", "acquisition", "processing", "sims", "identify", "app"),
-        ("scipy", "pydantic", "rerun", "typer", "rich", "plotly"),
+        ("scipy", "pydantic", "rerun", "typer", "rich", "plotly", "threadpoolctl"),
     ),
 }
 EVERYWHERE = {*sys.stdlib_module_names, "numpy"}

@@ -11,7 +11,7 @@ import typer
 
 from rotorrig.app.console import err, out, progress_bars
 from rotorrig.rig.description import RigConfig, load
-from rotorrig.rig.errors import NotBuilt, RigError
+from rotorrig.rig.errors import ConfigError, NotBuilt, RigError
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -42,12 +42,15 @@ def main() -> None:
 def check(
     config: Config,
     connect: Annotated[bool, typer.Option("--connect", help="talk to motor and DAQ and say what answered")] = False,
+    model: Annotated[bool, typer.Option("--model", help="draw the rotor; masses, sag, critical speeds")] = False,
 ) -> None:
     """Check a config, say what it describes; with --connect, talk to its devices."""
     from rotorrig.app import checking
 
     rig = load(config)
     checking.show_rig(rig)
+    if model:
+        checking.show_model(rig)
     if connect:
         checking.show_devices(rig)
 
@@ -185,20 +188,41 @@ def view(file: Annotated[Path, typer.Argument(help="run.mcap, response.mcap or a
 
 @app.command("import")
 def import_(
-    file: Annotated[Path, typer.Argument(help="a CSV file", show_default=False)],
+    file: Annotated[Path, typer.Argument(help="a CSV file; with --ross a rotor saved by ROSS", show_default=False)],
     out_file: Out,
-    config: Annotated[Path, typer.Option("--config", help="the rig's TOML file", show_default=False)],
+    config: Annotated[Path | None, typer.Option("--config", help="the rig's TOML file", show_default=False)] = None,
     vectors: Annotated[Path | None, typer.Option("--vectors", help="a mapping (TOML): FILE is a Bode table")] = None,
+    ross: Annotated[bool, typer.Option("--ross", help="FILE is a rotor saved by ROSS: make a config of it")] = False,
+    keep_nodes: Annotated[bool, typer.Option("--keep-nodes", help="with --ross: every element a section")] = False,
 ) -> None:
-    """Bring in waveforms (to a run.mcap) or, with --vectors MAPPING, a Bode table (to a response.mcap)."""
-    from rotorrig.app import importing
+    """Bring in waveforms (to a run.mcap), with --vectors a Bode table (to a response.mcap), with --ross a rotor."""
+    from rotorrig.app import importing, ross_exchange
 
-    out.print(importing.bring_in(file, rig=load(config), mapping=vectors, out=out_file), highlight=False)
+    if ross and (config or vectors):
+        raise ConfigError("--ross: wants neither --config nor --vectors, it makes a config")
+    if ross:
+        for line in ross_exchange.bring_in(file, out=out_file, keep_nodes=keep_nodes):
+            out.print(line, highlight=False, markup=False, soft_wrap=True)
+    elif config is None:
+        raise ConfigError("--config: is missing, want the rig's TOML file, as it says what the columns are")
+    else:
+        out.print(importing.bring_in(file, rig=load(config), mapping=vectors, out=out_file), highlight=False)
 
 
 @app.command()
-def export(file: Annotated[Path, typer.Argument(help="a response.mcap", show_default=False)], out_file: Out) -> None:
-    """Write the order vectors of a response as CSV."""
+def export(
+    file: Annotated[Path, typer.Argument(help="a response.mcap; with --ross a config", show_default=False)],
+    out_file: Out,
+    ross: Annotated[bool, typer.Option("--ross", help="write the rotor of a config, for ROSS")] = False,
+    max_element: Annotated[str, typer.Option(help="with --ross: the longest shaft element")] = "20 mm",
+) -> None:
+    """Write the order vectors of a response as CSV or, with --ross, the rotor of a config for ROSS."""
+    if ross:
+        from rotorrig.app import ross_exchange
+
+        for line in ross_exchange.write_out(file, out=out_file, max_element=max_element):
+            out.print(line, highlight=False, markup=False, soft_wrap=True)
+        return
     if out_file.suffix.lower() != ".csv":
         raise NotBuilt(f"{out_file}: only .csv can be written yet")
     from rotorrig.processing.response_file import read_response

@@ -12,6 +12,7 @@ from rotorrig.app.wording import (
     LONG,
     UNDETERMINED,
     at_bound,
+    bearing_coefficients,
     change,
     determined,
     in_sigmas,
@@ -172,7 +173,7 @@ def nameplate(rig: RigConfig) -> str:
         [
             f"bearing {b.name}",
             f"{b.position * 1e3:g}",
-            f"kxx {b.kxx / 1e3:.5g}, kyy {b.kyy / 1e3:.5g} kN/m; cxx {b.cxx:g}, cyy {b.cyy:g} N s/m",
+            bearing_coefficients(b),
         ]
         for b in rig.bearings
     ]

@@ -26,8 +26,7 @@ def side_view(rig: RigConfig) -> str:
     floor = max(lower, tallest / 2 + 6)
     parts = [
         *(_disk(d.position * 1e3, d.width * 1e3, d.diameter * 1e3) for d in rig.disks),
-        f'<rect class="shaft" x="0" y="{-rig.shaft.diameter * 500:.2f}" width="{length:.2f}" '
-        f'height="{rig.shaft.diameter * 1e3:.2f}"/>',
+        *(_tube(t.start * 1e3, t.length * 1e3, t.diameter * 1e3) for t in rig.shaft.tubes),
         *(_bearing(b.position * 1e3, rig.shaft.diameter * 500) for b in rig.bearings),
         *(_probe(p, rig.shaft.diameter * 500) for p, _ in _by_position(rig.probes)),
         *top,
@@ -101,6 +100,10 @@ def _disk(x: float, width: float, diameter: float) -> str:
     )
 
 
+def _tube(x: float, length: float, diameter: float) -> str:
+    return f'<rect class="shaft" x="{x:.2f}" y="{-diameter / 2:.2f}" width="{length:.2f}" height="{diameter:.2f}"/>'
+
+
 def _bearing(x: float, radius: float) -> str:
     """Draw a spring to ground below the shaft."""
     y = radius
@@ -148,7 +151,8 @@ def _ruler(length: float, y: float) -> str:
 
 
 def _description(rig: RigConfig) -> str:
-    shaft = f"Shaft {rig.shaft.length * 1e3:g} mm long, {rig.shaft.diameter * 1e3:g} mm in diameter"
+    across = "diameter" if len(rig.shaft.tubes) == 1 else "its largest diameter"
+    shaft = f"Shaft {rig.shaft.length * 1e3:g} mm long, {rig.shaft.diameter * 1e3:g} mm in {across}"
     parts = [f"disk {d.name} at {d.position * 1e3:g} mm" for d in rig.disks]
     parts += [f"bearing {b.name} at {b.position * 1e3:g} mm" for b in rig.bearings]
     parts += [f"probe {p.name} at {p.position * 1e3:g} mm" for p in rig.probes]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from rich import box
 from rich.table import Table
 
+from rotorrig.app.wording import bearing_coefficients
 from rotorrig.identify.identification import Estimate, Identification
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
@@ -69,17 +70,17 @@ def rig_parts(rig: RigConfig) -> Table:
     table = Table(title=f"{rig.name} (config {rig.hash})")
     for column in ("part", "at, mm", "what"):
         table.add_column(column, justify="right" if column == "at, mm" else "left")
-    shaft = rig.shaft
-    table.add_row(
-        "shaft",
-        f"0-{shaft.length * 1e3:g}",
-        f"{shaft.diameter * 1e3:g} mm, E {shaft.youngs_modulus / 1e9:g} GPa, {shaft.density:g} kg/m³",
-    )
+    for tube in rig.shaft.tubes:
+        bore = f", bore {tube.inner_diameter * 1e3:g} mm" if tube.inner_diameter else ""
+        table.add_row(
+            "shaft",
+            f"{tube.start * 1e3:g}-{tube.end * 1e3:g}",
+            f"{tube.diameter * 1e3:g} mm{bore}, E {tube.youngs_modulus / 1e9:g} GPa, {tube.density:g} kg/m³",
+        )
     for disk in rig.disks:
         table.add_row(f"disk {disk.name}", f"{disk.position * 1e3:g}", f"{disk.mass:g} kg")
     for b in rig.bearings:
-        stiffness = f"k {b.kxx / 1e3:g}, {b.kyy / 1e3:g} kN/m, c {b.cxx:g}, {b.cyy:g} N s/m (x, y)"
-        table.add_row(f"bearing {b.name}", f"{b.position * 1e3:g}", stiffness)
+        table.add_row(f"bearing {b.name}", f"{b.position * 1e3:g}", bearing_coefficients(b))
     for p in rig.probes:
         angle, gain = math.degrees(p.angle), p.sensitivity / 1e3
         table.add_row(f"probe {p.name}", f"{p.position * 1e3:g}", f"{angle:g} deg, channel {p.channel}, {gain:g} mV/um")

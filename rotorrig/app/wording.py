@@ -4,6 +4,7 @@ import math
 
 from rotorrig.identify.identification import Estimate
 from rotorrig.rig.description import Identify
+from rotorrig.rig.nameplate import Bearing, OverSpeed
 
 #: SI unit -> (unit shown, factor)
 SHOWN = {
@@ -114,3 +115,24 @@ def _rounded(value: float, sigma: float) -> str:
         return f"{value:.4g}"
     decimals = 1 - math.floor(math.log10(sigma))
     return f"{round(value, decimals):.{max(decimals, 0)}f}"
+
+
+def bearing_coefficients(bearing: Bearing) -> str:
+    """Return a nameplate bearing's direct stiffness and damping.
+
+    >>> bearing_coefficients(Bearing.model_validate({"name": "left", "position": "65 mm", "rigid": True}))
+    'rigid'
+    """
+    if bearing.kxx is None or bearing.kyy is None:
+        return "rigid"
+    k, c = (
+        ", ".join(_over_speed(value, scale) for value in pair)
+        for pair, scale in (((bearing.kxx, bearing.kyy), 1e-3), ((bearing.cxx, bearing.cyy), 1.0))
+    )
+    return f"k {k} kN/m, c {c} N s/m (x, y){' over speed' if bearing.over_speed else ''}"
+
+
+def _over_speed(value: float | OverSpeed, scale: float) -> str:
+    if isinstance(value, OverSpeed):
+        return f"{min(value.value) * scale:g} to {max(value.value) * scale:g}"
+    return f"{value * scale:g}"

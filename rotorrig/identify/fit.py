@@ -15,7 +15,6 @@ from threadpoolctl import threadpool_limits
 from rotorrig.identify.chea.chea import chea
 from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
 from rotorrig.identify.measurement import Measurement, measure
-from rotorrig.identify.objective import OBJECTIVES
 from rotorrig.identify.polish import Polished, Problem
 from rotorrig.identify.space import NAMES, UNITS, bounds
 from rotorrig.processing.response import OrderTrackedResponse
@@ -51,6 +50,11 @@ def fit(
     rig = response.rig
     if rig.identify is None:
         raise ConfigError(f"{rig.name}: the config has no [identify] section, want bearings and a disk to identify")
+    for bearing in rig.bearings:
+        if bearing.over_speed:
+            raise ConfigError(
+                f"{rig.name}: bearing '{bearing.name}' is given over speed, want constants to identify by"
+            )
     began = time.perf_counter()
     left_out = []
     with threadpool_limits(1, user_api="blas"):  # thousands of small products: threads cost 40 times what they save
@@ -107,7 +111,7 @@ def _refined(problem: Problem, optima: list[Optimum], nameplate: Bearing) -> Pol
     Amplitudes of few probes leave valleys in which the search cannot choose; the nameplate is a fair guess there.
     """
     starts = [optimum.theta for optimum in optima[:_STARTS]]
-    starts.insert(1, (nameplate.kxx, nameplate.kyy, nameplate.cxx, nameplate.cyy))
+    starts.insert(1, tuple(nameplate.constant(name) for name in NAMES[:4]))
     best: Polished | None = None
     for theta in starts:
         solved = problem.solve(problem.start(np.array(theta)))
@@ -135,15 +139,14 @@ def amplitude_cost(
     weak = amplitude < 3 * np.sqrt(2) * measured.sigma[chosen]  # its logarithm would be noise
     amplitude[weak | ~measured.usable[chosen]] = np.nan
     compensated = bool(np.isfinite(response.slow_roll_omega))
-    omega = np.append(response.omega[measured.rows[chosen]], response.slow_roll_omega if compensated else 1.0)
+    omega = response.omega[measured.rows[chosen]]
+    if compensated:
+        omega = np.append(omega, response.slow_roll_omega)
     rotor = reduce(assemble(rig.model_copy(update={"probes": tuple(rig.probe(p) for p in response.probes)})))
     receptance = condense(rotor, omega, bearings=rig.identify.bearings, disk=rig.identify.unbalance)
-    distance = OBJECTIVES[objective]
 
     def cost(theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        z = receptance.response(*theta.T)
-        predicted = np.abs(z[..., :-1, :] - (z[..., -1:, :] if compensated else 0))
-        return distance(amplitude, predicted)
+        return receptance.misfit(amplitude, *theta.T, objective=objective, slow_roll=compensated)
 
     return cost
 

@@ -21,7 +21,7 @@ class Parameters:
         """Lay out the vector."""
         n = len(probes)
         sought = rig.identify.bearings if rig.identify else ()
-        self.others = tuple(b.name for b in rig.bearings if b.name not in sought)
+        self.others = tuple(b.name for b in rig.bearings if b.name not in sought and not b.rigid)
         self.names = (
             *NAMES[:4],
             *("E", "disk mass", *(f"bearing {name} {axis}" for name in self.others for axis in "xy")),

@@ -12,106 +12,33 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
+from pydantic import BaseModel, Field, PrivateAttr, ValidationError, model_validator
 
 from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.nameplate import (
+    NUMBER,
+    SHORTEST,
+    TABLE,
+    Angle,
+    Bearing,
+    Damping,
+    Disk,
+    Length,
+    Part,
+    Plane,
+    Probe,
+    RampRate,
+    Rate,
+    Shaft,
+    Speed,
+    Stiffness,
+    Time,
+    UnbalanceAmount,
+    Voltage,
+)
 from rotorrig.rig.provenance import short_hash
-from rotorrig.rig.units import reads
 
 Table = TypeVar("Table", bound=BaseModel)
-
-
-class Part(BaseModel):
-    """A table of the config: frozen, and no key it does not know."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-Length = Annotated[float, reads("length"), Field(gt=0)]
-Position = Annotated[float, reads("length"), Field(ge=0)]
-Mass = Annotated[float, reads("mass"), Field(gt=0)]
-Inertia = Annotated[float, reads("inertia"), Field(gt=0)]
-Density = Annotated[float, reads("density"), Field(gt=0)]
-Modulus = Annotated[float, reads("modulus"), Field(gt=0)]
-Stiffness = Annotated[float, reads("stiffness"), Field(ge=0)]
-CrossStiffness = Annotated[float, reads("stiffness")]
-Damping = Annotated[float, reads("damping"), Field(ge=0)]
-CrossDamping = Annotated[float, reads("damping")]
-UnbalanceAmount = Annotated[float, reads("unbalance"), Field(ge=0)]
-Angle = Annotated[float, reads("angle")]
-Speed = Annotated[float, reads("speed"), Field(gt=0)]
-RampRate = Annotated[float, reads("ramp"), Field(gt=0)]
-Time = Annotated[float, reads("time"), Field(gt=0)]
-Voltage = Annotated[float, reads("voltage")]
-Sensitivity = Annotated[float, reads("sensitivity"), Field(gt=0)]
-Rate = Annotated[float, reads("rate"), Field(gt=0)]
-
-
-class Shaft(Part):
-    """A uniform shaft of one material, as long as the rotor."""
-
-    length: Length
-    diameter: Length
-    inner_diameter: Position = 0.0
-    density: Density
-    youngs_modulus: Modulus
-    poisson_ratio: float = Field(0.3, ge=0, lt=0.5)
-
-    @model_validator(mode="after")
-    def _is_a_tube(self) -> Self:
-        if self.inner_diameter >= self.diameter:
-            raise ValueError(
-                f"inner_diameter {self.inner_diameter * 1e3:g} mm, "
-                f"want less than the {self.diameter * 1e3:g} mm diameter"
-            )
-        return self
-
-
-class Unbalance(Part):
-    """An unbalance [kg m] and where it sits: degrees from the keyphasor mark, in the sense of rotation."""
-
-    amount: UnbalanceAmount
-    angle: Angle = 0.0
-
-
-class Disk(Part):
-    """A rigid disk; `unbalance` is what the nameplate expects, if it says."""
-
-    name: str
-    position: Position
-    mass: Mass
-    polar_inertia: Inertia
-    transverse_inertia: Inertia
-    width: Length = 0.025
-    diameter: Length = 0.075
-    unbalance: Unbalance | None = None
-
-
-class Bearing(Part):
-    """Eight linear coefficients between shaft and ground, [N/m] and [N s/m]; x and y as the probes' axes."""
-
-    name: str
-    position: Position
-    kxx: Stiffness
-    kyy: Stiffness
-    kxy: CrossStiffness = 0.0
-    kyx: CrossStiffness = 0.0
-    cxx: Damping = 0.0
-    cyy: Damping = 0.0
-    cxy: CrossDamping = 0.0
-    cyx: CrossDamping = 0.0
-
-
-class Probe(Part):
-    """A proximity probe: volts rise as the shaft comes nearer; `angle` is where it sits, from +x towards +y."""
-
-    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
-    position: Position
-    angle: Angle
-    channel: int = Field(ge=0)
-    sensitivity: Sensitivity = 7874.0  # V/m: 200 mV/mil
-    gap_voltage: Voltage = -10.0
-    linear_range: tuple[Voltage, Voltage] = (-18.0, -2.0)  # an 8 mm probe's 80 mil about -10 V
 
 
 class Keyphasor(Part):
@@ -197,7 +124,7 @@ class Prior(Part):
     bearing: float = Field(0.05, gt=0)  # relative, stiffness of the bearings that are not identified
     probe_gain: float = Field(0.01, gt=0)  # relative
     probe_linearity: float = Field(0.003, ge=0)  # of the reading: what calibration leaves, and no parameter removes
-    probe_angle: Annotated[float, reads("angle"), Field(gt=0)] = 0.01745329  # 1 degree
+    probe_angle: Annotated[Angle, Field(gt=0)] = 0.01745329  # 1 degree
     runout: Length = 10e-6  # per probe, 0-peak; only its slow-roll vector says more
 
 
@@ -208,6 +135,7 @@ class RigConfig(Part):
     notes: str = ""
     shaft: Shaft
     disks: tuple[Disk, ...] = Field(min_length=1)
+    planes: tuple[Plane, ...] = ()
     bearings: tuple[Bearing, ...] = Field(min_length=1)
     probes: tuple[Probe, ...] = Field(min_length=1)
     keyphasor: Keyphasor | None = None
@@ -245,11 +173,14 @@ class RigConfig(Part):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        for kind in ("disks", "bearings", "probes"):
+        for kind in ("disks", "planes", "bearings", "probes"):
             names = [part.name for part in getattr(self, kind)]
             for name in names:
                 if names.count(name) > 1:
                     raise ValueError(f"{kind}: two are named '{name}', want different names")
+        for plane in self.planes:
+            if plane.name in (d.name for d in self.disks):
+                raise ValueError(f"planes: '{plane.name}' is a disk too, want another name; a disk is a plane already")
         self._all_on_the_shaft()
         self._bearings_span()
         self._channels_differ()
@@ -259,9 +190,9 @@ class RigConfig(Part):
         return self
 
     def _all_on_the_shaft(self) -> None:
-        for kind in ("disks", "bearings", "probes"):
+        for kind in ("disks", "planes", "bearings", "probes"):
             for i, part in enumerate(getattr(self, kind)):
-                if part.position > self.shaft.length:
+                if part.position > self.shaft.length + SHORTEST:
                     raise ValueError(
                         f"{kind}[{i}].position: '{part.name}' is at {part.position * 1e3:g} mm, "
                         f"want it on the shaft, 0 to {self.shaft.length * 1e3:g} mm"
@@ -269,7 +200,7 @@ class RigConfig(Part):
 
     def _bearings_span(self) -> None:
         places = [b.position for b in self.bearings]
-        if max(places) - min(places) <= 0:
+        if max(places) - min(places) <= SHORTEST:
             raise ValueError(f"bearings: all are at {places[0] * 1e3:g} mm, want at least two with a span between them")
 
     def _channels_differ(self) -> None:
@@ -283,10 +214,13 @@ class RigConfig(Part):
     def _identify_names_exist(self) -> None:
         if not self.identify:
             return
-        known = {b.name for b in self.bearings}
+        known = {b.name: b for b in self.bearings}
         for name in self.identify.bearings:
             if name not in known:
                 raise ValueError(f"identify.bearings: no bearing '{name}', want one of {sorted(known)}")
+            if known[name].rigid or known[name].over_speed:
+                kind = "rigid" if known[name].rigid else "given over speed"
+                raise ValueError(f"identify.bearings: '{name}' is {kind}, want a bearing of constant coefficients")
         if self.identify.unbalance not in (names := [d.name for d in self.disks]):
             raise ValueError(f"identify.unbalance: no disk '{self.identify.unbalance}', want one of {names}")
 
@@ -328,7 +262,11 @@ def checked(model: type[Table], table: object, *, where: str, context: dict[str,
 
 
 def _sentence(model: type[BaseModel], error: ValidationError, where: str) -> str:
-    faults = error.errors()
+    faults = [
+        fault | {"loc": tuple(step for step in fault["loc"] if step not in (NUMBER, TABLE))}
+        for fault in error.errors()
+        if fault["type"] != "default_factory_not_called"  # only follows from another fault
+    ]
     # an unknown key explains the missing one beside it, so it speaks first
     fault = next((f for f in faults if f["type"] == "extra_forbidden"), faults[0])
     key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in fault["loc"]).lstrip(".")

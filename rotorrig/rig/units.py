@@ -22,6 +22,7 @@ QUANTITIES: dict[str, tuple[str, str]] = {
     "modulus": ("Pa", "208.11 GPa"),
     "stiffness": ("N/m", "33.9 kN/m"),
     "damping": ("N s/m", "15 N s/m"),
+    "damping rate": ("1/s", "0.1 1/s"),
     "unbalance": ("kg m", "15 g mm"),
     "angle": ("rad", "45 deg"),
     "speed": ("rad/s", "480 rpm"),

@@ -26,7 +26,10 @@ def ring(name: str, *, position: float, diameter: float, width: float) -> dict[s
 
 @pytest.fixture(scope="session")
 def lalanne() -> RigConfig:
-    """Lalanne and Ferraris (1998) as in the chapter's Table 5; probes 2x, 2y, 12x, 12y at nodes 2 and 12 of 14."""
+    """Lalanne and Ferraris (1998) as in the chapter's Table 5; probes 2x, 2y, 12x, 12y at nodes 2 and 12 of 14.
+
+    The same data, x and y exchanged, are those of code_aster's validation case SDLL124 (document V2.02.124).
+    """
     bearing = {"kxx": 50e6, "kyy": 70e6, "cxx": 500.0, "cyy": 700.0}
     places = [("2x", 0.1, 0.0), ("2y", 0.1, math.pi / 2), ("12x", 1.1, 0.0), ("12y", 1.1, math.pi / 2)]
     return from_si(

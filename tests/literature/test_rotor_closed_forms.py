@@ -1,17 +1,21 @@
-"""The FE rotor against formulas: Jeffcott's rotor, the slender beam, an overhung disk with gyroscopic moment.
+"""The FE rotor against formulas: Jeffcott, slender beam, an overhung disk with gyroscopic moment; stability.
 
-Friswell, Penny, Garvey, Lees, Dynamics of Rotating Machines (2010), ch. 3 and 6; Timoshenko, Vibration Problems.
+Friswell, Penny, Garvey, Lees, Dynamics of Rotating Machines (2010), ch. 3, 6 and 7; Timoshenko, Vibration Problems;
+Den Hartog, Mechanical Vibrations (1956), for the disk on a cantilever (Stodola's problem). The formulas are derived or
+stated where they are used; tolerances are what the formula leaves out.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
 from rotorrig.rig.description import RigConfig, from_si
 from rotorrig.sims.rotor.assembly import assemble, with_bearing
+from rotorrig.sims.rotor.campbell import stability_onset
 from rotorrig.sims.rotor.harmonic import probe_response
-from rotorrig.sims.rotor.modes import natural_frequencies, static_sag, whirl_modes
+from rotorrig.sims.rotor.modes import critical_modes, natural_frequencies, static_sag, whirl_modes
 
 
 def rotor(*, shaft: dict, disk: dict, bearings: dict[float, float], probe: float) -> RigConfig:
@@ -130,3 +134,92 @@ def test_an_overhung_disk_whirls_at_the_frequencies_of_its_two_degrees_of_freedo
     if omega:
         want = [np.sign(whirl[np.argsort(abs(whirl))][i]) for i in range(4)]
         assert [round(mode.whirl) for mode in modes] == want
+
+
+def test_a_disk_on_a_massless_shaft_between_rigid_bearings_is_critical_at_its_bending_stiffness():
+    """Jeffcott's first critical speed, 48 E I / L^3 with the shear added: 1 / k = L^3 / 48 E I + L / 4 kappa G A."""
+    length, diameter, E, m = 0.5, 0.012, 2e11, 1.2
+    rig = rotor(
+        shaft={"length": length, "diameter": diameter},
+        disk={"position": length / 2, "mass": m, "polar_inertia": 1e-3, "transverse_inertia": 6e-4},
+        bearings={0.0: 0.0, length: 0.0},
+        probe=length / 2,
+    )
+    rigid = tuple(b.model_copy(update={"rigid": True, "kxx": None, "kyy": None}) for b in rig.bearings)
+    I, A = math.pi / 64 * diameter**4, math.pi / 4 * diameter**2  # noqa: E741
+    flexibility = length**3 / (48 * E * I) + length / (4 * (7.8 / 8.8) * E / 2.6 * A)
+    found = critical_modes(assemble(rig.model_copy(update={"bearings": rigid})), up_to=1.2 / math.sqrt(flexibility * m))
+    assert [mode.omega for mode in found] == pytest.approx([1 / math.sqrt(flexibility * m)] * 2, rel=1e-7)
+
+
+def test_a_disk_on_a_cantilever_is_critical_where_den_hartog_says():
+    """Synchronous whirl of a disk on a massless cantilever, by the flexibilities a of its end.
+
+    The disk's force m w^2 r and moment -D w^2 phi bend it: r = a11 m w^2 r - a12 D w^2 phi, phi = a12 m w^2 r - a22 D
+    w^2 phi, with D = Ip - It forward and -(Ip + It) backward, so
+    1 - w^2 (a11 m - a22 D) - w^4 m D (a11 a22 - a12^2) = 0. The clamp is a stub 25 times as thick in two rigid
+    bearings; its slope is 1e-6 of the cantilever's.
+    """
+    L, diameter, E, m, Ip, It = 0.3, 0.012, 2e11, 1.5, 12e-3, 6.5e-3
+    stub = 0.3
+    rig = rotor(
+        shaft={"sections": [{"length": stub, "diameter": 0.3}, {"length": L, "diameter": diameter}]},
+        disk={"position": stub + L, "mass": m, "polar_inertia": Ip, "transverse_inertia": It},
+        bearings={0.0: 0.0, stub: 0.0},
+        probe=L,
+    )
+    rigid = tuple(b.model_copy(update={"rigid": True, "kxx": None, "kyy": None}) for b in rig.bearings)
+    bending = E * math.pi / 64 * diameter**4
+    shear = (7.8 / 8.8) * E / 2.6 * math.pi / 4 * diameter**2
+    a11, a12, a22 = L**3 / (3 * bending) + L / shear, L**2 / (2 * bending), L / bending
+
+    def criticals(D: float) -> list[float]:
+        roots = np.roots([-m * D * (a11 * a22 - a12**2), -(a11 * m - a22 * D), 1]).real
+        return [math.sqrt(w2) for w2 in roots if w2 > 0]
+
+    forward, backward = criticals(Ip - It), criticals(-(Ip + It))
+    assert (len(forward), len(backward)) == (1, 2)  # a flat disk's second forward critical speed does not exist
+    found = critical_modes(assemble(rig.model_copy(update={"bearings": rigid})), up_to=1.3 * max(forward + backward))
+    want = sorted([(w, 1) for w in forward] + [(w, -1) for w in backward])
+    assert [round(mode.whirl) for mode in found] == [sense for _, sense in want]
+    np.testing.assert_allclose([mode.omega for mode in found], [w for w, _ in want], rtol=1e-5)
+
+
+def on_a_pedestal(*, k: float, c: float, cross: Any) -> RigConfig:
+    """Return Jeffcott's rotor of 1 kg on a stiff light shaft whose two bearings share k, c and kxy = -kyx."""
+    rig = rotor(
+        shaft={"length": 0.4, "diameter": 0.08, "youngs_modulus": 2e14},
+        disk={"position": 0.2, "mass": 1.0, "polar_inertia": 1e-6, "transverse_inertia": 1e-4},
+        bearings={0.0: 1.0, 0.4: 1.0},
+        probe=0.2,
+    )
+    table = rig.model_dump()
+    for bearing in table["bearings"]:
+        bearing.update(kxx=k / 2, kyy=k / 2, cxx=c / 2, cyy=c / 2, kxy=cross(0.5), kyx=cross(-0.5))
+    return from_si(table)
+
+
+def test_rotating_damping_drives_jeffcotts_rotor_unstable_above_its_critical_speed():
+    """m r'' + (c_e + c_i) r' + (k - j Omega c_i) r = 0: unstable from w (1 + c_e / c_i) on, at the frequency w."""
+    k, c_e, c_i, top = 4e4, 30.0, 20.0, 1000.0
+    rig = on_a_pedestal(k=k, c=c_e + c_i, cross=lambda part: {"speed": (0.0, top), "value": (0.0, part * c_i * top)})
+    model = assemble(rig, max_element=0.2)
+    onset = stability_onset(model, up_to=top)
+    w = math.sqrt(k / (1 + 1e-3 * math.pi / 4 * 0.08**2 * 0.4))  # the shaft rides along
+    assert onset is not None
+    assert onset.omega == pytest.approx(w * (1 + c_e / c_i), rel=1e-4)
+    assert onset.frequency == pytest.approx(w, rel=1e-4)
+    assert round(onset.whirl, 3) == 1
+    assert stability_onset(model, up_to=0.99 * onset.omega) is None
+
+
+@pytest.mark.parametrize(("part", "stable"), [(0.999, True), (1.001, False)])
+def test_cross_coupled_stiffness_wins_over_damping_where_it_exceeds_c_times_omega(part, stable):
+    """m r'' + c r' + (k - j q) r = 0 is marginal at q = c w exactly: then r = e^{j w t}, w^2 = k / m."""
+    k, c = 4e4, 30.0
+    w = math.sqrt(k / (1 + 1e-3 * math.pi / 4 * 0.08**2 * 0.4))
+    model = assemble(on_a_pedestal(k=k, c=c, cross=lambda half: half * part * c * w), max_element=0.2)
+    onset = stability_onset(model, up_to=300.0)
+    assert (onset is None) == stable
+    if onset:
+        assert onset.omega == 0  # at every speed

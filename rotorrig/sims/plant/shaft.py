@@ -72,7 +72,7 @@ def build(rig: RigConfig, truth: Truth, *, extra: Iterable[float] = ()) -> Rotor
     disks = [d.position for d in rig.disks]
     places = [0.0, *disks, *(b.position for b in rig.bearings), *(p.position for p in rig.probes), *extra]
     stations = _merged(places)
-    z = _mesh(stations, rig.shaft.length)
+    z = _mesh([*stations, *(tube.start for tube in rig.shaft.tubes)], rig.shaft.length)
     M, G, Ks = _free_rotor(rig, truth, z)
     kept = [2 * _nearest(z, s) for s in stations] + [2 * _nearest(z, d) + 1 for d in _merged(disks)]
     T = _craig_bampton(M, Ks, kept)
@@ -98,9 +98,9 @@ def _merged(places: list[float]) -> list[float]:
     return ordered[:1] + [b for a, b in itertools.pairwise(ordered) if b - a > SAME_PLACE]
 
 
-def _mesh(stations: list[float], length: float) -> NDArray[np.float64]:
-    """Return node places (node,) [m]: every station, both ends, and equal elements in between."""
-    ends = _merged([0.0, *stations, length])
+def _mesh(places: list[float], length: float) -> NDArray[np.float64]:
+    """Return node places (node,) [m]: every one of `places`, both ends, and equal elements in between."""
+    ends = _merged([0.0, *places, length])
     pieces = [
         np.linspace(a, b, int(np.ceil((b - a) / LONGEST_ELEMENT)), endpoint=False) for a, b in itertools.pairwise(ends)
     ]
@@ -115,14 +115,14 @@ def _free_rotor(
     rig: RigConfig, truth: Truth, z: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Return mass, polar inertia and stiffness of shaft and disks in one plane, (2 node, 2 node), bearings absent."""
-    shaft = rig.shaft
-    area = np.pi / 4 * (shaft.diameter**2 - shaft.inner_diameter**2)
-    second_moment = np.pi / 64 * (shaft.diameter**4 - shaft.inner_diameter**4)
-    density = shaft.density * truth.density_factor
-    EI = shaft.youngs_modulus * truth.modulus_factor * second_moment
     M, G, K = (np.zeros((2 * len(z), 2 * len(z))) for _ in range(3))
     for i, length in enumerate(np.diff(z)):
         here = slice(2 * i, 2 * i + 4)
+        tube = next(t for t in reversed(rig.shaft.tubes) if t.start < z[i] + length / 2)
+        area = np.pi / 4 * (tube.diameter**2 - tube.inner_diameter**2)
+        second_moment = np.pi / 64 * (tube.diameter**4 - tube.inner_diameter**4)
+        density = tube.density * truth.density_factor
+        EI = tube.youngs_modulus * truth.modulus_factor * second_moment
         rotary = density * second_moment * rotary_inertia(length)
         M[here, here] += density * area * translational_inertia(length) + rotary
         G[here, here] += 2.0 * rotary  # a thin slice's polar inertia is twice its diametral one

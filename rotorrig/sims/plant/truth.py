@@ -14,7 +14,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 import numpy as np
 
 from rotorrig.rig.description import Bearing, Disk, RigConfig
-from rotorrig.rig.errors import DataError
+from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.sims.plant.faults.base import check
 from rotorrig.sims.plant.streams import stream
 
@@ -105,7 +105,11 @@ class Truth:
 
 
 def draw(rig: RigConfig, *, seed: int, faults: Iterable[FaultSpec] = ()) -> Truth:
-    """Return the rig of that seed: the nameplate within its tolerances. Raises DataError on an unknown fault."""
+    """Return the rig of that seed: the nameplate within its tolerances. Raises DataError on an unknown fault.
+
+    Raises ConfigError on a rigid bearing, coefficients over speed, or shaft damping, which is the simulated rig's own.
+    """
+    _check_can_be_simulated(rig)
     probes = range(len(rig.probes))
     return Truth(
         config_hash=rig.hash,
@@ -129,7 +133,8 @@ def draw(rig: RigConfig, *, seed: int, faults: Iterable[FaultSpec] = ()) -> Trut
 
 
 def nameplate(rig: RigConfig, *, seed: int = 0, faults: Iterable[FaultSpec] = ()) -> Truth:
-    """Return the rig exactly as its nameplate says: round, silent, linear. Raises DataError on an unknown fault."""
+    """Return the rig exactly as its nameplate says: round, silent, linear. Raises as `draw`."""
+    _check_can_be_simulated(rig)
     ones = (1.0,) * len(rig.probes)
     return Truth(
         config_hash=rig.hash,
@@ -200,6 +205,15 @@ def unseal(path: Path) -> Truth:
     return truth
 
 
+def _check_can_be_simulated(rig: RigConfig) -> None:
+    for bearing in rig.bearings:
+        if bearing.rigid or bearing.over_speed:
+            kind = "rigid" if bearing.rigid else "given over speed"
+            raise ConfigError(f"{rig.name}: bearing '{bearing.name}' is {kind}, want constants to simulate the rig")
+    if rig.shaft.structural_damping or rig.shaft.rayleigh.mass or rig.shaft.rayleigh.stiffness:
+        raise ConfigError(f"{rig.name}: the shaft has damping, want none to simulate the rig, which brings its own")
+
+
 def _draw_bearings(rig: RigConfig, seed: int) -> tuple[BearingTruth, ...]:
     """Draw each bearing by itself, but the identified ones with common factors: they are alike on the nameplate."""
     together = rig.identify.bearings if rig.identify else ()
@@ -215,7 +229,7 @@ def _draw_bearings(rig: RigConfig, seed: int) -> tuple[BearingTruth, ...]:
 
 
 def _bearing(plate: Bearing, factors: dict[str, float]) -> BearingTruth:
-    return BearingTruth(name=plate.name, **{c: getattr(plate, c) * factors[c] for c in COEFFICIENTS})
+    return BearingTruth(name=plate.name, **{c: plate.constant(c) * factors[c] for c in COEFFICIENTS})
 
 
 def _draw_unbalance(rig: RigConfig, disk: Disk, seed: int) -> UnbalanceTruth:

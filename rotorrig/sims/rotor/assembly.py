@@ -8,21 +8,33 @@ A model is the shaft's matrices plus attachments given by the rows that read the
 """
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.rig.description import RigConfig
+from rotorrig.rig.nameplate import SHORTEST, Rayleigh, Tube
 from rotorrig.sims.rotor.beam import NODE_DOF, Element, shaft_element
-from rotorrig.sims.rotor.bearing import BearingAttachment, attached_bearing, bearing_damping, bearing_stiffness
-from rotorrig.sims.rotor.disk import DiskAttachment, attached_disk, disk_gyroscopic, disk_mass
+from rotorrig.sims.rotor.bearing import (
+    BearingAttachment,
+    attached_bearing,
+    bearing_damping,
+    bearing_stiffness,
+    with_coefficients,
+)
+from rotorrig.sims.rotor.disk import DiskAttachment, PlaneAttachment, attached_disk, disk_gyroscopic, disk_mass
 
-T = TypeVar("T", DiskAttachment, BearingAttachment)
-MERGE = 1e-6  # m: parts nearer than this share a node
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+T = TypeVar("T", bound=_Named)
 
 
 class Matrices(NamedTuple):
@@ -38,9 +50,13 @@ class Matrices(NamedTuple):
 class RotorModel:
     """A linear rotor: shaft, disks, bearings and probes, on physical or reduced coordinates q (dof,)."""
 
-    shaft: Matrices  # of the bare shaft; K is proportional to Young's modulus, G is for rotation x to y
+    shaft: Matrices  # of the bare shaft, C zero; K is proportional to Young's modulus, G is for rotation x to y
+    rayleigh: Rayleigh  # the shaft's proportional damping
+    structural_damping: float  # the shaft's loss factor
     disks: tuple[DiskAttachment, ...]
-    bearings: tuple[BearingAttachment, ...]
+    planes: tuple[PlaneAttachment, ...]
+    bearings: tuple[BearingAttachment, ...]  # the elastic ones; x = y = 0 at a rigid one is in the coordinates
+    rigid: tuple[str, ...]  # names of the rigid bearings
     probes: NDArray[np.float64]  # (probe, dof): displacement towards each probe, angles applied
     probe_names: tuple[str, ...]
     rotation: int  # +1 x to y, -1 y to x
@@ -57,64 +73,90 @@ class RotorModel:
         """Return the disk of that name. Raises ValueError."""
         return _named(self.disks, name, "disk")
 
+    def plane(self, name: str) -> DiskAttachment | PlaneAttachment:
+        """Return the disk or plane of that name. Raises ValueError."""
+        places: tuple[DiskAttachment | PlaneAttachment, ...] = (*self.disks, *self.planes)
+        return _named(places, name, "disk or plane" if self.planes else "disk")
+
     def bearing(self, name: str) -> BearingAttachment:
-        """Return the bearing of that name. Raises ValueError."""
+        """Return the elastic bearing of that name. Raises ValueError."""
+        if name in self.rigid:
+            raise ValueError(f"bearing '{name}' is rigid and has no coefficients, want an elastic one")
         return _named(self.bearings, name, "bearing")
 
 
 def assemble(rig: RigConfig, *, element: Element = "timoshenko", max_element: float = 0.02) -> RotorModel:
-    """Return the finite-element model of a nameplate: nodes at both ends and at every bearing, disk and probe.
+    """Return the finite-element model of a nameplate: nodes at both ends, at every step of the shaft and at every part.
 
-    Spans between them are divided evenly into elements no longer than `max_element` [m]. Raises ValueError.
+    Spans between them are divided evenly into elements no longer than `max_element` [m]. Where a bearing is rigid, the
+    coordinates x and y of its node are left out, which holds it exactly. Raises ValueError.
     """
     if element not in ("timoshenko", "lumped"):
         raise ValueError(f"element is {element!r}, want 'timoshenko' or 'lumped'")
     if not max_element > 0:
         raise ValueError(f"max_element is {max_element:g} m, want a length above zero")
     z = _mesh(rig, max_element)
-    shaft = _shaft_matrices(rig, z, element)
-    unit = np.eye(NODE_DOF * len(z))
+    free = _free(rig, z)
+    whole = _shaft_matrices(rig.shaft.tubes, z, element)
+    unit = np.eye(NODE_DOF * len(z))[:, free]
     x, y = unit[0::NODE_DOF], unit[1::NODE_DOF]
 
     def rows(position: float, count: int) -> NDArray[np.float64]:
-        first = NODE_DOF * int(np.argmin(np.abs(z - position)))
+        first = NODE_DOF * _node(z, position)
         return unit[first : first + count]
 
     return RotorModel(
-        shaft=shaft,
+        shaft=Matrices(*(A[np.ix_(free, free)] for A in whole)),
+        rayleigh=rig.shaft.rayleigh,
+        structural_damping=rig.shaft.structural_damping,
         disks=tuple(attached_disk(d, rows(d.position, NODE_DOF)) for d in rig.disks),
-        bearings=tuple(attached_bearing(b, rows(b.position, 2)) for b in rig.bearings),
+        planes=tuple(PlaneAttachment(name=p.name, rows=rows(p.position, NODE_DOF)) for p in rig.planes),
+        bearings=tuple(attached_bearing(b, rows(b.position, 2)) for b in rig.bearings if not b.rigid),
+        rigid=tuple(b.name for b in rig.bearings if b.rigid),
         probes=np.array([[math.cos(p.angle), math.sin(p.angle)] @ rows(p.position, 2) for p in rig.probes]),
         probe_names=tuple(p.name for p in rig.probes),
         rotation=1 if rig.rotation == "x-to-y" else -1,
         z=z,
         centreline=np.stack([x, y]),
-        weight=np.stack([x.sum(0), y.sum(0)]) @ shaft.M,
+        weight=np.stack([whole.M[axis::NODE_DOF, free].sum(0) for axis in (0, 1)]),
     )
 
 
-def matrices(model: RotorModel) -> Matrices:
-    """Return the assembled M, C, G, K of eq. (8); at shaft speed Omega, Z = K - Omega^2 M + j Omega (C + Omega G)."""
+def matrices(model: RotorModel, omega: float | None = None) -> Matrices:
+    """Return the assembled M, C, G, K of eq. (8); at shaft speed Omega, Z = K - Omega^2 M + j Omega (C + Omega G).
+
+    Structural damping is not among them: see `hysteretic`. Bearings whose coefficients depend on speed want `omega`
+    [rad/s]: raises ConfigError without.
+    """
     M, C, G, K = model.shaft
+    C = C + model.rayleigh.mass * M + model.rayleigh.stiffness * K
     for disk in model.disks:
         M = M + disk_mass(disk)
         G = G + disk_gyroscopic(disk)
     for bearing in model.bearings:
-        C = C + bearing_damping(bearing)
-        K = K + bearing_stiffness(bearing)
+        C = C + bearing_damping(bearing, omega)
+        K = K + bearing_stiffness(bearing, omega)
     return Matrices(M, C, model.rotation * G, K)
 
 
+def hysteretic(model: RotorModel) -> NDArray[np.float64]:
+    """Return H of the shaft's structural damping, (dof, dof) N/m: K becomes K + j H in a motion Re(q e^{j w t}), w > 0.
+
+    The loss per cycle does not depend on frequency. It does not turn with the shaft, so it never drives a whirl. For
+    w < 0 the sign turns; without meaning for a motion that is not harmonic.
+    """
+    return model.structural_damping * model.shaft.K
+
+
 def with_bearing(model: RotorModel, names: str | Collection[str], K: ArrayLike, C: ArrayLike) -> RotorModel:
-    """Return the model with the bearings of those names given K [N/m] and C [N s/m], (2, 2) each. Raises ValueError."""
+    """Return the model with the bearings of those names given constant K [N/m] and C [N s/m], (2, 2) each.
+
+    Raises ValueError on an unknown or rigid bearing, another shape, NaN, or a negative direct coefficient.
+    """
     names = (names,) if isinstance(names, str) else names
-    K, C = np.asarray(K, dtype=float), np.asarray(C, dtype=float)
-    for label, matrix in (("K", K), ("C", C)):
-        if matrix.shape != (2, 2):
-            raise ValueError(f"{label} has shape {matrix.shape}, want (2, 2)")
     for name in names:
         model.bearing(name)
-    return replace(model, bearings=tuple(replace(b, K=K, C=C) if b.name in names else b for b in model.bearings))
+    return replace(model, bearings=tuple(with_coefficients(b, K, C) if b.name in names else b for b in model.bearings))
 
 
 def scaled(model: RotorModel, *, youngs_modulus: float = 1.0, disk_mass: float = 1.0) -> RotorModel:
@@ -130,9 +172,9 @@ def scaled(model: RotorModel, *, youngs_modulus: float = 1.0, disk_mass: float =
 
 
 def _mesh(rig: RigConfig, max_element: float) -> NDArray[np.float64]:
-    bearings, disks, probes = ([part.position for part in parts] for parts in (rig.bearings, rig.disks, rig.probes))
-    fixed = sorted({0.0, rig.shaft.length, *bearings, *disks, *probes})
-    kept = [place for before, place in pairwise([-1.0, *fixed]) if place - before > MERGE]
+    parts = [part.position for kind in (rig.bearings, rig.disks, rig.planes, rig.probes) for part in kind]
+    fixed = sorted({0.0, rig.shaft.length, *parts, *(tube.start for tube in rig.shaft.tubes)})
+    kept = [place for before, place in pairwise([-1.0, *fixed]) if place - before > SHORTEST]
     return np.array([*_divided(kept, max_element), kept[-1]])
 
 
@@ -142,16 +184,30 @@ def _divided(places: list[float], max_element: float) -> Iterator[float]:
         yield from np.linspace(left, right, count, endpoint=False)
 
 
-def _shaft_matrices(rig: RigConfig, z: NDArray[np.float64], element: Element) -> Matrices:
+def _node(z: NDArray[np.float64], position: float) -> int:
+    return int(np.argmin(np.abs(z - position)))
+
+
+def _free(rig: RigConfig, z: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Return the coordinates that no rigid bearing holds: the columns of a basis of the constraint's null space."""
+    held = [NODE_DOF * _node(z, b.position) + axis for b in rig.bearings if b.rigid for axis in (0, 1)]
+    return np.setdiff1d(np.arange(NODE_DOF * len(z)), held)
+
+
+def _shaft_matrices(tubes: Sequence[Tube], z: NDArray[np.float64], element: Element) -> Matrices:
     dof = NODE_DOF * len(z)
     M, C, G, K = (np.zeros((dof, dof)) for _ in range(4))
-    for node, length in enumerate(np.diff(z)):
+    for node, (left, right) in enumerate(pairwise(z)):
         place = slice(NODE_DOF * node, NODE_DOF * (node + 2))
-        piece = shaft_element(rig.shaft, float(length), element=element)
+        piece = shaft_element(_tube_at(tubes, (left + right) / 2), float(right - left), element=element)
         M[place, place] += piece.M
         G[place, place] += piece.G
         K[place, place] += piece.K
-    return Matrices(M, C, G, K)  # the bare shaft has no damping of its own
+    return Matrices(M, C, G, K)
+
+
+def _tube_at(tubes: Sequence[Tube], position: float) -> Tube:
+    return next((tube for tube in tubes if position < tube.end), tubes[-1])
 
 
 def _named(parts: tuple[T, ...], name: str, kind: str) -> T:

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import Shaft
+from rotorrig.rig.nameplate import Tube
 
 Element = Literal["timoshenko", "lumped"]
 Matrix = NDArray[np.float64]
@@ -28,15 +28,18 @@ class ElementMatrices(NamedTuple):
     K: Matrix
 
 
-def shaft_element(shaft: Shaft, length: float, *, element: Element = "timoshenko") -> ElementMatrices:
-    """Return the matrices of eq. (6) for a piece of `shaft` of `length` [m], first node's four DOFs first.
+def shaft_element(tube: Tube, length: float, *, element: Element = "timoshenko") -> ElementMatrices:
+    """Return the matrices of eq. (6) for a piece of `tube` of `length` [m], first node's four DOFs first.
 
     "timoshenko": consistent mass with rotary inertia and shear (Nelson, J. Mech. Design 102, 1980, 793).
     "lumped": the chapter's; half of the element's mass and rotary inertia at either node, the same stiffness.
     G has the polar inertia at (a, b) and its negative at (b, a); eq. (5) and (6) carry it with the other sign.
+    Raises ValueError unless the length is above zero.
     """
-    plane = _one_plane(shaft, length)
-    mass, tilt = (plane.mass, plane.tilt) if element == "timoshenko" else _lumped(shaft, length)
+    if not length > 0:
+        raise ValueError(f"the element's length is {length:g} m, want one above zero")
+    plane = _one_plane(tube, length)
+    mass, tilt = (plane.mass, plane.tilt) if element == "timoshenko" else _lumped(tube, length)
     M, G, K = (np.zeros((2 * NODE_DOF, 2 * NODE_DOF)) for _ in range(3))
     for dof in (_X_PLANE, _Y_PLANE):
         M[np.ix_(dof, dof)] = mass + tilt  # M_T + M_R of eq. (6)
@@ -46,28 +49,28 @@ def shaft_element(shaft: Shaft, length: float, *, element: Element = "timoshenko
     return ElementMatrices(M, G, K)
 
 
-def area(shaft: Shaft) -> float:
+def area(tube: Tube) -> float:
     """Return the cross-section [m^2]."""
-    return np.pi / 4 * (shaft.diameter**2 - shaft.inner_diameter**2)
+    return np.pi / 4 * (tube.diameter**2 - tube.inner_diameter**2)
 
 
-def second_moment(shaft: Shaft) -> float:
+def second_moment(tube: Tube) -> float:
     """Return the second moment of area about a diameter [m^4]."""
-    return np.pi / 64 * (shaft.diameter**4 - shaft.inner_diameter**4)
+    return np.pi / 64 * (tube.diameter**4 - tube.inner_diameter**4)
 
 
-def shear_factor(shaft: Shaft) -> float:
+def shear_factor(tube: Tube) -> float:
     """Return the effective part of the cross-section in shear: Cowper, J. Appl. Mech. 33 (1966) 335, hollow circle.
 
-    >>> from rotorrig.rig.description import Shaft
-    >>> rod = Shaft.model_validate(
-    ...     dict(length=1.0, diameter=0.1, density=7800.0, youngs_modulus=2e11), context={"si": True}
+    >>> from rotorrig.rig.nameplate import Tube
+    >>> rod = Tube(
+    ...     start=0, length=1, diameter=0.1, inner_diameter=0, density=7800, youngs_modulus=2e11, poisson_ratio=0.3
     ... )
     >>> round(shear_factor(rod), 6)  # solid: 6 (1 + nu) / (7 + 6 nu)
     0.886364
     """
-    nu = shaft.poisson_ratio
-    m2 = (shaft.inner_diameter / shaft.diameter) ** 2
+    nu = tube.poisson_ratio
+    m2 = (tube.inner_diameter / tube.diameter) ** 2
     return 6 * (1 + nu) * (1 + m2) ** 2 / ((7 + 6 * nu) * (1 + m2) ** 2 + (20 + 12 * nu) * m2)
 
 
@@ -79,10 +82,10 @@ class _Plane(NamedTuple):
     stiffness: Matrix
 
 
-def _one_plane(shaft: Shaft, length: float) -> _Plane:
+def _one_plane(tube: Tube, length: float) -> _Plane:
     """Integrate the shape functions' products; four Gauss points are exact for these polynomials (degree 6)."""
-    E, A, I = shaft.youngs_modulus, area(shaft), second_moment(shaft)  # noqa: E741
-    shear_stiffness = shear_factor(shaft) * A * E / (2 * (1 + shaft.poisson_ratio))
+    E, A, I = tube.youngs_modulus, area(tube), second_moment(tube)  # noqa: E741
+    shear_stiffness = shear_factor(tube) * A * E / (2 * (1 + tube.poisson_ratio))
     N, R, curvature, shear = _shape_functions(length, 12 * E * I / (shear_stiffness * length**2))
     weight = np.polynomial.legendre.leggauss(4)[1] * length / 2
 
@@ -90,8 +93,8 @@ def _one_plane(shaft: Shaft, length: float) -> _Plane:
         return (shape * weight) @ shape.T
 
     return _Plane(
-        mass=shaft.density * A * integral(N),
-        tilt=shaft.density * I * integral(R),
+        mass=tube.density * A * integral(N),
+        tilt=tube.density * I * integral(R),
         stiffness=E * I * integral(curvature) + shear_stiffness * integral(shear),
     )
 
@@ -121,8 +124,8 @@ def _shape_functions(length: float, phi: float) -> tuple[Matrix, Matrix, Matrix,
     return deflection, slope, bend, shear_angle
 
 
-def _lumped(shaft: Shaft, length: float) -> tuple[Matrix, Matrix]:
-    half = shaft.density * length / 2
-    mass = half * area(shaft) * np.diag([1.0, 0.0, 1.0, 0.0])
-    tilt = half * second_moment(shaft) * np.diag([0.0, 1.0, 0.0, 1.0])
+def _lumped(tube: Tube, length: float) -> tuple[Matrix, Matrix]:
+    half = tube.density * length / 2
+    mass = half * area(tube) * np.diag([1.0, 0.0, 1.0, 0.0])
+    tilt = half * second_moment(tube) * np.diag([0.0, 1.0, 0.0, 1.0])
     return mass, tilt

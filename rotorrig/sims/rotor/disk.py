@@ -1,11 +1,19 @@
-"""The rigid disk (chapter, section 5.1, eq. 5), attached to the shaft by the rows that read its motion."""
+"""The rigid disk (chapter, section 5.1, eq. 5) and the plane, attached by the rows that read the shaft's motion."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import Disk
+from rotorrig.rig.nameplate import Disk
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaneAttachment:
+    """A place on the shaft for unbalance or force; x, y, a, b of the shaft there are `rows @ q`."""
+
+    name: str
+    rows: NDArray[np.float64]  # (4, dof)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,9 +46,9 @@ def disk_gyroscopic(disk: DiskAttachment) -> NDArray[np.float64]:
     return half - half.T
 
 
-def unbalance_direction(disk: DiskAttachment, rotation: int) -> NDArray[np.complex128]:
-    """Return the force phasor of a unit rotating force at the disk, (dof,): (1, -j) for rotation x to y.
+def unbalance_direction(plane: DiskAttachment | PlaneAttachment, rotation: int) -> NDArray[np.complex128]:
+    """Return the force phasor of a unit rotating force at the plane, (dof,): (1, -j) for rotation x to y.
 
     With Re(F e^{j theta}) this is (cos theta, sin theta); the other sense of rotation turns y's sign.
     """
-    return disk.rows[0] - 1j * rotation * disk.rows[1]
+    return plane.rows[0] - 1j * rotation * plane.rows[1]

@@ -1,7 +1,10 @@
 """Natural frequencies, critical speeds, mode shapes and sag: what the rotor does by itself.
 
 All take a full or a reduced model; eigenvalues cost dof^3 (about 30 ms at 128 DOF, 0.3 ms at 22), so reduce a model
-first where they are asked for often.
+first where they are asked for often. The Campbell diagram and stability are in campbell.py.
+
+Structural damping is K + j H for a motion e^{lambda t} with Im lambda > 0, so only such eigenvalues are kept: exact
+for a steady vibration, and the usual approximation for a decaying one (H small against K).
 """
 
 from dataclasses import dataclass
@@ -10,19 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, optimize
 
-from rotorrig.sims.rotor.assembly import Matrices, RotorModel, matrices
+from rotorrig.sims.rotor.assembly import Matrices, RotorModel, hysteretic, matrices
 from rotorrig.sims.rotor.reduction import reduce
 
-LARGE = 60  # coordinates; critical_speeds reduces a larger model first, to half as many modes
-SCAN = 24  # speeds at which critical_speeds looks for crossings
+LARGE = 60  # coordinates; what scans over speeds reduces a larger model first, to half as many modes
+SCAN = 24  # speeds at which critical_modes looks for crossings
+ROUNDING = 1e-7  # of |lambda|; the two eigenvalues of a double root part by the square root of a double's precision
 GRAVITY = 9.80665  # m/s^2
-_DOWN = {"-x": (-GRAVITY, 0.0), "-y": (0.0, -GRAVITY), "none": (0.0, 0.0)}
+DOWN = {"-x": (-GRAVITY, 0.0), "-y": (0.0, -GRAVITY), "none": (0.0, 0.0)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mode:
-    """One damped mode: the motion is Re(shape e^{eigenvalue t})."""
+    """One damped mode at one shaft speed: the motion is Re(shape e^{eigenvalue t})."""
 
+    omega: float  # rad/s, the shaft speed
     eigenvalue: complex  # rad/s
     shape: NDArray[np.complex128]  # (2, node): x and y of the centreline, largest component 1
 
@@ -45,35 +50,50 @@ class Mode:
 
 def whirl_modes(model: RotorModel, omega: float, *, count: int = 8) -> tuple[Mode, ...]:
     """Return the lowest oscillating modes at shaft speed `omega` [rad/s], by damped natural frequency."""
-    values, vectors = linalg.eig(state_matrix(matrices(model), omega))
-    lowest = sorted(np.flatnonzero(values.imag > 0), key=lambda i: values[i].imag)[:count]
-    modes = []
-    for i in lowest:
-        shape = model.centreline @ vectors[: model.dof, i]
-        modes.append(Mode(eigenvalue=complex(values[i]), shape=shape / shape.flat[np.argmax(abs(shape))]))
-    return tuple(modes)
+    values, vectors = eigenpairs(model, omega)
+    lowest = sorted(np.flatnonzero(oscillating(model, values)), key=lambda i: values[i].imag)[:count]
+    return tuple(mode_of(model, omega, values[i], vectors[:, i]) for i in lowest)
 
 
 def natural_frequencies(model: RotorModel, omega: float) -> NDArray[np.float64]:
     """Return every damped natural frequency at shaft speed `omega`, (dof,) rad/s, rising; 0 for an overdamped mode."""
-    values = linalg.eigvals(state_matrix(matrices(model), omega))
-    return np.sort(np.abs(values.imag))[::2]  # they come in pairs: conjugate, or both real
+    values = eigenvalues(model, omega)
+    rising = np.sort(values.imag[oscillating(model, values)])
+    return np.concatenate([np.zeros(model.dof - len(rising)), rising])
 
 
-def critical_speeds(model: RotorModel, *, up_to: float) -> NDArray[np.float64]:
-    """Return the shaft speeds at which a damped natural frequency equals the speed (1X), rad/s, rising.
+def critical_speeds(model: RotorModel, *, up_to: float, order: float = 1.0) -> NDArray[np.float64]:
+    """Return the shaft speeds at which a damped natural frequency equals `order` times the speed, rad/s, rising.
 
-    Every crossing of the Campbell diagram counts, backward whirls too. Two crossings of one branch within
-    `up_to` / SCAN are missed. Raises ValueError unless `up_to` [rad/s] is positive.
+    As `critical_modes`, which also tells damping and whirl.
+    """
+    return np.array([mode.omega for mode in critical_modes(model, up_to=up_to, order=order)])
+
+
+def critical_modes(model: RotorModel, *, up_to: float, order: float = 1.0) -> tuple[Mode, ...]:
+    """Return the modes met where the Campbell diagram crosses the line of `order` per turn, by shaft speed.
+
+    Every crossing counts, backward whirls too. Two crossings of one branch within `up_to` / SCAN are missed.
+    Raises ValueError unless `up_to` [rad/s] and `order` are positive.
     """
     if not up_to > 0:
         raise ValueError(f"up_to is {up_to:g} rad/s, want a speed above zero")
-    small = model if model.dof <= LARGE else reduce(model, modes=LARGE // 2)
+    if not order > 0:
+        raise ValueError(f"order is {order:g}, want one above zero")
+    small = manageable(model)
     speeds = np.linspace(up_to / SCAN, up_to, SCAN)
-    above = np.array([natural_frequencies(small, omega) - omega for omega in speeds])
+    # The k-th frequency of the sorted list is continuous in speed, whatever branches cross in it.
+    above = np.array([natural_frequencies(small, omega) - order * omega for omega in speeds])
     steps, branches = np.nonzero((above[:-1] > 0) != (above[1:] > 0))
-    crossings = [_crossing(small, int(branch), *speeds[i : i + 2]) for i, branch in zip(steps, branches, strict=True)]
-    return np.sort(np.array(crossings, dtype=float))
+    found = [
+        _crossing(small, int(branch), order, *speeds[i : i + 2]) for i, branch in zip(steps, branches, strict=True)
+    ]
+    return tuple(sorted(found, key=lambda mode: mode.omega))
+
+
+def manageable(model: RotorModel) -> RotorModel:
+    """Return the model, reduced if it is too large for eigenvalues at many speeds."""
+    return model if model.dof <= LARGE else reduce(model, modes=LARGE // 2)
 
 
 def static_sag(model: RotorModel, gravity: str) -> NDArray[np.float64]:
@@ -81,25 +101,30 @@ def static_sag(model: RotorModel, gravity: str) -> NDArray[np.float64]:
 
     Raises ValueError on another direction, or if the bearings do not hold the shaft.
     """
-    if gravity not in _DOWN:
-        raise ValueError(f"gravity is {gravity!r}, want one of {list(_DOWN)}")
-    down = np.array(_DOWN[gravity])
-    load = down @ model.weight
-    for disk in model.disks:
-        load = load + disk.mass * down @ disk.rows[:2]
+    if gravity not in DOWN:
+        raise ValueError(f"gravity is {gravity!r}, want one of {list(DOWN)}")
+    q = static_solution(model, matrices(model, 0.0).K, weight(model, gravity))
+    return model.centreline @ q
+
+
+def static_solution(model: RotorModel, K: NDArray[np.float64], load: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the solution of K q = load, whose first coordinates are the model's. Raises ValueError if K holds nothing.
+
+    Rounding can make a singular K solvable: a sag as long as the rotor is no answer of a small-deflection theory.
+    """
     try:
-        return model.centreline @ np.linalg.solve(matrices(model).K, load)
-    except np.linalg.LinAlgError as error:
-        raise ValueError("the bearings' stiffnesses do not hold the shaft, so it has no sag") from error
+        q = np.linalg.solve(K, load).astype(float)
+    except np.linalg.LinAlgError:
+        q = np.full_like(load, np.inf)
+    if not np.all(np.abs(model.centreline @ q[: model.dof]) < np.ptp(model.z)):
+        raise ValueError("the bearings' stiffnesses do not hold the shaft, so it has no place of rest")
+    return q
 
 
-def _crossing(model: RotorModel, branch: int, low: float, high: float) -> float:
-    """Return the speed in [low, high] at which the natural frequency number `branch` equals it."""
-
-    def above(omega: float) -> float:
-        return float(natural_frequencies(model, omega)[branch]) - omega
-
-    return float(optimize.brentq(above, low, high, rtol=1e-10))
+def weight(model: RotorModel, gravity: str) -> NDArray[np.float64]:
+    """Return the load of shaft and disks, (dof,) N; `gravity` as in static_sag."""
+    down = np.array(DOWN[gravity])
+    return down @ model.weight + sum(disk.mass * down @ disk.rows[:2] for disk in model.disks)
 
 
 def state_matrix(system: Matrices, omega: float) -> NDArray[np.float64]:
@@ -107,3 +132,53 @@ def state_matrix(system: Matrices, omega: float) -> NDArray[np.float64]:
     M, C, G, K = system
     lower = linalg.solve(M, -np.hstack([K, C + omega * G]), assume_a="pos")
     return np.vstack([np.hstack([np.zeros_like(M), np.eye(len(M))]), lower])
+
+
+def eigenvalues(model: RotorModel, omega: float) -> NDArray[np.complex128]:
+    """Return every eigenvalue at shaft speed `omega`, (2 dof,) rad/s."""
+    return np.linalg.eigvals(_state(model, omega)).astype(complex)
+
+
+def eigenpairs(model: RotorModel, omega: float) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Return every eigenvalue at shaft speed `omega`, (2 dof,) rad/s, and its (q, q'), (2 dof, 2 dof), by columns."""
+    values, vectors = np.linalg.eig(_state(model, omega))
+    return values.astype(complex), vectors.astype(complex)
+
+
+def oscillating(model: RotorModel, values: NDArray[np.complex128]) -> NDArray[np.bool_]:
+    """Return which eigenvalues are of modes that vibrate, one of each pair."""
+    return values.imag > still(model) * np.abs(values)
+
+
+def still(model: RotorModel) -> float:
+    """Return the part of |lambda| that Im lambda may be of a mode that does not vibrate.
+
+    It is rounding, or what structural damping eta makes of an overdamped mode: eta at the most.
+    """
+    return ROUNDING + 2 * model.structural_damping
+
+
+def mode_of(model: RotorModel, omega: float, value: complex, vector: NDArray[np.complex128]) -> Mode:
+    """Return an eigenvalue and its (q, q') as a mode."""
+    shape = model.centreline @ vector[: model.dof]
+    return Mode(omega=omega, eigenvalue=complex(value), shape=shape / shape.flat[np.argmax(abs(shape))])
+
+
+def _state(model: RotorModel, omega: float) -> NDArray:
+    system = matrices(model, omega)
+    A = state_matrix(system, omega)
+    if not model.structural_damping:
+        return A
+    lower = linalg.solve(system.M, hysteretic(model), assume_a="pos")
+    return A - 1j * np.block([[np.zeros_like(lower), np.zeros_like(lower)], [lower, np.zeros_like(lower)]])
+
+
+def _crossing(model: RotorModel, branch: int, order: float, low: float, high: float) -> Mode:
+    """Return the mode of natural frequency number `branch` at the speed in [low, high] where it meets the order."""
+
+    def above(omega: float) -> float:
+        return float(natural_frequencies(model, omega)[branch]) - order * omega
+
+    omega = float(optimize.brentq(above, low, high, rtol=1e-10))
+    modes = whirl_modes(model, omega, count=model.dof)
+    return modes[branch - (model.dof - len(modes))]  # the overdamped ones come first, as zeros

@@ -20,8 +20,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.assembly import RotorModel, matrices
-from rotorrig.sims.rotor.harmonic import unbalance_pattern
+from rotorrig.rig.errors import ConfigError
+from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices
+from rotorrig.sims.rotor.loads import unbalance_pattern
 from rotorrig.sims.rotor.modes import state_matrix
 from rotorrig.sims.rotor.timeline import Turns
 
@@ -54,10 +55,17 @@ class Passage:
 def passage(model: RotorModel, *, slowest: float, fastest: float, unbalance: Mapping[str, complex]) -> Passage:
     """Return the passed modes and the others' response for speeds from `slowest` to `fastest` [rad/s]."""
     centre, half = (slowest + fastest) / 2, max((fastest - slowest) / 2, 1e-3 * fastest)
+    for bearing in model.bearings:
+        if not bearing.constant:
+            raise ConfigError(
+                f"bearing '{bearing.name}': its coefficients depend on speed, want constants while the speed moves"
+            )
     system = matrices(model)
     load = np.append(np.zeros(model.dof), np.linalg.solve(system.M, unbalance_pattern(model, unbalance)))
     at_rest = state_matrix(system, 0.0)
     gyroscopic = state_matrix(system, 1.0) - at_rest  # S(Omega) is linear in Omega
+    if model.structural_damping:  # A e^{j theta} turns forwards, so K + j H is its stiffness at every speed
+        at_rest = state_matrix(system._replace(K=system.K + 1j * hysteretic(model)), 0.0)
 
     middle = _poles(at_rest + centre * gyroscopic, slowest, fastest)
     count = _passed(middle.distance, far=FAR * fastest)

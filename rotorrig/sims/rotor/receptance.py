@@ -1,104 +1,260 @@
-"""The fast path of a global search: everything but a few bearings and one unbalance is condensed once per speed grid.
+"""The fast path of a search: everything but a few bearings is condensed once per speed grid; a candidate is then cheap.
 
-With the named bearings at a reference d0, the receptances H between bearings (b), disk (f) and probes (p) give, for
-any other d = k + j Omega c, exactly:
+With the bearings that change at a reference d0, the receptances H between bearings (b), loads (f) and probes (p) give,
+for any other K + j Omega C, exactly (receptance_kernels.py):
 
-    (I + H_bb (d - d0)) q_b = H_bf F,    q_p = H_pf F - H_pb (d - d0) q_b
+    (I + D H_bb) r = D H_bf u,    z_p = H_pf u - H_pb r,    D = K - d0 + j Omega C
 
-so that one candidate costs a 2m x 2m solve per speed for m bearings. The reference is damped: an undamped rest of the
-rotor has resonances of its own inside the grid, where H would be useless. Measured with configs/rk4.toml, 84 speeds,
-one bearing, one thread: 45 us for one candidate, 4 to 6 us each in a population of 200.
+a solve of twice the number of those bearings per speed, whatever the size of the model. The reference is damped: an
+undamped rest of the rotor has resonances of its own inside the grid, where H would be useless. Measured costs and
+errors: docs/forward-speed.md.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy import linalg
 
-from rotorrig.sims.rotor.assembly import RotorModel, with_bearing
+from rotorrig.rig.errors import DataError
+from rotorrig.rig.units import RPM
+from rotorrig.sims.rotor import receptance_kernels as kernels
+from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, with_bearing
 from rotorrig.sims.rotor.disk import unbalance_direction
-from rotorrig.sims.rotor.harmonic import dynamic_stiffness
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Powers = tuple[NDArray[np.complexfloating], ...]
 
 SOFTEST_REFERENCE = 1e4  # N/m
+_NARROW = 8  # a matrix this many times as wide as its band is solved as a banded one
+_OBJECTIVES = {"f1": kernels.F1, "f2": kernels.F2, "f3": kernels.F3}
+_DIRECT = [0, 3, 4, 7]  # kxx, kyy, cxx, cyy among the coefficients
+
+
+class Derivatives(NamedTuple):
+    """The response of one candidate and its derivatives, all analytic."""
+
+    z: Complex  # (speed, probe) m
+    by_stiffness: Complex  # (group, 2, 2, speed, probe) m per N/m, rows and columns as in K
+    by_damping: Complex  # (group, 2, 2, speed, probe) m per N s/m
+    by_amount: Complex  # (load, speed, probe) m per unit of Re u; by Im u it is j times this
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Receptance:
-    """Receptances over a speed grid [m/N], the named bearings at their reference; x and y of each bearing in turn."""
+    """Receptances over a speed grid for groups of bearings, alike within a group, and loads of changing amount."""
 
-    omega: NDArray[np.float64]  # (speed,) rad/s
+    omega: Real  # (speed,) rad/s
+    groups: tuple[tuple[str, ...], ...]  # names of the bearings that change
+    loads: int
+    probes: int
+    H: Real  # (2, row, column, speed), see receptance_kernels.py
+    group: NDArray[np.int64]  # (bearing,) the number of its group
     reference: complex  # N/m, d0
-    bearing_bearing: NDArray[np.complex128]  # (2m, 2m, speed)
-    bearing_force: NDArray[np.complex128]  # (2m, speed), times Omega^2
-    probe_bearing: NDArray[np.complex128]  # (probe, 2m, speed)
-    probe_force: NDArray[np.complex128]  # (probe, speed), times Omega^2
 
-    def response(
-        self, kxx: ArrayLike, kyy: ArrayLike, cxx: ArrayLike, cyy: ArrayLike, u: ArrayLike
-    ) -> NDArray[np.complex128]:
+    def response(self, kxx: ArrayLike, kyy: ArrayLike, cxx: ArrayLike, cyy: ArrayLike, u: ArrayLike) -> Complex:
         """Return the 1X amplitudes at the probes, (..., speed, probe) m, 0-peak.
 
-        The arguments [N/m, N s/m, kg m] broadcast: numbers for one candidate, (n,) for a population. All named
-        bearings share them. `u` may be complex: U e^{j phi}.
+        The arguments [N/m, N s/m, kg m] broadcast: numbers for one candidate, (n,) for a population. Every group has
+        these coefficients, every load the amount `u`, which may be complex: U e^{j phi}. Raises ValueError on NaN or
+        infinity and on a negative coefficient, DataError on a speed at an undamped resonance.
         """
-        kxx, kyy, cxx, cyy, u = (np.asarray(value)[..., None] for value in (kxx, kyy, cxx, cyy, u))
-        speed = 1j * self.omega
-        change = (kxx - self.reference + cxx * speed, kyy - self.reference + cyy * speed)
-        reaction = [change[i % 2] * q for i, q in enumerate(self._bearing_motion(change))]
-        leading = max(reaction[0].ndim, u.ndim) - 1
-        aligned = (slice(None), *(None,) * leading)  # (probe, 1.., speed) against (.., speed)
-        seen = self.probe_force[aligned] - sum(
-            self.probe_bearing[:, i][aligned] * force for i, force in enumerate(reaction)
-        )
-        return np.moveaxis(seen * u, 0, -1)  # speeds innermost until here: long inner loops
+        return self._answer(*self._diagonal(kxx, kyy, cxx, cyy, u))
 
-    def _bearing_motion(self, change: tuple[NDArray[np.complex128], ...]) -> list[NDArray[np.complex128]]:
-        """Solve (I + H_bb (d - d0)) q_b = H_bf by Gauss elimination, all speeds and candidates in step."""
-        size = len(self.bearing_bearing)
-        A = [[self.bearing_bearing[i, j] * change[j % 2] for j in range(size)] for i in range(size)]
-        q = list(self.bearing_force)
-        for pivot in range(size):
-            A[pivot][pivot] = A[pivot][pivot] + 1
-            for row in range(pivot + 1, size):
-                factor = A[row][pivot] / A[pivot][pivot]
-                for column in range(pivot + 1, size):
-                    A[row][column] = A[row][column] - factor * A[pivot][column]  # not in place: shapes may grow
-                q[row] = q[row] - factor * q[pivot]
-        for row in reversed(range(size)):
-            for column in range(row + 1, size):
-                q[row] = q[row] - A[row][column] * q[column]
-            q[row] = q[row] / A[row][row]
-        return q
+    def misfit(
+        self,
+        measured: Real,
+        kxx: ArrayLike,
+        kyy: ArrayLike,
+        cxx: ArrayLike,
+        cyy: ArrayLike,
+        u: ArrayLike,
+        *,
+        objective: str,
+        slow_roll: bool = False,
+    ) -> Real:
+        """Return an objective of the chapter, eq. (14) to (16), on amplitudes, (...); arguments as in `response`.
+
+        `measured` (speed, probe) m, 0-peak, NaN where left out. With `slow_roll` the last speed is the slow roll: its
+        vector is subtracted from the others, and `measured` has no row for it. The same as the functions in
+        identify/objective.py on abs(response), several times faster.
+        """
+        if objective not in _OBJECTIVES:
+            raise ValueError(f"objective is {objective!r}, want one of {list(_OBJECTIVES)}")
+        want = (len(self.omega) - slow_roll, self.probes)
+        if measured.shape != want:
+            raise ValueError(f"measured has shape {measured.shape}, want (speed, probe) = {want}")
+        coefficients, amounts, shape = self._diagonal(kxx, kyy, cxx, cyy, u)
+        out = np.empty(len(coefficients))
+        columns = np.ascontiguousarray(measured.T)
+        bad = kernels.misfit(*self._condensed, coefficients, amounts, columns, slow_roll, _OBJECTIVES[objective], out)
+        if bad >= 0:
+            self._refuse(coefficients[bad], amounts[bad], bad)
+        return out.reshape(shape)
+
+    def general_response(self, K: ArrayLike, C: ArrayLike, u: ArrayLike) -> Complex:
+        """Return the response for all eight coefficients of every group, (..., speed, probe) m.
+
+        `K` and `C` are (..., group, 2, 2), `u` (..., load); what stands before broadcasts. Raises as `response`.
+        """
+        return self._answer(*self._general(K, C, u))
+
+    def response_and_derivatives(self, K: ArrayLike, C: ArrayLike, u: ArrayLike) -> Derivatives:
+        """Return the response of one candidate and its derivatives; K, C (group, 2, 2), u (load,). Raises likewise."""
+        coefficients, amounts, shape = self._general(K, C, u)
+        if shape:
+            raise ValueError(f"got candidates of shape {shape}, want one: K and C (group, 2, 2), u (load,)")
+        speeds, groups = len(self.omega), len(self.groups)
+        z = np.empty((self.probes, speeds), dtype=complex)
+        by_coefficient = np.empty((groups, kernels.COEFFICIENTS, self.probes, speeds), dtype=complex)
+        by_amount = np.empty((self.loads, self.probes, speeds), dtype=complex)
+        bad = kernels.answer_and_derivatives(
+            *self._condensed, coefficients[0], amounts[0], z, by_coefficient, by_amount
+        )
+        if bad >= 0:
+            self._refuse(coefficients[0], amounts[0], 0)
+        by = by_coefficient.reshape(groups, 2, 2, 2, self.probes, speeds).swapaxes(-1, -2)
+        return Derivatives(z.T, by[:, 0], by[:, 1], by_amount.swapaxes(-1, -2))
+
+    @property
+    def _condensed(self) -> tuple[Real, Real, NDArray[np.int64], complex]:
+        return self.H, self.omega, self.group, self.reference
+
+    def _answer(self, coefficients: Real, amounts: Complex, shape: tuple[int, ...]) -> Complex:
+        out = np.empty((len(coefficients), len(self.omega), self.probes), dtype=complex)
+        bad = kernels.answer(*self._condensed, coefficients, amounts, out)
+        if bad >= 0:
+            self._refuse(coefficients[bad], amounts[bad], bad)
+        return out.reshape(shape + out.shape[1:])
+
+    def _diagonal(
+        self, kxx: ArrayLike, kyy: ArrayLike, cxx: ArrayLike, cyy: ArrayLike, u: ArrayLike
+    ) -> tuple[Real, Complex, tuple[int, ...]]:
+        """Return coefficients (candidate, group, 8), amounts (candidate, load) and the shape of the candidates."""
+        shape = np.broadcast(kxx, kyy, cxx, cyy, u).shape
+        if not shape:  # one candidate: what follows would take longer than its answer
+            one = (kxx, 0.0, 0.0, kyy, cxx, 0.0, 0.0, cyy)
+            return np.array([[one] * len(self.groups)], dtype=float), np.array([[u] * self.loads], dtype=complex), shape
+        coefficients = np.zeros((*shape, len(self.groups), kernels.COEFFICIENTS))
+        for place, value in zip(_DIRECT, (kxx, kyy, cxx, cyy), strict=True):
+            coefficients[..., place] = np.expand_dims(value, -1)
+        amounts = np.empty((*shape, self.loads), dtype=complex)
+        amounts[...] = np.expand_dims(u, -1)
+        return coefficients.reshape(-1, *coefficients.shape[-2:]), amounts.reshape(-1, self.loads), shape
+
+    def _general(self, K: ArrayLike, C: ArrayLike, u: ArrayLike) -> tuple[Real, Complex, tuple[int, ...]]:
+        K, C, u = np.asarray(K, dtype=float), np.asarray(C, dtype=float), np.asarray(u, dtype=complex)
+        groups = len(self.groups)
+        for label, values, want in (("K", K, (groups, 2, 2)), ("C", C, (groups, 2, 2)), ("u", u, (self.loads,))):
+            if values.shape[-len(want) :] != want:
+                raise ValueError(f"{label} has shape {values.shape}, want (..., {', '.join(map(str, want))})")
+        shape: tuple[int, ...] = ()
+        if (K.ndim, C.ndim, u.ndim) != (3, 3, 1):
+            shape = np.broadcast_shapes(K.shape[:-3], C.shape[:-3], u.shape[:-1])
+            K, C = np.broadcast_to(K, (*shape, *K.shape[-3:])), np.broadcast_to(C, (*shape, *C.shape[-3:]))
+            u = np.broadcast_to(u, (*shape, self.loads))
+        coefficients = np.concatenate([K.reshape(-1, groups, 4), C.reshape(-1, groups, 4)], axis=-1)
+        return coefficients, np.ascontiguousarray(u.reshape(-1, self.loads)), shape
+
+    def _refuse(self, coefficients: Real, amounts: Complex, candidate: int) -> NoReturn:
+        """Raise what is wrong with a candidate the kernels could not use."""
+        for names, values in zip(self.groups, coefficients, strict=True):
+            where = f"candidate {candidate}: bearing {', '.join(names)}"
+            if not np.isfinite(values).all():
+                raise ValueError(f"{where}: coefficients are {values}, want finite ones")
+            if values[_DIRECT].min() < 0:
+                raise ValueError(f"{where}: kxx, kyy, cxx, cyy are {values[_DIRECT]}, want zero or more")
+        if not np.isfinite(amounts).all():
+            raise ValueError(f"candidate {candidate}: amounts are {amounts}, want finite ones")
+        raise DataError(
+            f"candidate {candidate}: an undamped resonance lies on one of the speeds, "
+            f"{self.omega.min() * RPM:.6g} to {self.omega.max() * RPM:.6g} rpm, want damping or other speeds"
+        )
 
 
 def condense(model: RotorModel, omega: ArrayLike, *, bearings: Sequence[str], disk: str) -> Receptance:
-    """Return the receptances of `model` for changing `bearings` and an unbalance on `disk`, at speeds `omega`.
+    """Return the receptances of `model` for changing `bearings`, all alike, and an unbalance on `disk`, or plane.
 
-    The cross coefficients of the named bearings are set to zero. Raises ValueError on an unknown name or no bearing.
+    Raises ValueError on an unknown name or no bearing, ConfigError on a bearing whose coefficients depend on speed.
     """
-    if not bearings:
-        raise ValueError("bearings is empty, want the names of those that change")
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
-    attached = [model.bearing(name) for name in bearings]
+    direction = unbalance_direction(model.plane(disk), model.rotation)
+    return condense_groups(model, omega, groups=[bearings], forces=omega[:, None, None] ** 2 * direction[:, None])
+
+
+def condense_groups(
+    model: RotorModel, omega: ArrayLike, *, groups: Sequence[Sequence[str]], forces: ArrayLike
+) -> Receptance:
+    """Return the receptances for `groups` of bearings, alike within a group, and `forces` of changing amounts.
+
+    `forces` (speed, dof, load) are 1X phasors per unit of each amount: Omega^2 (1, -j) on a disk for an unbalance in
+    kg m, likewise of a bow (loads.bow_force) or from outside; one row serves all speeds. Raises as `condense`.
+    """
+    omega = np.atleast_1d(np.asarray(omega, dtype=float))
+    names = [name for group in groups for name in group]
+    if not names or not all(groups):
+        raise ValueError("bearings is empty, want the names of those that change")
+    if len(set(names)) < len(names):
+        raise ValueError(f"bearings are {names}, want each of them once")
+    attached = [model.bearing(name) for name in names]
     stiffness = max(SOFTEST_REFERENCE, *(float(b.K.diagonal().max()) for b in attached))
     reference = stiffness * (1 + 1j)
     rows = np.vstack([b.rows for b in attached])
-    direction = unbalance_direction(model.disk(disk), model.rotation)
-
-    bare = with_bearing(model, bearings, np.zeros((2, 2)), np.zeros((2, 2)))
-    loads = np.column_stack([rows.T, direction])  # (dof, 2m + 1)
-    response = np.empty((len(omega), model.dof, loads.shape[1]), dtype=complex)
-    for i, speed in enumerate(omega):
-        Z = dynamic_stiffness(bare, speed)[0] + reference * (rows.T @ rows)
-        response[i] = np.linalg.solve(Z, loads)
-    at_bearings = np.moveaxis(rows @ response, 0, -1)  # (2m, 2m + 1, speed)
-    at_probes = np.moveaxis(model.probes @ response, 0, -1)
+    bare = with_bearing(model, names, np.zeros((2, 2)), np.zeros((2, 2)))
+    forces = np.asarray(forces, dtype=complex)
+    if forces.ndim != 3 or forces.shape[0] not in (1, len(omega)) or forces.shape[1] != model.dof or not forces.size:
+        raise ValueError(
+            f"forces have shape {forces.shape}, want (speed, dof, load) = ({len(omega)}, {model.dof}, 1..)"
+        )
+    response = _at_reference(bare, rows, reference, omega, np.broadcast_to(forces, (len(omega), *forces.shape[1:])))
+    H = np.moveaxis(np.vstack([rows, model.probes]) @ response, 0, -1)
     return Receptance(
         omega=omega,
+        groups=tuple(tuple(group) for group in groups),
+        loads=forces.shape[-1],
+        probes=len(model.probes),
+        H=np.ascontiguousarray([H.real, H.imag]),
+        group=np.repeat(np.arange(len(groups)), [len(group) for group in groups]),
         reference=reference,
-        bearing_bearing=np.ascontiguousarray(at_bearings[:, :-1]),
-        bearing_force=at_bearings[:, -1] * omega**2,
-        probe_bearing=np.ascontiguousarray(at_probes[:, :-1]),
-        probe_force=at_probes[:, -1] * omega**2,
     )
+
+
+def _at_reference(bare: RotorModel, rows: Real, reference: complex, omega: Real, forces: Complex) -> Complex:
+    """Return the response to unit forces along `rows` and to `forces`, (speed, dof, row + load), bearings at d0."""
+    response = np.empty((len(omega), bare.dof, len(rows) + forces.shape[-1]), dtype=complex)
+    constant = all(bearing.constant for bearing in bare.bearings)
+    for i, speed in enumerate(omega):
+        if i == 0 or not constant:
+            powers, band = _banded(_powers(bare, speed, reference * (rows.T @ rows)))
+        Z = powers[0] + speed * powers[1] + speed**2 * powers[2]
+        loads = np.hstack([rows.T, forces[i]])
+        try:
+            response[i] = linalg.solve_banded((band, band), Z, loads) if band else np.linalg.solve(Z, loads)
+        except np.linalg.LinAlgError as error:  # the reference damps all that its bearings can hold
+            raise DataError(
+                f"at {speed * RPM:.6g} rpm the bearings do not hold the rotor, want more of them"
+            ) from error
+    return response
+
+
+def _powers(model: RotorModel, speed: float, added: NDArray[np.complexfloating]) -> Powers:
+    """Return the coefficients of the dynamic stiffness as a polynomial in Omega, (dof, dof) each, power 0 first."""
+    M, C, G, K = matrices(model, speed)
+    return K + 1j * hysteretic(model) + added, 1j * C, 1j * G - M
+
+
+def _banded(powers: Powers) -> tuple[Powers, int]:
+    """Return matrices in LAPACK's band form and the width of the band to either side, or as they are and 0."""
+    row, column = np.nonzero(sum(A != 0 for A in powers))
+    band, dof = int(np.abs(row - column).max()), len(powers[0])
+    if dof < _NARROW * (2 * band + 1):
+        return powers, 0
+    stored = []
+    for A in powers:
+        ab = np.zeros((2 * band + 1, dof), dtype=complex)
+        ab[band + row - column, column] = A[row, column]
+        stored.append(ab)
+    return tuple(stored), band

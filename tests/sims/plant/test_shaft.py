@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.description import RigConfig, from_si
 from rotorrig.sims.plant.plant import GRAVITY
 from rotorrig.sims.plant.shaft import build
 from rotorrig.sims.plant.truth import nameplate
@@ -97,3 +97,23 @@ def test_the_first_critical_speeds_agree_with_the_config_and_not_too_well_with_t
     apart = np.abs(own / theirs - 1)
     assert (apart < 0.03).all()
     assert (apart > 1e-4).all()
+
+
+def test_a_stepped_shaft_has_the_critical_speeds_of_the_timoshenko_model_nearly(rk4: RigConfig) -> None:
+    table = rk4.model_dump()
+    table["shaft"] |= {
+        "diameter": 0.014,
+        "sections": [
+            {"length": 0.2, "diameter": 0.010},
+            {"length": 0.1, "diameter": 0.014, "inner_diameter": 0.006},
+            {"length": 0.26, "diameter": 0.009, "youngs_modulus": 180e9, "density": 8000.0},
+        ],
+    }
+    stepped = from_si(table)
+    plant = build(stepped, nameplate(stepped)).critical_speeds()
+    finite_elements = critical_speeds(reduce(assemble(stepped)), up_to=400.0)
+    difference = np.abs(plant / finite_elements[:2] - 1)
+    assert np.all(difference < 0.03)  # another theory of the beam, and material damping
+    assert np.all(difference > 1e-6)
+    uniform = build(rk4, nameplate(rk4)).critical_speeds()
+    assert np.all(np.abs(plant / uniform - 1) > 0.01)

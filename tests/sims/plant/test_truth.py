@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.errors import DataError
+from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.sims.plant.truth import FaultSpec, draw, identified_truth, nameplate, seal, unseal
 
 SEEDS = range(200)
@@ -142,3 +142,29 @@ def test_an_unknown_fault_or_parameter_is_refused_with_a_hint(rk4: RigConfig) ->
         draw(rk4, seed=1, faults=[FaultSpec(name="couplin")])
     with pytest.raises(DataError, match="did you mean 'bore_force'"):
         draw(rk4, seed=1, faults=[FaultSpec(name="coupling", parameters={"boreforce": 1.0})])
+
+
+@pytest.mark.parametrize(
+    ("update", "said"),
+    [
+        ({"rigid": True, "kxx": None, "kyy": None}, "bearing 'left A' is rigid, want constants to simulate the rig"),
+        (
+            {"kxx": {"speed": [0.0, 300.0], "value": [1e6, 2e6]}},
+            "bearing 'left A' is given over speed, want constants to simulate the rig",
+        ),
+    ],
+)
+def test_a_bearing_the_simulated_rig_cannot_have_is_refused(rk4: RigConfig, update: dict, said: str) -> None:
+    table = rk4.model_dump(mode="json")
+    table["bearings"][0] |= update
+    for make in (nameplate, lambda rig: draw(rig, seed=1)):
+        with pytest.raises(ConfigError, match=said):
+            make(from_si(table))
+
+
+@pytest.mark.parametrize("damping", [{"structural_damping": 0.01}, {"rayleigh": {"mass": 1.0}}])
+def test_the_simulated_rig_brings_its_own_damping(rk4: RigConfig, damping: dict) -> None:
+    table = rk4.model_dump(mode="json")
+    table["shaft"] |= damping
+    with pytest.raises(ConfigError, match="the shaft has damping, want none to simulate the rig"):
+        nameplate(from_si(table))

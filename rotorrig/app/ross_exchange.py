@@ -1,0 +1,56 @@
+"""`rotor import --ross` and `rotor export --ross`: rotors of ROSS into configs, and the other way."""
+
+from pathlib import Path
+
+from rotorrig.rig.description import load, parse
+from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.ross.from_config import ross_rotor
+from rotorrig.rig.ross.reading import read_ross
+from rotorrig.rig.ross.rotor import RossRotor
+from rotorrig.rig.ross.to_config import config_text, sections
+from rotorrig.rig.ross.writing import ross_text
+from rotorrig.rig.units import to_si
+
+
+def bring_in(file: Path, *, out: Path, keep_nodes: bool) -> list[str]:
+    """Write a config of the rotor in `file` and return what to say of it, notes first. Raises ConfigError."""
+    rotor = read_ross(file)
+    text = config_text(rotor, name=file.stem, source=file.name, keep_nodes=keep_nodes)
+    parse(text, where=f"{file}, as a config")
+    _write(out, text, source=file)
+    made = f"{_counted(rotor)}, in {_count(len(sections(rotor, keep_nodes=keep_nodes)), 'section')}"
+    return [*rotor.notes, f"{out}: {made}; its two probes are placeholders"]
+
+
+def write_out(config: Path, *, out: Path, max_element: str) -> list[str]:
+    """Write the rotor of a config for ROSS and return what to say of it, notes first. Raises ConfigError."""
+    from rotorrig.sims.rotor.assembly import assemble
+
+    rig = load(config)
+    try:
+        longest = to_si(max_element, "length")
+    except ValueError as error:
+        raise ConfigError(f"--max-element: {error}") from error
+    if not longest > 0:
+        raise ConfigError(f"--max-element: got {max_element}, want a length above zero")
+    rotor = ross_rotor(rig, nodes=assemble(rig, max_element=longest).z.tolist())
+    _write(out, ross_text(rotor, source=config.name), source=config)
+    return [*rotor.notes, f"{out}: {_counted(rotor)}"]
+
+
+def _counted(rotor: RossRotor) -> str:
+    parts = ((rotor.shaft, "shaft element"), (rotor.disks, "disk"), (rotor.bearings, "bearing"))
+    return ", ".join(_count(len(of_a_kind), noun) for of_a_kind, noun in parts)
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'s' * (number != 1)}"
+
+
+def _write(out: Path, text: str, *, source: Path) -> None:
+    if out.resolve() == source.resolve():
+        raise ConfigError(f"{out}: is the file just read, want another one to write")
+    try:
+        out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(f"{out}: cannot be written ({error.strerror})") from error

@@ -1,0 +1,292 @@
+"""The rotor of a nameplate: shaft, disks, balance planes, bearings and probes, each a checked table in SI units.
+
+Axes: z along the shaft from the coupling, x and y across it, angles from +x towards +y.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Annotated, Any, Self
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+
+from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.units import reads
+
+COEFFICIENTS = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy")
+NUMBER, TABLE = "<number>", "<table>"  # the two forms of a bearing coefficient, as pydantic names them in its errors
+SHORTEST = 1e-6  # m: places nearer than this are one place, so no section may be as short
+AGREE = 1e-6  # m: rounding of a length that is given twice
+
+
+class Part(BaseModel):
+    """A table of the config: frozen, and no key it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+Length = Annotated[float, reads("length"), Field(gt=0)]
+Position = Annotated[float, reads("length"), Field(ge=0)]
+Mass = Annotated[float, reads("mass"), Field(gt=0)]
+Inertia = Annotated[float, reads("inertia"), Field(ge=0)]  # 0: a point mass
+Density = Annotated[float, reads("density"), Field(gt=0)]
+Modulus = Annotated[float, reads("modulus"), Field(gt=0)]
+PoissonRatio = Annotated[float, Field(ge=0, lt=0.5)]
+Stiffness = Annotated[float, reads("stiffness"), Field(ge=0)]
+CrossStiffness = Annotated[float, reads("stiffness")]
+Damping = Annotated[float, reads("damping"), Field(ge=0)]
+CrossDamping = Annotated[float, reads("damping")]
+UnbalanceAmount = Annotated[float, reads("unbalance"), Field(ge=0)]
+Angle = Annotated[float, reads("angle")]
+Speed = Annotated[float, reads("speed"), Field(gt=0)]
+TableSpeed = Annotated[float, reads("speed"), Field(ge=0)]
+RampRate = Annotated[float, reads("ramp"), Field(gt=0)]
+Time = Annotated[float, reads("time"), Field(gt=0)]
+Voltage = Annotated[float, reads("voltage")]
+Sensitivity = Annotated[float, reads("sensitivity"), Field(gt=0)]
+Rate = Annotated[float, reads("rate"), Field(gt=0)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tube:
+    """A stretch of shaft of one cross-section and one material, SI."""
+
+    start: float  # m from the coupling
+    length: float
+    diameter: float
+    inner_diameter: float
+    density: float
+    youngs_modulus: float
+    poisson_ratio: float
+
+    @property
+    def end(self) -> float:
+        """Where it ends, m from the coupling."""
+        return self.start + self.length
+
+
+class Rayleigh(Part):
+    """Proportional damping of the bare shaft, C = mass * M + stiffness * K, which does not turn with it."""
+
+    mass: Annotated[float, reads("damping rate"), Field(ge=0)] = 0.0  # 1/s
+    stiffness: Annotated[float, reads("time"), Field(ge=0)] = 0.0  # s
+
+
+class Section(Part):
+    """A piece of a stepped shaft; its material is the shaft's where it names none."""
+
+    length: Length
+    diameter: Length
+    inner_diameter: Position = 0.0
+    density: Density | None = None
+    youngs_modulus: Modulus | None = None
+    poisson_ratio: PoissonRatio | None = None
+
+    @model_validator(mode="after")
+    def _is_a_tube(self) -> Self:
+        _check_bore(self.inner_diameter, self.diameter)
+        if self.length <= SHORTEST:
+            raise ValueError(f"length {self.length * 1e6:g} um, want more than {SHORTEST * 1e6:g} um")
+        return self
+
+
+def _total_length(given: dict[str, Any]) -> float:
+    return sum(section.length for section in given.get("sections", ()))
+
+
+def _largest_diameter(given: dict[str, Any]) -> float:
+    return max((section.diameter for section in given.get("sections", ())), default=0.0)
+
+
+class Shaft(Part):
+    """The shaft: uniform, or `sections` one after the other from the coupling, which then say length and diameter."""
+
+    sections: tuple[Section, ...] = ()
+    length: Length = Field(default_factory=_total_length)
+    diameter: Length = Field(default_factory=_largest_diameter)  # of a stepped shaft: the largest
+    inner_diameter: Position = 0.0
+    density: Density
+    youngs_modulus: Modulus
+    poisson_ratio: PoissonRatio = 0.3
+    rayleigh: Rayleigh = Rayleigh()
+    structural_damping: float = Field(0.0, ge=0, lt=1)  # loss factor eta: K (1 + j eta), does not turn with the shaft
+
+    @property
+    def tubes(self) -> tuple[Tube, ...]:
+        """The stretches of constant cross-section and material, from the coupling."""
+        tubes: list[Tube] = []
+        for section in self.sections or (self,):
+            tubes.append(
+                Tube(
+                    start=tubes[-1].end if tubes else 0.0,
+                    length=section.length,
+                    diameter=section.diameter,
+                    inner_diameter=section.inner_diameter,
+                    density=section.density or self.density,
+                    youngs_modulus=section.youngs_modulus or self.youngs_modulus,
+                    poisson_ratio=self.poisson_ratio if section.poisson_ratio is None else section.poisson_ratio,
+                )
+            )
+        return tuple(tubes)
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        for name in ("length", "diameter"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} is missing, want it, or the shaft in sections")
+        if self.sections:
+            self._check_sections()
+        else:
+            _check_bore(self.inner_diameter, self.diameter)
+        return self
+
+    def _check_sections(self) -> None:
+        given = {"sections": self.sections}
+        for name, want in (("length", _total_length(given)), ("diameter", _largest_diameter(given))):
+            if abs(got := getattr(self, name) - want) > AGREE:
+                kind = "sum" if name == "length" else "largest"
+                raise ValueError(
+                    f"{name} {(want + got) * 1e3:g} mm, but the sections' {kind} is {want * 1e3:g} mm; "
+                    f"want it to agree or be left out"
+                )
+        if self.inner_diameter:
+            raise ValueError("inner_diameter stands beside sections, want it in each section that is hollow")
+
+
+def _check_bore(inner: float, outer: float) -> None:
+    if inner >= outer:
+        raise ValueError(f"inner_diameter {inner * 1e3:g} mm, want less than the {outer * 1e3:g} mm diameter")
+
+
+class Unbalance(Part):
+    """An unbalance [kg m] and where it sits: degrees from the keyphasor mark, in the sense of rotation."""
+
+    amount: UnbalanceAmount
+    angle: Angle = 0.0
+
+
+class Disk(Part):
+    """A rigid disk; `unbalance` is what the nameplate expects, if it says."""
+
+    name: str
+    position: Position
+    mass: Mass
+    polar_inertia: Inertia
+    transverse_inertia: Inertia
+    width: Length = 0.025
+    diameter: Length = 0.075
+    unbalance: Unbalance | None = None
+
+
+class Plane(Part):
+    """A massless place on the shaft that unbalance or a force may be put on: a coupling, a balance ring, a journal."""
+
+    name: str
+    position: Position
+
+
+class OverSpeed(Part):
+    """A bearing coefficient over shaft speed: straight lines between the speeds, the end values held outside them."""
+
+    speed: tuple[TableSpeed, ...] = Field(min_length=2)  # rad/s, rising
+    value: tuple[float, ...]
+
+    @model_validator(mode="after")
+    def _is_a_table(self) -> Self:
+        if len(self.speed) != len(self.value):
+            raise ValueError(f"{len(self.speed)} speeds and {len(self.value)} values, want one value for every speed")
+        if not all(a < b for a, b in pairwise(self.speed)):
+            raise ValueError("the speeds do not rise from each to the next, want them in order")
+        return self
+
+
+class StiffnessOverSpeed(OverSpeed):
+    """A direct stiffness over shaft speed."""
+
+    value: tuple[Stiffness, ...]
+
+
+class CrossStiffnessOverSpeed(OverSpeed):
+    """A cross stiffness over shaft speed."""
+
+    value: tuple[CrossStiffness, ...]
+
+
+class DampingOverSpeed(OverSpeed):
+    """A direct damping over shaft speed."""
+
+    value: tuple[Damping, ...]
+
+
+class CrossDampingOverSpeed(OverSpeed):
+    """A cross damping over shaft speed."""
+
+    value: tuple[CrossDamping, ...]
+
+
+def _form(value: object) -> str:
+    return TABLE if isinstance(value, Mapping | BaseModel) else NUMBER
+
+
+_EITHER = Discriminator(_form)
+DirectK = Annotated[Annotated[Stiffness, Tag(NUMBER)] | Annotated[StiffnessOverSpeed, Tag(TABLE)], _EITHER]
+CrossK = Annotated[Annotated[CrossStiffness, Tag(NUMBER)] | Annotated[CrossStiffnessOverSpeed, Tag(TABLE)], _EITHER]
+DirectC = Annotated[Annotated[Damping, Tag(NUMBER)] | Annotated[DampingOverSpeed, Tag(TABLE)], _EITHER]
+CrossC = Annotated[Annotated[CrossDamping, Tag(NUMBER)] | Annotated[CrossDampingOverSpeed, Tag(TABLE)], _EITHER]
+
+
+class Bearing(Part):
+    """Eight linear coefficients between shaft and ground, [N/m] and [N s/m], each constant or over speed.
+
+    A `rigid` one has none and holds the shaft at x = y = 0, free to tilt. x and y are the probes' axes.
+    """
+
+    name: str
+    position: Position
+    rigid: bool = False
+    kxx: DirectK | None = None
+    kyy: DirectK | None = None
+    kxy: CrossK = 0.0
+    kyx: CrossK = 0.0
+    cxx: DirectC = 0.0
+    cyy: DirectC = 0.0
+    cxy: CrossC = 0.0
+    cyx: CrossC = 0.0
+
+    @property
+    def over_speed(self) -> bool:
+        """Whether any coefficient depends on the speed."""
+        return any(isinstance(getattr(self, name), OverSpeed) for name in COEFFICIENTS)
+
+    def constant(self, name: str) -> float:
+        """Return a coefficient that is a number. Raises ConfigError, in one sentence, if it is none."""
+        value = getattr(self, name)
+        if isinstance(value, OverSpeed):
+            raise ConfigError(f"bearing '{self.name}': {name} depends on speed, want a constant for this")
+        if value is None:
+            raise ConfigError(f"bearing '{self.name}': is rigid, want {name} and the other coefficients for this")
+        return float(value)
+
+    @model_validator(mode="after")
+    def _is_held_one_way(self) -> Self:
+        if self.rigid:
+            given = [name for name in COEFFICIENTS if getattr(self, name)]
+            if given:
+                raise ValueError(f"'{self.name}' is rigid and has {given[0]}, want one or the other")
+            return self
+        for name in ("kxx", "kyy"):
+            if getattr(self, name) is None:
+                raise ValueError(f"'{self.name}' has no {name}, want a stiffness such as '33.9 kN/m', or rigid = true")
+        return self
+
+
+class Probe(Part):
+    """A proximity probe: volts rise as the shaft comes nearer; `angle` is where it sits, from +x towards +y."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
+    position: Position
+    angle: Angle
+    channel: int = Field(ge=0)
+    sensitivity: Sensitivity = 7874.0  # V/m: 200 mV/mil
+    gap_voltage: Voltage = -10.0
+    linear_range: tuple[Voltage, Voltage] = (-18.0, -2.0)  # an 8 mm probe's 80 mil about -10 V
