@@ -76,11 +76,13 @@ class Receptance:
         objective: str,
         slow_roll: bool = False,
     ) -> Real:
-        """Return an objective of the chapter, eq. (14) to (16), on amplitudes, (...); arguments as in `response`.
+        """Return an objective of the chapter on amplitudes, (...); arguments as in `response`.
+
+        "f1" sums squared differences [um^2], eq. (14); "f2" absolute differences of the logarithms to base 10, eq.
+        (15); "f3" absolute differences [um], eq. (16).
 
         `measured` (speed, probe) m, 0-peak, NaN where left out. With `slow_roll` the last speed is the slow roll: its
-        vector is subtracted from the others, and `measured` has no row for it. The same as the functions in
-        identify/objective.py on abs(response), several times faster.
+        vector is subtracted from the others, and `measured` has no row for it.
         """
         if objective not in _OBJECTIVES:
             raise ValueError(f"objective is {objective!r}, want one of {list(_OBJECTIVES)}")
