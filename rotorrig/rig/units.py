@@ -6,6 +6,7 @@ number is refused, so that nobody has to guess; so is a speed in Hz (2 pi apart 
 
 import functools
 import math
+import re
 from typing import Any
 
 import pint
@@ -39,9 +40,12 @@ _ANGULAR = ("rpm", "rad", "deg", "revolution", "turn")
 @functools.cache
 def registry() -> pint.UnitRegistry:
     """Return the one unit registry, made on first use (it takes a quarter of a second)."""
-    units: Any = pint.UnitRegistry(cache_folder=":auto:", on_redefinition="ignore")
-    units.define("mil = 1e-3 * inch")  # the field's mil, as in 200 mV/mil; pint's is an angle
-    return units
+    return pint.UnitRegistry(cache_folder=":auto:", preprocessors=[_field_names])
+
+
+def _field_names(text: str) -> str:
+    """Return `text` with the field's mil, a thousandth of an inch, under pint's name for it: pint's mil is an angle."""
+    return re.sub(r"\bmils?\b", "thou", text)
 
 
 def to_si(text: object, quantity: str) -> float:
