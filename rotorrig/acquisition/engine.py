@@ -190,13 +190,6 @@ def _there(target: float, session: Session) -> bool:
     return session.state is not None and session.state.at_setpoint
 
 
-def _dwell(step: Dwell, session: Session, tell: Callable[[float], None]) -> None:
-    began = session.t
-    while session.t - began < step.seconds:
-        session.take()
-        tell((session.t - began) / step.seconds)
-
-
 def _readings(session: Session) -> str:
     """Say what keyphasor and drive read, for an error."""
     state = session.state

@@ -34,7 +34,7 @@ class Measurement:
 
     def sigmas(self, residual: NDArray[np.complex128]) -> NDArray[np.float64]:
         """Return residuals (row + 1, probe) in standard deviations, as (row + 1, 2 probe) independent figures."""
-        return np.einsum("rij,rj->ri", self.whiten, as_pairs(np.where(self.usable, residual, 0)))
+        return np.einsum("rij,rj->ri", self.whiten, _as_pairs(np.where(self.usable, residual, 0)))
 
 
 def measure(
@@ -55,8 +55,9 @@ def measure(
     z = np.concatenate([response.z[rows, :, n], response.slow_roll[None, :, n]])
     usable = np.concatenate([response.usable[rows], np.ones((1, z.shape[1]), dtype=bool)]) & np.isfinite(z)
     noise = np.concatenate([response.covariance[rows, n], response.slow_roll_covariance[None, n]])
-    reading = np.concatenate([response.z[rows, :, response.orders.index(1.0)], response.slow_roll[None, :, n]])
-    covariance = _with_linearity(noise, reading - np.nan_to_num(response.slow_roll[:, n]), response)
+    first = response.orders.index(1.0)  # 1X is the motion a probe's curvature bends, into 2X as well
+    motion = np.concatenate([response.z[rows, :, first], response.slow_roll[None, :, first]])
+    covariance = _with_linearity(noise, motion - np.nan_to_num(response.slow_roll[:, first]), response)
     variance = np.diagonal(covariance, axis1=1, axis2=2)
     return Measurement(
         rows=rows,
@@ -67,16 +68,16 @@ def measure(
     )
 
 
-def as_pairs(z: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _as_pairs(z: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Return complex (..., probe) as real (..., 2 probe): re, im, re, im ..."""
     return np.stack([z.real, z.imag], axis=-1).reshape(*z.shape[:-1], -1)
 
 
 def _with_linearity(
-    noise: NDArray[np.float64], reading: NDArray[np.complex128], response: OrderTrackedResponse
+    noise: NDArray[np.float64], motion: NDArray[np.complex128], response: OrderTrackedResponse
 ) -> NDArray[np.float64]:
     """Add the scale factor's residual error, a share of the synchronous motion, to re and im alike."""
-    share = (response.rig.prior.probe_linearity * np.abs(np.nan_to_num(reading))) ** 2
+    share = (response.rig.prior.probe_linearity * np.abs(np.nan_to_num(motion))) ** 2
     return noise + np.einsum("rp,pq->rpq", np.repeat(share, 2, axis=1), np.eye(2 * share.shape[1]))
 
 

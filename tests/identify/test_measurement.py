@@ -46,3 +46,11 @@ def test_the_scale_factors_linearity_widens_large_readings_only(blind_response: 
     amplitude = np.abs(blind_response.compensated()[measured.rows, 0])
     share = blind_response.rig.prior.probe_linearity * amplitude
     np.testing.assert_allclose(measured.sigma[:-1, 0] ** 2, noise + share**2, rtol=1e-9)
+
+
+def test_at_2x_the_share_is_of_the_synchronous_motion(blind_response: OrderTrackedResponse) -> None:
+    measured = measure(blind_response, order=2.0)
+    second = blind_response.orders.index(2.0)
+    noise = np.einsum("rii->ri", blind_response.covariance[measured.rows, second])[:, :2].mean(axis=1)
+    share = blind_response.rig.prior.probe_linearity * np.abs(blind_response.compensated(1.0)[measured.rows, 0])
+    np.testing.assert_allclose(measured.sigma[:-1, 0] ** 2, noise + share**2, rtol=1e-9)
