@@ -159,16 +159,20 @@ def with_bearing(model: RotorModel, names: str | Collection[str], K: ArrayLike, 
     return replace(model, bearings=tuple(with_coefficients(b, K, C) if b.name in names else b for b in model.bearings))
 
 
-def scaled(model: RotorModel, *, youngs_modulus: float = 1.0, disk_mass: float = 1.0) -> RotorModel:
-    """Return the model with Young's modulus, and every disk's mass and inertias, multiplied by those factors.
+def scaled(
+    model: RotorModel, *, youngs_modulus: float = 1.0, density: float = 1.0, disk_mass: float = 1.0
+) -> RotorModel:
+    """Return the model with the shaft's Young's modulus and density and every disk's mass multiplied by those factors.
 
-    Inertias follow the mass, as for a disk of the same shape and another density.
+    A disk's inertias follow its mass, as for a disk of the same shape and another density; the shaft's do too.
     """
     disks = tuple(
         replace(d, mass=d.mass * disk_mass, polar=d.polar * disk_mass, transverse=d.transverse * disk_mass)
         for d in model.disks
     )
-    return replace(model, shaft=model.shaft._replace(K=model.shaft.K * youngs_modulus), disks=disks)
+    M, C, G, K = model.shaft
+    shaft = Matrices(M * density, C, G * density, K * youngs_modulus)
+    return replace(model, shaft=shaft, disks=disks, weight=model.weight * density)
 
 
 def _mesh(rig: RigConfig, max_element: float) -> NDArray[np.float64]:

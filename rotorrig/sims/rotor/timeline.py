@@ -4,13 +4,14 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import median_filter
 
 from rotorrig.rig.errors import DataError
 
 TURN = 2 * np.pi
+MOST_POWERS = 13  # of a polynomial in the speed
 
 
 class Turns(NamedTuple):
@@ -22,6 +23,28 @@ class Turns(NamedTuple):
     omega_mid: NDArray[np.float64]  # (turn - 1,)
     alpha_mid: NDArray[np.float64]  # (turn - 1,)
     theta_mid: NDArray[np.float64]  # (turn - 1,) rad, from the turn before
+
+
+class SpeedRange(NamedTuple):
+    """Lowest and highest speed, and the variable x in [-1, 1] between them that polynomials in the speed use."""
+
+    slowest: float  # rad/s
+    fastest: float  # rad/s
+
+    @property
+    def centre(self) -> float:
+        """The speed [rad/s] of x = 0."""
+        return (self.slowest + self.fastest) / 2
+
+    @property
+    def half(self) -> float:
+        """Speed [rad/s] per unit of x; never zero."""
+        return max((self.fastest - self.slowest) / 2, 1e-3 * self.fastest)
+
+    def powers(self, omega: NDArray[np.float64], count: int = MOST_POWERS) -> NDArray[np.float64]:
+        """Return 1, x, x^2.. at the speeds, (..., power)."""
+        x = (omega - self.centre) / self.half
+        return np.vander(x.ravel(), count, increasing=True).reshape(*x.shape, -1)
 
 
 class Timeline:
@@ -42,7 +65,7 @@ class Timeline:
         if not np.all(interval > 0):
             first = int(np.argmin(interval > 0)) + 1
             raise DataError(f"keyphasor: pulse {first} at {pulse_t[first]:g} s is not later than the one before")
-        usual = median_filter(interval, 5, mode="nearest")
+        usual = np.median(sliding_window_view(np.pad(interval, 2, mode="edge"), 5), axis=1)
         turn = np.append(0.0, np.cumsum(np.maximum(1, np.rint(interval / usual))))
         self._turn_of = CubicSpline(pulse_t, turn)
         self.t = CubicSpline(turn, pulse_t)(np.arange(turn[-1] + 1))  # (turn,) s, the missed ones too

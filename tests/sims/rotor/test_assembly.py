@@ -108,12 +108,14 @@ def test_with_bearing_is_the_assembly_of_the_changed_config(rk4, full):
 
 
 def test_scaling_is_the_assembly_of_the_scaled_config(rk4, full):
-    other = rk4.model_copy(update={"shaft": rk4.shaft.model_copy(update={"youngs_modulus": 1.03 * 208.11e9})})
+    shaft = rk4.shaft.model_copy(update={"youngs_modulus": 1.03 * 208.11e9, "density": 1.1 * 7801})
+    other = rk4.model_copy(update={"shaft": shaft})
     for key in ("mass", "polar_inertia", "transverse_inertia"):
         other = changed(other, "disks", **{key: lambda d, key=key: 0.98 * getattr(d, key)})
-    got = matrices(scaled(full, youngs_modulus=1.03, disk_mass=0.98))
-    for mine, theirs in zip(got, matrices(assemble(other)), strict=True):
+    got, want = scaled(full, youngs_modulus=1.03, density=1.1, disk_mass=0.98), assemble(other)
+    for mine, theirs in zip(matrices(got), matrices(want), strict=True):
         np.testing.assert_allclose(mine, theirs, rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(got.weight, want.weight, rtol=1e-12, atol=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,74 @@
+"""Derivatives of the passed modes and of the others' response by a change of the matrices, at one speed after another.
+
+With D S V = diag(lambda), D = V^-1, and N = D dS V, perturbation of first order turns the passed vectors V1 into
+V1 + V2 E and their duals D1 into D1 + F D2, where only differences between a passed pole and another are divided by:
+E = N21 / (lambda_1 - lambda_2), F = N12 / (lambda_1 - lambda_2). Poles of one kind may coincide. (Kato, Perturbation
+Theory for Linear Operators, 1995, ch. II; Daleckii, Krein 1965 for functions of S.)
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rotorrig.sims.rotor.directions import Direction
+from rotorrig.sims.rotor.passage import Complex, Passage, Spectra
+
+
+class _Changes(NamedTuple):
+    """N = D dS V where it is wanted, and D db: (direction, speed, ...)."""
+
+    N1: Complex  # (.., pole, mode) by the passed vectors
+    N12: Complex  # (.., mode, other) of the others by the passed duals
+    others: Complex  # (.., other, load) D dS y, y the others' response
+    load: Complex  # (.., pole, load) D db
+
+
+def passage_derivatives(found: Spectra, loads: Complex, directions: Sequence[Direction]) -> Passage:
+    """Return the derivatives of `passage(found, loads)`, with an axis of directions after that of powers."""
+    m, dof = found.passed, len(found.M)
+    V1, V2, D1, D2 = found.vectors[..., :m], found.vectors[..., m:], found.dual[:, :m], found.dual[:, m:]
+    W, Phi, lag, by_load = found.weights, found.basis, found.lag[..., None], found.by_force @ loads
+    back = np.linalg.inv(W)
+    others = lag * by_load[:, m:]  # in their vectors
+    N = _changes(found, directions, loads, others)
+
+    gap = found.values[:, :m, None] - found.values[:, None, m:]  # (speed, mode, other)
+    E, F = N.N1[..., m:, :] / gap.swapaxes(1, 2), N.N12 / gap
+    moved = V2 @ E
+    dW = found.gauge @ moved
+    dPhi = (moved - Phi @ dW) @ back
+    turned, L = dW @ back, (W * found.values[:, None, :m]) @ back
+    dL = W @ N.N1[..., :m, :] @ back + turned @ L - L @ turned
+    dT = dW @ (D1 @ found.turning) + W @ (F @ (D2 @ found.turning)) + W @ D1 @ found.by_speed(dPhi)
+    dg = dW @ by_load[:, :m] + W @ (F @ by_load[:, m:] + N.load[..., :m, :])
+    d_others = V2[:, :dof] @ (lag * (N.others + N.load[..., m:, :] - E @ by_load[:, :m])) - V1[:, :dof] @ (F @ others)
+    return Passage(
+        L=found.fitted(dL),
+        T=found.fitted(dT),
+        g=found.fitted(dg),
+        shape=found.fitted(dPhi[..., :dof, :].swapaxes(-1, -2) @ found.probes.T),
+        others=found.fitted(found.probes @ d_others),
+    )
+
+
+def _changes(found: Spectra, directions: Sequence[Direction], loads: Complex, others: Complex) -> _Changes:
+    """Return what the directions change; `others` (speed, other, load) is the others' response in their vectors.
+
+    dS = -M^-1 (dK, dC + Omega dG) - M^-1 dM M^-1 (-K, -C - Omega G) takes positions, velocities and accelerations.
+    """
+    m, dof = found.passed, len(found.M)
+    V, values = found.vectors, found.values[:, None]
+    motion = np.concatenate([V, values * V[:, dof:]], axis=1)  # (speed, 3 dof, pole): position, velocity, acceleration
+    dM, dC, dG, dK = (np.array([d[i] for d in directions]).reshape(-1, 1, dof, dof) for i in range(4))
+    by_motion = np.concatenate(  # (direction, speed, dof, 3 dof)
+        np.broadcast_arrays(dK, dC + found.omega[:, None, None] * dG, dM), axis=-1
+    )
+    seen = np.concatenate([motion[..., :m], motion[..., m:] @ others], axis=-1)
+    change = -found.by_force @ (by_motion @ seen)  # (direction, speed, pole, mode and load)
+    return _Changes(
+        N1=change[..., :m],
+        N12=-(found.by_force[:, :m] @ by_motion) @ motion[..., m:],
+        others=change[..., m:, m:],
+        load=-found.by_force @ (dM @ np.linalg.solve(found.M, loads)),
+    )

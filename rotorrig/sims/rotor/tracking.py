@@ -1,0 +1,124 @@
+"""Where a tracking filter looks: rows of windows on a timeline, laid out once for all models asked about it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from rotorrig.rig.errors import DataError
+from rotorrig.sims.rotor.timeline import TURN, SpeedRange, Timeline, Turns
+
+Reals = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Window = Literal["hann", "rectangular"]
+
+POINTS = 16  # Gauss points per window; enough for two beats of a free vibration within it
+SPILL = 0.5  # turns a window may reach over either end of the pulses: rounding of the row's time
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrackedRows:
+    """Rows on a timeline, ready for sweep.py: all of their averages that does not depend on the rotor.
+
+    Powers are those of x, see SpeedRange.
+    """
+
+    turns: Turns
+    speeds: SpeedRange
+    power: Reals  # (turn, power)
+    power_mid: Reals  # (turn - 1, power) halfway in time
+    seen: NDArray[np.intp]  # (row, span) the whole turns a row looks at
+    moments: Reals  # (row, power, 2 span) takes values and slopes d/dt at those turns to the averages of x^power a
+    force_moments: Complex  # (row, power) averages of x^power (Omega^2 - j alpha)
+
+    def averages(self, a: Complex, rate: Complex, *, powers: int) -> Complex:
+        """Return the averages of x^power a over every row's window, (row, power, ...), from a and a', (turn, ...)."""
+        found = np.zeros((len(self.seen), powers, a[0].size), dtype=complex)
+        _average(self.moments, self.seen, a.reshape(len(a), -1), rate.reshape(len(a), -1), found)
+        return found.reshape(*found.shape[:2], *a.shape[1:])
+
+
+def tracked_rows(timeline: Timeline, *, t: ArrayLike, revolutions: ArrayLike, window: Window) -> TrackedRows:
+    """Return the rows around the times `t` [s], each an average over `revolutions` turns, weighted by `window`.
+
+    A window is centred, in shaft angle, on its row's time; it weighs evenly ("rectangular") or by 1 + cos(psi / turns),
+    |psi| <= pi turns ("hann"). Raises DataError on a row that is not within the pulses, ValueError on another window.
+    """
+    turn, weight = _points(timeline, np.asarray(t, dtype=float), revolutions, window)
+    turns = timeline.turns
+    omega = np.append(turns.omega, turns.omega_mid)
+    speeds = SpeedRange(float(omega.min()), float(omega.max()))
+    seen, values, slopes = _hermite(turns, turn)
+    omega, alpha = _at_points(turns, turn, seen, values, slopes)
+    weighted = weight[:, None] * speeds.powers(omega)  # (row, point, power)
+    return TrackedRows(
+        turns=turns,
+        speeds=speeds,
+        power=speeds.powers(turns.omega),
+        power_mid=speeds.powers(turns.omega_mid),
+        seen=seen,
+        moments=weighted.swapaxes(1, 2) @ np.concatenate([values, slopes], axis=-1),
+        force_moments=np.einsum("rp,rpq->rq", omega**2 - 1j * alpha, weighted),
+    )
+
+
+def _points(
+    timeline: Timeline, t: Reals, revolutions: ArrayLike, window: Window
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return where each row looks, in turns since the first pulse (row, point), and the weights (point,)."""
+    x, weight = np.polynomial.legendre.leggauss(POINTS)
+    if window == "hann":
+        weight = weight * (1 + np.cos(np.pi * x))
+    elif window != "rectangular":
+        raise ValueError(f"window is {window!r}, want 'hann' or 'rectangular'")
+    half = np.broadcast_to(np.asarray(revolutions, dtype=float), t.shape) / 2
+    middle = timeline.theta(t) / TURN
+    last = len(timeline.t) - 1
+    inside = (middle - half > -SPILL) & (middle + half < last + SPILL)  # False for NaN
+    if not np.all(inside):
+        row = int(np.argmin(inside))
+        raise DataError(
+            f"row {row}: its window of {2 * half[row]:g} turns about {t[row]:g} s is not within the keyphasor pulses, "
+            f"{timeline.t[0]:g} to {timeline.t[-1]:g} s"
+        )
+    return np.clip(middle[:, None] + half[:, None] * x, 0, last), weight / weight.sum()
+
+
+def _hermite(turns: Turns, turn: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:
+    """Return the whole turns around a row's points, (row, span), and what a cubic in angle between them weighs.
+
+    The weights, (row, point, span) each, are of the values there and of their derivatives by time.
+    """
+    k = np.minimum(turn.astype(np.intp), len(turns.t) - 2)
+    s = turn - k
+    seen = k[:, :1] + np.arange(int(np.ptp(k, axis=1).max(initial=0)) + 2)
+    before, after = (k[..., None] + i == seen[:, None] for i in (0, 1))
+    seen = np.minimum(seen, len(turns.t) - 1)  # a shorter window gives its last ones no weight
+    start, end = 2 * s**3 - 3 * s**2 + 1, 3 * s**2 - 2 * s**3  # Hermite's cubics: values, then slopes
+    leave, arrive = s**3 - 2 * s**2 + s, s**3 - s**2
+    per_turn = TURN / turns.omega[seen]  # s: d/dturn = per_turn d/dt
+    values = start[..., None] * before + end[..., None] * after
+    slopes = (leave[..., None] * before + arrive[..., None] * after) * per_turn[:, None]
+    return seen, values, slopes
+
+
+def _at_points(turns: Turns, turn: Reals, seen: NDArray[np.intp], values: Reals, slopes: Reals) -> tuple[Reals, Reals]:
+    """Return speed and acceleration at the points of the windows, (row, point): a cubic and straight lines."""
+    omega = values @ turns.omega[seen][..., None] + slopes @ turns.alpha[seen][..., None]
+    return omega[..., 0], np.interp(turn, np.arange(len(turns.t)), turns.alpha)
+
+
+@njit(cache=True)
+def _average(moments: Reals, seen: NDArray[np.intp], a: Complex, rate: Complex, found: Complex) -> None:
+    """Add the averages of every column to `found` (row, power, column), without a copy of what the rows see."""
+    rows, powers, columns = found.shape
+    span = seen.shape[1]
+    for row in range(rows):
+        for power in range(powers):
+            for i in range(span):
+                turn = seen[row, i]
+                by_value, by_rate = moments[row, power, i], moments[row, power, span + i]
+                for c in range(columns):
+                    found[row, power, c] += by_value * a[turn, c] + by_rate * rate[turn, c]

@@ -1,0 +1,52 @@
+"""Derivatives of the polynomials against differences of the polynomials themselves, in the same gauge."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from rotorrig.sims.rotor.assembly import RotorModel, scaled, with_bearing
+from rotorrig.sims.rotor.directions import along_bearing, along_density, along_disk_mass, along_modulus
+from rotorrig.sims.rotor.loads import unbalance_pattern
+from rotorrig.sims.rotor.passage import Passage, passage, spectra
+from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
+from rotorrig.sims.rotor.timeline import SpeedRange
+
+SPEEDS = SpeedRange(50.0, 377.0)
+STEP = 1e-4
+
+
+def springs(model: RotorModel, p: float) -> RotorModel:
+    return with_bearing(model, "spring", np.array([[34e3 * (1 + p), 2e3 * p], [0, 34e3]]), np.diag([15, 15 * (1 + p)]))
+
+
+CHANGES = {
+    "spring": (
+        springs,
+        lambda model: along_bearing(model, "spring", K=[[34e3, 2e3], [0, 0]], C=np.diag([0, 15.0])),
+    ),
+    "modulus": (lambda model, p: scaled(model, youngs_modulus=1 + p), along_modulus),
+    "density": (lambda model, p: scaled(model, density=1 + p), along_density),
+    "disk mass": (lambda model, p: scaled(model, disk_mass=1 + p), along_disk_mass),
+}
+
+
+@pytest.mark.parametrize("structural_damping", [0.0, 0.01])
+@pytest.mark.parametrize("change", CHANGES)
+def test_every_part_of_the_passage_has_its_derivative(small, change, structural_damping):
+    changed, direction = CHANGES[change]
+    model = springs(replace(small, structural_damping=structural_damping), 0.0)  # x and y modes nearly coincide
+    loads = unbalance_pattern(model, {"disk": 1.0})[:, None]
+    found = spectra(model, SPEEDS)
+
+    def moved(p: float) -> Passage:
+        return passage(replace(spectra(changed(model, p), SPEEDS), gauge=found.gauge), loads)
+
+    got = passage_derivatives(found, loads, [along_modulus(model), direction(model)])
+    up, down = moved(STEP), moved(-STEP)
+    for part in fields(Passage):
+        want = (getattr(up, part.name) - getattr(down, part.name)) / (2 * STEP)
+        size = max(np.abs(want).max(), 1e-2 * np.abs(getattr(up, part.name)).max())
+        rounding = 1e-10 if part.name == "T" else 0  # s; of the differences: the RK4's modes hardly turn with speed
+        atol = 1e-5 * size + rounding
+        np.testing.assert_allclose(getattr(got, part.name)[:, 1], want, atol=atol, err_msg=part.name)
