@@ -7,10 +7,12 @@ number is refused, so that nobody has to guess; so is a speed in Hz (2 pi apart 
 import functools
 import math
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pint
 from pydantic import BeforeValidator, ValidationInfo
+
+if TYPE_CHECKING:
+    import pint
 
 RPM = 30.0 / math.pi  # rpm per rad/s
 
@@ -38,8 +40,10 @@ _ANGULAR = ("rpm", "rad", "deg", "revolution", "turn")
 
 
 @functools.cache
-def registry() -> pint.UnitRegistry:
-    """Return the one unit registry, made on first use (it takes a quarter of a second)."""
+def registry() -> "pint.UnitRegistry":
+    """Return the one unit registry, made on first use: half a second that our own files, in SI, do not need."""
+    import pint
+
     return pint.UnitRegistry(cache_folder=":auto:", preprocessors=[_field_names])
 
 
@@ -77,10 +81,9 @@ def to_si(text: object, quantity: str) -> float:
         raise ValueError(f"got '{text}', want a rate in Hz, such as '{example}'")
     if value.unitless:
         raise ValueError(f"got '{text}' without a unit; {want}")
-    try:
-        number = float(value.to(unit).magnitude)
-    except pint.DimensionalityError as error:
-        raise ValueError(f"got '{text}' ({value.units:~P}), {want}") from error
+    if not value.is_compatible_with(unit):
+        raise ValueError(f"got '{text}' ({value.units:~P}), {want}")
+    number = float(value.to(unit).magnitude)
     if number != number or number in (float("inf"), float("-inf")):
         raise ValueError(f"got '{text}', {want}")
     return float(f"{number:.15g}")  # 10 mm is 0.01 m, not 0.010000000000000002
