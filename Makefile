@@ -3,7 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test lint types check pictures bench clean
+.PHONY: demo test lint types check pictures bench chea-tables identification-tables clean
 
 demo: .venv/ready
 	$(BIN)/rotor demo --out demo
@@ -22,9 +22,17 @@ check: lint types test
 
 pictures: .venv/ready
 	$(BIN)/python docs/make_pictures.py demo
+	$(BIN)/python docs/make_chea_pictures.py
 
 bench: .venv/ready .venv-ross/ready
 	$(BIN)/python benchmarks/forward.py --write
+
+# Long: the optimiser beside its peers, and the chapter's identification tables. One BLAS thread: the matrices are small.
+chea-tables: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chea_tables.py --seeds 100 --peer-seeds 100 --dimensions --write
+
+identification-tables: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification.py --write
 
 # uv where there is one (seconds), else the venv module and pip; the same pinned versions either way. Made anew when the
 # versions change: an old one may be of another Python.

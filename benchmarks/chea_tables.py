@@ -1,127 +1,148 @@
-"""The seed chapter's Tables 2 to 4: calls, success and minima listed, over seeds.
+"""The chapter's Tables 2 to 4, and beyond: CHEA's two profiles, today's peers and the chapter's rows side by side.
 
     python benchmarks/chea_tables.py --seeds 20
-    python benchmarks/chea_tables.py --seeds 100 --json > chea_tables.json
+    python benchmarks/chea_tables.py --seeds 100 --json --no-peers         (one JSON object on the last line)
+    python benchmarks/chea_tables.py --seeds 100 --peer-seeds 100 --dimensions --write         (docs/chea-tables.md)
 
-Every call counts, finite differences included. "shifted" moves the box at random per seed, so that neither the middle
-nor the symmetry of the function about it helps. Success is within 1e-3 of the global minimum in every parameter;
-for eq. (3), of all four, each in the list of minima.
+Every call counts, finite differences included, by one wrapper around the function. Each seed has its own box, the same
+for every method. A minimum counts as found by a point within 1e-3 of it in every parameter; beyond the chapter's
+functions within 1e-3 of the half width of the box.
 """
 
 import argparse
 import json
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+import os
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import Bounds
+from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.result import CheaResult
-from rotorrig.identify.chea.settings import SEED
+from benchmarks.chea_chapter import CHAPTER
+from benchmarks.chea_functions import Case, cases_beyond, chapter_cases
+from benchmarks.chea_page import Scores, dimension_tables, page, tables
+from benchmarks.chea_peers import CHEA, METHODS, PEERS, Method
+from benchmarks.chea_score import Run, run, summarise
 
-Array = NDArray[np.float64]
+ROOT = Path(__file__).parents[1]
+CALLS_PER_DIMENSION = 2000  # the budget of every method beyond the chapter's functions
+CASES = {case.name: case for case in (*chapter_cases(), *cases_beyond())}
 
-
-def banana(x: Array) -> Array:
-    """Eq. (2), with the square the print lost."""
-    return 100 * (x[:, 1] - x[:, 0] ** 2) ** 2 + (1 - x[:, 0]) ** 2
-
-
-def multimodal(x: Array) -> Array:
-    """Eq. (3), to be minimised."""
-    u, v = np.pi * x.T
-    return (np.cos(2 * u) + np.cos(2.5 * u) - 2.1) * (2.1 - np.cos(3 * v) - np.cos(3.5 * v))
-
-
-def rastrigin(x: Array) -> Array:
-    """Eq. (4), with the x_i the print lost."""
-    return 20 + (x**2 - 10 * np.cos(2 * np.pi * x)).sum(axis=1)
-
-
-@dataclass(frozen=True)
-class Case:
-    """A function, its box [-half, half]^2, its global minima and the chapter's figures."""
-
-    name: str
-    fun: Callable[[Array], Array]
-    half: float
-    minima: tuple[tuple[float, float], ...]
-    chapter: str
-    shift: float = 0.0  # the box's middle is uniform within this share of its half
-
-
-PEAKS = tuple((a * 0.43880, b * 0.30585) for a in (1, -1) for b in (1, -1))
-CASES = (
-    Case("f1 banana", banana, 2.0, ((1.0, 1.0),), "1120"),
-    Case("f2 multimodal", multimodal, 1.0, PEAKS, "1131, all four"),
-    Case("f2 shifted", multimodal, 1.0, PEAKS, "-", shift=0.4),
-    Case("f3 rastrigin", rastrigin, 5.0, ((0.0, 0.0),), "2100, 99 %"),
-    Case("f3 shifted", rastrigin, 5.0, ((0.0, 0.0),), "-", shift=0.6),
-)
-
-
-@dataclass(frozen=True)
-class Row:
-    """What came out for one case."""
-
-    name: str
-    mean_calls: float
-    median_calls: float
-    max_calls: int
-    success_percent: float
-    minima_listed: float
-    chapter: str
-
-
-def solve(case: Case, seed: int) -> CheaResult:
-    """Run one case with one seed."""
-    rng = np.random.default_rng(seed)
-    middle = rng.uniform(-case.shift, case.shift, 2) * case.half
-    bounds = Bounds(middle - case.half, middle + case.half)
-    return chea(case.fun, bounds, rng=rng, vectorized=True, settings=SEED)
-
-
-def success(case: Case, result: CheaResult) -> bool:
-    """Return whether all global minima are listed to 1e-3."""
-    off = np.abs(result.xl[:, None] - np.array(case.minima)).max(axis=2)
-    return bool((off.min(axis=0, initial=np.inf) < 1e-3).all())
-
-
-def measure(case: Case, seeds: int) -> Row:
-    """Run one case with seeds 0, 1, ..."""
-    results = [solve(case, seed) for seed in range(seeds)]
-    calls = [result.nfev for result in results]
-    return Row(
-        name=case.name,
-        mean_calls=float(np.mean(calls)),
-        median_calls=float(np.median(calls)),
-        max_calls=max(calls),
-        success_percent=100 * float(np.mean([success(case, result) for result in results])),
-        minima_listed=float(np.mean([len(result.xl) for result in results])),
-        chapter=case.chapter,
-    )
+Job = tuple[str, str, int, int | None]  # case, method, seed, budget
 
 
 def main() -> None:
-    """Print the table, or the same as JSON."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=20, help="runs per function (default 20)")
-    parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
-    options = parser.parse_args()
-    if options.seeds < 1:
-        parser.error(f"--seeds is {options.seeds}, expected at least 1")
-    rows = [measure(case, options.seeds) for case in CASES]
-    if options.json:
-        print(json.dumps({"profile": "seed", "seeds": options.seeds, "rows": [asdict(row) for row in rows]}, indent=2))
-        return
-    print(f"{'':14}  {'mean':>6} {'median':>6} {'max':>6}  {'success':>7}  {'minima':>6}  chapter")
-    for row in rows:
-        print(
-            f"{row.name:14}  {row.mean_calls:6.0f} {row.median_calls:6.0f} {row.max_calls:6d}"
-            f"  {row.success_percent:5.0f} %  {row.minima_listed:6.1f}  {row.chapter}"
+    """Measure, print, and write the page if asked."""
+    options = arguments()
+    methods = [*CHEA, *(() if options.no_peers else PEERS)]
+    with ProcessPoolExecutor(options.workers, initializer=threadpool_limits, initargs=(1,)) as pool:
+        chapter = measure(
+            pool,
+            chapter_cases(),
+            methods,
+            seeds=lambda method: options.seeds if method in CHEA else options.peer_seeds,
+            budget=lambda method, case: method.budget,
         )
+        beyond = measure(
+            pool,
+            cases_beyond() if options.dimensions else [],
+            methods,
+            seeds=lambda method: options.dimensions,
+            budget=lambda method, case: CALLS_PER_DIMENSION * case.dim,
+        )
+    text = tables(chapter) + (dimension_tables(beyond) if options.dimensions else [])
+    print("\n\n".join(text))
+    if options.write:
+        counts = {"seeds": options.seeds, "peer_seeds": options.peer_seeds, "dimensions": options.dimensions}
+        written = page(chapter, beyond, methods, **counts, calls_per_dimension=CALLS_PER_DIMENSION)
+        (ROOT / "docs/chea-tables.md").write_text(written, encoding="utf-8")
+    if options.json:
+        print(json.dumps(summary(chapter, beyond)))
+
+
+def measure(
+    pool: ProcessPoolExecutor,
+    cases: Sequence[Case],
+    methods: Sequence[Method],
+    *,
+    seeds: Callable[[Method], int],
+    budget: Callable[[Method, Case], int | None],
+) -> Scores:
+    """Return scores[method][case] of seeds 0, 1, ...; None where the package is missing or the dimension too high."""
+    jobs: list[Job] = [
+        (case.name, method.name, seed, budget(method, case))
+        for case in cases
+        for method in methods
+        if method.can(case.dim)
+        for seed in range(seeds(method))
+    ]
+    runs: dict[tuple[str, str], list[Run]] = {}
+    for (case, method, *_), found in zip(jobs, _watched(pool.map(_do, jobs), len(jobs)), strict=True):
+        runs.setdefault((method, case), []).append(found)
+    return {
+        method.name: {
+            case.name: summarise(runs[method.name, case.name], case) if (method.name, case.name) in runs else None
+            for case in cases
+        }
+        for method in methods
+    }
+
+
+def _do(job: Job) -> Run:
+    case, method, seed, budget = job
+    return run(CASES[case], METHODS[method], seed, budget=budget)
+
+
+def _watched(runs: Iterable[Run], total: int) -> Iterable[Run]:
+    """Pass the runs on, with a line on stderr that counts them."""
+    for done, found in enumerate(runs, start=1):
+        if done * 100 // total != (done - 1) * 100 // total:
+            print(f"\r{done} of {total} runs", end="\n" if done == total else "", file=sys.stderr, flush=True)
+        yield found
+
+
+def summary(chapter: Scores, beyond: Scores) -> dict[str, Any]:
+    """Return all figures: "seed" and "modern", each by function, "peers" by method, "chapter", "dimensions"."""
+    plain, ours = _plain(chapter), {method.name for method in CHEA}
+    found: dict[str, Any] = {name: plain[name] for name in plain if name in ours}
+    found["peers"] = {name: plain[name] for name in plain if name not in ours}
+    found["chapter"] = {name: {f: asdict(row) for f, row in rows.items()} for name, rows in CHAPTER.items()}
+    if any(beyond.values()):
+        found["dimensions"] = _plain(beyond)
+    return found
+
+
+def _plain(scores: Scores) -> dict[str, Any]:
+    return {name: {case: score and asdict(score) for case, score in row.items()} for name, row in scores.items()}
+
+
+def arguments() -> argparse.Namespace:
+    """Return the checked command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=20, help="runs of CHEA per function (default 20)")
+    parser.add_argument("--peer-seeds", type=int, help="runs of each peer per function (default: as CHEA, up to 10)")
+    parser.add_argument("--no-peers", action="store_true", help="run CHEA alone")
+    parser.add_argument(
+        "--dimensions",
+        type=int,
+        nargs="?",
+        const=20,
+        default=0,
+        help="also the functions of 2 to 10 dimensions (20 runs)",
+    )
+    parser.add_argument("--workers", type=int, default=os.cpu_count(), help="processes (default: one per core)")
+    parser.add_argument("--json", action="store_true", help="end with one JSON object on the last line")
+    parser.add_argument("--write", action="store_true", help="write docs/chea-tables.md")
+    options = parser.parse_args()
+    if options.peer_seeds is None:
+        options.peer_seeds = min(options.seeds, 10)
+    for name, least in (("seeds", 1), ("peer_seeds", 1), ("workers", 1), ("dimensions", 0)):
+        if getattr(options, name) < least:
+            parser.error(f"--{name.replace('_', '-')} is {getattr(options, name)}, expected at least {least}")
+    return options
 
 
 if __name__ == "__main__":

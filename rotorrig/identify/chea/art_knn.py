@@ -24,7 +24,7 @@ def classify(points: Array, *, similarity: float) -> NDArray[np.intp]:
     weights = np.empty_like(points)
     learned = np.zeros(len(points))
     count = 0
-    for point in points:
+    for point, copies in zip(*_runs(points), strict=True):
         away = weights[:count] - point
         squares = np.einsum("ij,ij->i", away, away)
         winner = int(squares.argmin()) if count else 0
@@ -32,7 +32,13 @@ def classify(points: Array, *, similarity: float) -> NDArray[np.intp]:
             winner = count  # mismatch: the orienting subsystem resets, the novelty is stored as a new neuron
             weights[winner] = point
             count += 1
-        learned[winner] += 1
-        weights[winner] += (point - weights[winner]) / learned[winner]
+        learned[winner] += copies
+        weights[winner] += (point - weights[winner]) * (copies / learned[winner])
     nearest = cdist(points, weights[:count]).argmin(axis=1)
     return np.unique(nearest, return_inverse=True)[1]  # a neuron that drifted off may have lost all its points
+
+
+def _runs(points: Array) -> tuple[Array, NDArray[np.intp]]:
+    """Return the points without copies in a row, and how many of each there were: all of them wake the same neuron."""
+    first = np.flatnonzero(np.append(True, (points[1:] != points[:-1]).any(axis=1)))
+    return points[first], np.diff(first, append=len(points))

@@ -4,15 +4,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult
 
-from rotorrig.identify.chea.ledger import Ledger
-from rotorrig.identify.chea.minima import Minima
+from rotorrig.identify.chea.record import Record
+from rotorrig.identify.chea.state import SearchState
 from rotorrig.identify.chea.stopping import StopReason
 
 Array = NDArray[np.float64]
 
 
 class CheaResult(OptimizeResult):
-    """What `chea` found. In all cases of ending, x is the best point evaluated and xl what was found until then."""
+    """What a search found. However it ended, x is the best point evaluated and xl what was found until then."""
 
     x: Array  # (dim,); NaN if fun never gave a finite value
     fun: float
@@ -20,37 +20,50 @@ class CheaResult(OptimizeResult):
     status: int  # position of stop_reason in its enumeration
     stop_reason: StopReason
     message: str
-    nfev: int  # calls of fun, points of a batch counted one by one, finite differences included
+    nfev: int  # values of fun, points of a batch counted one by one, finite differences included
+    njev: int  # gradients taken by finite differences
     nit: int  # generations, local searches and far searches
     nfail: int  # calls that raised or gave no finite value
-    xl: Array  # (n, dim) ends of local searches, each once, best first
+    xl: Array  # (n, dim) minima: ends of local searches, each once, best first
     funl: Array  # (n,)
+    hits: NDArray[np.intp]  # (n,) how many local searches ended there
     history: Array  # (m, 2) nfev and best value at every improvement
+    state: SearchState  # to be resumed
 
 
-def assemble(ledger: Ledger, minima: Minima, reason: StopReason) -> CheaResult:
+def assemble(record: Record, state: SearchState, reason: StopReason) -> CheaResult:
     """Return the result of a search, ended for `reason`."""
-    u, funl = minima.sorted(ledger.scaling.dim)
+    u, funl, hits = record.minima.sorted()
+    best_u, best = record.best
     result = CheaResult()
     result.update(
-        x=ledger.best_x,
-        fun=ledger.best_fun,
+        x=state.scaling.to_parameters(best_u),
+        fun=best,
         success=reason in (StopReason.CONVERGED, StopReason.TARGET),
         status=reason.status,
         stop_reason=reason,
-        message=_message(ledger, len(funl), reason),
-        nfev=ledger.nfev,
-        nit=ledger.nit,
-        nfail=ledger.failures,
-        xl=ledger.scaling.to_parameters(u),
+        message=_message(record, state.failure, reason),
+        nfev=record.nfev,
+        njev=record.njev,
+        nit=record.nit,
+        nfail=record.failures,
+        xl=state.scaling.to_parameters(u),
         funl=funl,
-        history=np.array(ledger.history, dtype=np.float64).reshape(-1, 2),
+        hits=hits,
+        history=np.array(record.history, dtype=np.float64).reshape(-1, 2),
+        state=state,
     )
     return result
 
 
-def _message(ledger: Ledger, minima: int, reason: StopReason) -> str:
-    words = f"{reason.value.capitalize()} after {ledger.nfev} evaluations, {minima} minima found."
-    if ledger.failures:
-        words += f" fun failed at {ledger.failures} of the points, at first with: {ledger.first_failure}."
+def _message(record: Record, failure: str, reason: StopReason) -> str:
+    evaluations, minima = _counted(record.nfev, "evaluation"), _counted(len(record.minima), "minimum", "minima")
+    words = f"{reason.value.capitalize()} after {evaluations}, {minima} found."
+    if record.failures:
+        words += f" fun failed at {_counted(record.failures, 'point')}"
+        words += f", at first with: {failure}." if failure else "."
     return words
+
+
+def _counted(n: int, one: str, many: str = "") -> str:
+    return f"{n} {one if n == 1 else many or one + 's'}"

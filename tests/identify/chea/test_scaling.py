@@ -20,6 +20,13 @@ def test_the_ends_are_the_bounds_to_the_last_bit() -> None:
     assert scaling.to_parameters(np.array([np.zeros(3), np.ones(3)])).T.tolist() == [list(pair) for pair in bounds]
 
 
+def test_the_ends_of_any_logarithmic_box_are_met_to_the_last_bit() -> None:
+    ends = np.sort(np.random.default_rng(0).uniform(-20, 20, (500, 2)), axis=1)
+    scaling = from_bounds(10.0**ends, "log")
+    corners = scaling.to_parameters(np.array([np.zeros(500), np.ones(500)]))
+    assert corners.T.tolist() == (10.0**ends).tolist()
+
+
 def test_no_point_of_the_cube_leaves_the_bounds() -> None:
     scaling = from_bounds([(0.1, 0.3), (1e2, 1e6)], ["linear", "log"])
     u = np.concatenate([np.random.default_rng(0).random((5000, 2)), np.array([[1 - 1e-16] * 2, [1e-17] * 2])])
@@ -40,6 +47,9 @@ def test_scipy_bounds_serve_too() -> None:
         ([(0, 1), (3, 2)], "linear", "bounds[1] is (3, 2), expected finite ends"),
         ([(0, np.inf)], "linear", "bounds[0] is (0, inf), expected finite ends"),
         ([(np.nan, 1)], "linear", "bounds[0] is (nan, 1), expected finite ends"),
+        ([(-1e308, 1e308)], "linear", "bounds[0] is (-1e+308, 1e+308), expected ends whose difference is finite"),
+        ([("low", 1)], "linear", "bounds are no numbers: could not convert string to float: 'low'"),
+        ([(0, 1), (0,)], "linear", "bounds are no numbers"),
         ([(0, 1)], "log", "bounds[0] starts at 0, expected a positive end"),
         ([(1, 2)], "cubic", "x_scale is 'cubic', expected 'linear' or 'log'"),
         ([(1, 2)], ["log", "log"], "one of them for each of 1"),

@@ -35,7 +35,10 @@ def rastrigin(x: np.ndarray) -> np.ndarray:
 
 
 def runs(fun, bounds, seeds: int, **options):
-    return [chea(fun, bounds, rng=np.random.default_rng(s), vectorized=True, **options) for s in range(seeds)]
+    return [
+        chea(fun, bounds, rng=np.random.default_rng(s), vectorized=True, profile="seed", **options)
+        for s in range(seeds)
+    ]
 
 
 def shifted(fun, half: float, fraction: float, seeds: int):
@@ -43,7 +46,7 @@ def shifted(fun, half: float, fraction: float, seeds: int):
     for seed in range(seeds):
         rng = np.random.default_rng([1, seed])
         middle = rng.uniform(-fraction, fraction, 2) * half
-        found.append(chea(fun, np.column_stack([middle - half, middle + half]), rng=rng, vectorized=True))
+        found.append(solve(fun, np.column_stack([middle - half, middle + half]), rng))
     return found
 
 
@@ -56,34 +59,34 @@ def lists_all_peaks(result) -> bool:
 
 
 def test_banana_is_solved_every_time() -> None:
-    results = runs(banana, [(-2, 2)] * 2, 8)
+    results = runs(banana, [(-2, 2)] * 2, 5)
     for result in results:
         assert result.x == pytest.approx([1, 1], abs=1e-3)
         assert len(result.xl) == 1  # one valley, one minimum
-    assert calls(results) < 1500  # chapter 1120
+    assert calls(results) < 1200  # chapter 1120
 
 
 def test_all_four_global_minima_are_listed_every_time() -> None:
-    results = runs(multimodal, [(-1, 1)] * 2, 8)
+    results = runs(multimodal, [(-1, 1)] * 2, 6)
     assert all(lists_all_peaks(r) for r in results)
     assert all(r.fun == pytest.approx(-16.09172, abs=1e-5) for r in results)
-    assert calls(results) < 2300  # chapter 1131
+    assert calls(results) < 1300  # chapter 1131
 
 
-def test_all_four_are_mostly_listed_on_a_shifted_box() -> None:
-    results = shifted(multimodal, 1.0, 0.4, 8)
+def test_all_four_are_nearly_always_listed_on_a_shifted_box() -> None:
+    results = shifted(multimodal, 1.0, 0.4, 6)
     assert all(r.fun < -16.0917 for r in results)
-    assert sum(lists_all_peaks(r) for r in results) >= 5  # p = 0.9
+    assert sum(lists_all_peaks(r) for r in results) >= 5  # p = 0.98
 
 
-def test_rastrigin_is_mostly_solved() -> None:
-    results = runs(rastrigin, [(-5, 5)] * 2, 10)
-    assert sum(r.fun < 1e-6 for r in results) >= 6  # p = 0.9; chapter 0.99
-    assert calls(results) < 3500  # chapter 2100
+def test_rastrigin_is_nearly_always_solved() -> None:
+    results = runs(rastrigin, [(-5, 5)] * 2, 8)
+    assert sum(r.fun < 1e-10 for r in results) >= 7  # p = 0.99, as the chapter's
+    assert calls(results) < 1900  # chapter 2100
 
 
-def test_rastrigin_is_mostly_solved_on_a_shifted_box() -> None:
-    assert sum(r.fun < 1e-6 for r in shifted(rastrigin, 5.0, 0.6, 8)) >= 5  # p = 0.9
+def test_rastrigin_is_nearly_always_solved_on_a_shifted_box() -> None:
+    assert sum(r.fun < 1e-6 for r in shifted(rastrigin, 5.0, 0.6, 6)) >= 5  # p = 0.97
 
 
 def stretched_valley(x: np.ndarray) -> np.ndarray:
@@ -94,7 +97,7 @@ def stretched_valley(x: np.ndarray) -> np.ndarray:
 
 
 def test_a_stretched_valley_of_five_logarithmic_parameters_is_solved_every_time() -> None:
-    for result in runs(stretched_valley, RK4_BOUNDS, 6, x_scale="log"):
+    for result in runs(stretched_valley, RK4_BOUNDS, 4, x_scale="log"):
         assert result.x == pytest.approx(RK4, rel=0.01)
 
 
@@ -105,8 +108,8 @@ def pit(x: np.ndarray) -> np.ndarray:
 
 def test_far_search_finds_the_narrow_pit_that_the_clusters_miss() -> None:
     found = [
-        sum(r.x == pytest.approx([0.9, 0.8], abs=0.01) for r in runs(pit, [(0, 1)] * 2, 6, settings=settings))
+        sum(r.x == pytest.approx([0.9, 0.8], abs=0.01) for r in runs(pit, [(0, 1)] * 2, 5, settings=settings))
         for settings in (replace(SEED, far_iterations=0), SEED)
     ]
-    assert found[0] <= 5  # p = 0.4 of 200 random points and their children falling in
-    assert found[1] >= 5  # p = 0.98
+    assert found[0] <= 4  # p = 0.4 of 200 random points and their children falling in
+    assert found[1] >= 4  # p = 0.98

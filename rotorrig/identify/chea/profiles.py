@@ -1,0 +1,30 @@
+"""The two searches by name: "seed", the chapter's own, and "modern", the best made of its idea."""
+
+from typing import Any, Literal
+
+import numpy as np
+
+from rotorrig.identify.chea import modern, seed
+from rotorrig.identify.chea.record import Evaluations, Record
+from rotorrig.identify.chea.stopping import StopReason
+
+Profile = Literal["modern", "seed"]
+
+#: name -> the search, (record, rng, settings) -> Evaluations[StopReason], and its usual settings
+_PROFILES: dict[str, tuple[Any, Any]] = {"modern": (modern.search, modern.MODERN), "seed": (seed.search, seed.SEED)}
+
+
+def begin(profile: str, settings: Any, dim: int, rng: np.random.Generator) -> tuple[Record, Evaluations[StopReason]]:
+    """Return an empty record and the search that fills it; `settings` None means the profile's own.
+
+    Raises ValueError for a name that is none of the two, or the settings of the other.
+    """
+    if profile not in _PROFILES:
+        raise ValueError(f"profile is {profile!r}, expected one of {', '.join(map(repr, _PROFILES))}")
+    search, usual = _PROFILES[profile]
+    chosen = usual if settings is None else settings
+    if type(chosen) is not type(usual):
+        want = f"{type(usual).__module__}.{type(usual).__qualname__}"
+        raise ValueError(f"settings is a {type(chosen).__name__}, expected a {want} for profile={profile!r}")
+    record = Record(dim, same_point=chosen.same_point)
+    return record, search(record, rng, chosen)

@@ -1,0 +1,48 @@
+"""The two searches by name."""
+
+import re
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.chea.chea import chea
+from rotorrig.identify.chea.modern import MODERN
+from rotorrig.identify.chea.profiles import begin
+from rotorrig.identify.chea.settings import SEED
+
+SETTINGS = {"seed": SEED, "modern": MODERN}
+
+
+@pytest.mark.parametrize("profile", SETTINGS)
+def test_a_profile_comes_with_its_own_settings(profile: str) -> None:
+    own, given = (begin(profile, settings, 2, np.random.default_rng(0)) for settings in (None, SETTINGS[profile]))
+    assert own[0].dim == 2
+    assert next(own[1]).tolist() == next(given[1]).tolist()
+
+
+@pytest.mark.parametrize("profile", SETTINGS)
+def test_a_first_batch_lies_in_the_unit_cube(profile: str) -> None:
+    for dim in (1, 2, 12):
+        points = next(begin(profile, None, dim, np.random.default_rng(0))[1])
+        assert points.shape[1] == dim
+        assert ((points >= 0) & (points <= 1)).all()
+
+
+def test_modern_is_what_one_gets() -> None:
+    def fun(x: np.ndarray) -> float:
+        return float((x**2).sum())
+
+    usual, named = chea(fun, [(-1, 1)] * 2, rng=0), chea(fun, [(-1, 1)] * 2, rng=0, profile="modern")
+    assert usual.history.tolist() == named.history.tolist()
+
+
+def test_another_name_is_refused() -> None:
+    with pytest.raises(ValueError, match="profile is 'Seed', expected one of 'modern', 'seed'"):
+        chea(sum, [(0, 1)], profile="Seed")
+
+
+@pytest.mark.parametrize("profile", SETTINGS)
+def test_settings_of_something_else_are_refused(profile: str) -> None:
+    words = re.escape("settings is a dict, expected a rotorrig.identify.chea.")
+    with pytest.raises(ValueError, match=words + rf".* for profile='{profile}'"):
+        chea(sum, [(0, 1)], profile=profile, settings={"population": 9})
