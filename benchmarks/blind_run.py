@@ -1,6 +1,7 @@
 """A sweep of the blind plant in this process: no wire, no file, otherwise what a rig would record."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, steps
 from rotorrig.acquisition.recording import Event, RawRecording
@@ -8,12 +9,15 @@ from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance, code_version
 from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.truth import FaultSpec, draw
+from rotorrig.sims.plant.truth import FaultSpec, Noise, draw
 
 
-def record(rig: RigConfig, *, seed: int, faults: tuple[FaultSpec, ...] = ()) -> RawRecording:
-    """Drive the plant of that seed through the config's default plan."""
-    plant = Plant(rig, draw(rig, seed=seed, faults=faults))
+def record(
+    rig: RigConfig, *, seed: int, faults: tuple[FaultSpec, ...] = (), noise: Noise | None = None
+) -> RawRecording:
+    """Drive the plant of that seed through the config's default plan; `noise` other than a good rig's if given."""
+    truth = draw(rig, seed=seed, faults=faults)
+    plant = Plant(rig, replace(truth, noise=noise) if noise else truth)
     events: list[Event] = []
     blocks: list[Block] = []
 

@@ -113,7 +113,15 @@ def track(run: Recording, out_file: Out) -> None:
 def identify(
     response: Response,
     out_file: Out,
-    objective: Annotated[Literal["f1", "f2", "f3"], typer.Option(help="of the search, chapter eq. 14-16")] = "f2",
+    objective: Annotated[
+        Literal["residual", "f1", "f2", "f3"],
+        typer.Option(help="of the search: the complex residual, or the chapter's on amplitudes, eq. 14-16"),
+    ] = "residual",
+    profile: Annotated[
+        bool, typer.Option("--profile", help="95 % intervals by profile likelihood, all of them")
+    ] = False,
+    bootstrap: Annotated[int, typer.Option(min=0, help="95 % intervals by that many simulated measurements")] = 0,
+    workers: Annotated[int, typer.Option(min=1, help="processes for the bootstrap")] = 1,
     seed: Seed = 0,
 ) -> None:
     """Fit bearing stiffness, damping and unbalance."""
@@ -121,7 +129,9 @@ def identify(
     from rotorrig.identify.result_files import write_identification
     from rotorrig.processing.response_file import read_response
 
-    found = identifying.identified(read_response(response), objective=objective, seed=seed)
+    found = identifying.identified(
+        read_response(response), objective=objective, profile=profile, draws=bootstrap, workers=workers, seed=seed
+    )
     write_identification(out_file, found)
     out.print(tables.identified(found))
     for words in found.fits[0].words:

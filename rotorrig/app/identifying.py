@@ -2,9 +2,13 @@
 
 from pathlib import Path
 
+from rich.progress import Progress
+
 from rotorrig.app.console import progress_bars
+from rotorrig.identify.bootstrap import Resampling
 from rotorrig.identify.fit import fit
 from rotorrig.identify.identification import Identification
+from rotorrig.identify.objective import Name
 from rotorrig.identify.result_files import read_identification
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import DataError
@@ -23,10 +27,40 @@ def reused(path: Path, response: OrderTrackedResponse) -> Identification:
     return found
 
 
-def identified(response: OrderTrackedResponse, *, objective: str = "f2", seed: int = 0) -> Identification:
-    """Return the fits of a response. Raises DataError, ConfigError."""
+def identified(
+    response: OrderTrackedResponse,
+    *,
+    objective: Name = "residual",
+    profile: bool = False,
+    draws: int = 0,
+    workers: int = 1,
+    seed: int = 0,
+) -> Identification:
+    """Return the fits of a response, bootstrapped by so many `draws`. Ctrl-C ends the bootstrap and keeps what is done.
+
+    Raises DataError, ConfigError.
+    """
     with progress_bars() as bars:
-        task = bars.add_task("identifying (CHEA)", total=None, note="")
-        found = fit(response, objective=objective, seed=seed, progress=lambda text: bars.update(task, note=text))
+        task = bars.add_task("identifying", total=None, note="")
+        resampling = _resampling(bars, draws, workers) if draws else None
+        found = fit(
+            response,
+            objective=objective,
+            profile=profile,
+            resampling=resampling,
+            seed=seed,
+            progress=lambda text: bars.update(task, note=text),
+        )
         bars.update(task, total=1.0, completed=1.0, note="")
     return found
+
+
+def _resampling(bars: Progress, draws: int, workers: int) -> Resampling:
+    task = bars.add_task("bootstrap (Ctrl-C keeps the draws done)", total=draws, start=False, note="")
+
+    def show(done: int) -> None:
+        if done == 1:
+            bars.start_task(task)
+        bars.update(task, completed=done, note=f"{done} of {draws} draws")
+
+    return Resampling(draws=draws, workers=workers, progress=show)

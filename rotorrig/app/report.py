@@ -40,7 +40,7 @@ def write_report(
     _check(response, identification, diagnosis)
     sections = [
         banner(identification, diagnosis),
-        _identified(response, identification, diagnosis, truth),
+        _identified(identification, diagnosis, truth),
         _bode(response, identification),
         _residuals(response, diagnosis),
         _orders(response),
@@ -81,7 +81,6 @@ def _check(response: OrderTrackedResponse, identification: Identification | None
 
 
 def _identified(
-    response: OrderTrackedResponse,
     identification: Identification | None,
     diagnosis: Diagnosis | None,
     truth: Mapping[str, float] | None,
@@ -90,13 +89,13 @@ def _identified(
         return ""
     wrong = diagnosis is not None and diagnosis.verdict not in (Verdict.ADEQUATE, Verdict.CANNOT_TELL)
     warning = f'<p class="warning">{_WRONG_MODEL}</p>' if wrong else ""
-    search = response.rig.identify
-    tables = [report_tables.estimates(fit, search=search, truth=truth) for fit in identification.fits]
+    tables = [report_tables.estimates(fit, truth=truth) for fit in identification.fits]
     nuisances = [report_tables.nuisances(fit) for fit in identification.fits[:1] if fit.nuisances]
     note = (
         "<p>± is one standard deviation of this data and this model; it says nothing of what the model leaves out.</p>"
     )
-    return _section("identified", "Identified values", warning, *tables, note, *nuisances)
+    limits = [report_tables.limits(fit) for fit in identification.fits[:1] if fit.budget]
+    return _section("identified", "Identified values", warning, *tables, note, *limits, *nuisances)
 
 
 def _bode(response: OrderTrackedResponse, identification: Identification | None) -> str:

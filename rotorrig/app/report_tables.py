@@ -9,20 +9,21 @@ import numpy as np
 
 from rotorrig.app.curves import RPM, UM, model_vectors, sweeps, vectors
 from rotorrig.app.wording import (
-    LONG,
     UNDETERMINED,
     at_bound,
     bearing_coefficients,
     change,
     determined,
     in_sigmas,
+    interval,
+    long,
     plus_minus,
     shown,
 )
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Estimate, Fit, Identification
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import Identify, RigConfig
+from rotorrig.rig.description import RigConfig
 
 LISTED_MISFITS = 12
 
@@ -57,37 +58,41 @@ def records(caption: str, rows: Sequence[Mapping[str, Any]]) -> str:
     return table(caption, names, [[_plain(row.get(name, "–")) for name in names] for row in rows])
 
 
-def estimates(fit: Fit, *, search: Identify | None, truth: Mapping[str, float] | None) -> str:
+def estimates(fit: Fit, *, truth: Mapping[str, float] | None) -> str:
     """Return the identified values of a fit beside the nameplate, and beside the simulated rig's own if given."""
-    header = ["parameter", "identified ± 1 σ", "nameplate", "difference"]
+    header = ["parameter", "identified ± 1 σ", "95 %", "nameplate", "difference"]
     header += ["simulated rig", "error", "error in σ"] if truth else []
-    rows = [_estimate_row(e, search, truth) for e in fit.estimates]
+    rows = [_estimate_row(e, truth) for e in fit.estimates]
     low, high = (speed * RPM for speed in fit.band)
     caption = f"Fit, {fit.name}: {low:.0f} to {high:.0f} rpm"
     marked = [i for i, e in enumerate(fit.estimates) if not determined(e)]
     return table(caption, [*header, "remark"], rows, marked=marked)
 
 
-def _estimate_row(estimate: Estimate, search: Identify | None, truth: Mapping[str, float] | None) -> list[str]:
-    cells = [_long(estimate.name), plus_minus(estimate)]
+def _estimate_row(estimate: Estimate, truth: Mapping[str, float] | None) -> list[str]:
+    cells = [long(estimate.name), plus_minus(estimate), interval(estimate) or "–"]
     cells += [shown(estimate.nameplate, estimate.unit), change(estimate, estimate.nameplate)]
     if truth:
         actual = truth.get(estimate.name, math.nan)
         cells += [shown(actual, estimate.unit), change(estimate, actual), in_sigmas(estimate, actual)]
-    return [*cells, at_bound(estimate, search) or ("" if determined(estimate) else "hardly restricts the fit")]
+    return [*cells, at_bound(estimate) or ("" if determined(estimate) else "hardly restricts the fit")]
 
 
 def nuisances(fit: Fit) -> str:
     """Return what the fit may adjust within the nameplate's tolerance: never a discovery."""
-    rows = [[_long(e.name), plus_minus(e)] for e in fit.nuisances]
+    rows = [[long(e.name), plus_minus(e)] for e in fit.nuisances]
     inside = table(
         "Deviations from the nameplate, adjusted within its tolerance", ["quantity", "deviation ± 1 σ"], rows
     )
     return f"<details><summary>Nameplate deviations adjusted by the fit ({len(rows)})</summary>{inside}</details>"
 
 
-def _long(name: str) -> str:
-    return f"{name}, {LONG[name]}" if name in LONG else name
+def limits(fit: Fit) -> str:
+    """Return where the uncertainty of each estimate comes from."""
+    causes = list(next(iter(fit.budget.values())))
+    rows = [[name, *(f"{100 * shares[cause]:.0f} %" for cause in causes)] for name, shares in fit.budget.items()]
+    inside = table("Shares of each variance", ["parameter", *causes], rows)
+    return f"<details><summary>What limits each value, noise or the nameplate's tolerances</summary>{inside}</details>"
 
 
 def misfits(diagnosis: Diagnosis) -> str:
@@ -229,6 +234,7 @@ def conventions(response: OrderTrackedResponse) -> str:
             "unbalance angle": "from the keyphasor mark, in the sense of rotation",
             "gravity": {"none": "not considered"}.get(rig.gravity, f"along {rig.gravity}"),
             "±": f"one standard deviation; infinite is said as “{UNDETERMINED}”",
+            "95 %": "an interval that holds the true value in 95 of 100 cases if the model is right",
         },
     )
 

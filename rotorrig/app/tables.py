@@ -6,26 +6,16 @@ from collections.abc import Mapping
 from rich import box
 from rich.table import Table
 
-from rotorrig.app.wording import bearing_coefficients
+from rotorrig.app.wording import SHOWN, bearing_coefficients, change, interval
 from rotorrig.identify.identification import Estimate, Identification
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
-
-#: name -> (factor from SI, unit for people)
-SHOWN = {
-    "kxx": (1e-3, "kN/m"),
-    "kyy": (1e-3, "kN/m"),
-    "cxx": (1.0, "N s/m"),
-    "cyy": (1.0, "N s/m"),
-    "u": (1e6, "g mm"),
-    "phase": (180 / math.pi, "deg"),
-}
 
 
 def identified(found: Identification, truth: Mapping[str, float] | None = None) -> Table:
     """Return a table of every fit's values ± 1 sigma, beside the nameplate or, where it is known, truth and error."""
     beside = ", beside the plant's sealed truth" if truth else ""
-    table = Table(title=f"Identified, ± 1 sigma{beside}", box=box.SIMPLE_HEAD, title_justify="left")
+    table = Table(title=f"Identified, ± 1 sigma, limits at 95 %{beside}", box=box.SIMPLE_HEAD, title_justify="left")
     table.add_column("", no_wrap=True)
     table.add_column("truth" if truth else "nameplate", justify="right", no_wrap=True)
     for fit in found.fits:
@@ -33,31 +23,27 @@ def identified(found: Identification, truth: Mapping[str, float] | None = None) 
         table.add_column(f"{fit.name}\n{band}", justify="right", no_wrap=True)
         if truth:
             table.add_column("off", justify="right", no_wrap=True)
-    for name, (factor, unit) in SHOWN.items():
-        known = truth[name] if truth else found.fits[0].estimate(name).nameplate
-        cells = [rf"{name} \[{unit}]", number(known * factor)]
+    for first in found.fits[0].estimates:
+        unit, factor = SHOWN.get(first.unit, (first.unit, 1.0))
+        known = truth.get(first.name, math.nan) if truth else first.nameplate
+        cells = [rf"{first.name} \[{unit}]", number(known * factor)]
         for fit in found.fits:
-            estimate = fit.estimate(name)
+            estimate = fit.estimate(first.name)
             cells.append(value_with_sigma(estimate, factor))
-            cells += [error(estimate, truth[name], factor)] if truth else []
+            cells += [change(estimate, known)] if truth else []
         table.add_row(*cells)
     return table
 
 
 def value_with_sigma(estimate: Estimate, factor: float) -> str:
-    """Return "33.91 ± 0.12", with as many digits as the sigma warrants."""
+    """Return "33.91 ± 0.12", with as many digits as the sigma warrants, and the 95 % interval where it says more."""
+    within = interval(estimate, unit=False)
     if not estimate.determined or not math.isfinite(estimate.sigma):
-        return f"({estimate.value * factor:.3g}) undetermined"
+        return f"({estimate.value * factor:.3g}) {within or 'undetermined'}"
     sigma = estimate.sigma * factor
     digits = max(0, 1 - math.floor(math.log10(sigma))) if sigma > 0 else 3
-    return f"{estimate.value * factor:.{digits}f} ± {sigma:.{digits}f}"
-
-
-def error(estimate: Estimate, truth: float, factor: float) -> str:
-    """Return "+0.4 %", or an angle's error in degrees."""
-    if estimate.name == "phase":
-        return f"{math.remainder(estimate.value - truth, 2 * math.pi) * factor:+.1f}°"
-    return f"{100 * (estimate.value / truth - 1):+.1f} %"
+    known = f"{estimate.value * factor:.{digits}f} ± {sigma:.{digits}f}"
+    return f"{known}\n{within}" if within and estimate.interval_by != "covariance" else known
 
 
 def number(value: float) -> str:

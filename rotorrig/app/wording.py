@@ -3,7 +3,6 @@
 import math
 
 from rotorrig.identify.identification import Estimate
-from rotorrig.rig.description import Identify
 from rotorrig.rig.nameplate import Bearing, OverSpeed
 
 #: SI unit -> (unit shown, factor)
@@ -13,6 +12,8 @@ SHOWN = {
     "kg m": ("g mm", 1e6),
     "rad": ("°", 180.0 / math.pi),
     "m": ("µm", 1e6),
+    "Pa": ("GPa", 1e-9),
+    "kg/m^3": ("kg/m³", 1.0),
     "": ("", 1.0),
 }
 #: what an estimate's short name stands for
@@ -21,9 +22,14 @@ LONG = {
     "kyy": "stiffness, vertical",
     "cxx": "damping, horizontal",
     "cyy": "damping, vertical",
+    "kxy": "cross stiffness, force on x by motion along y",
+    "kyx": "cross stiffness, force on y by motion along x",
+    "cxy": "cross damping, force on x by velocity along y",
+    "cyx": "cross damping, force on y by velocity along x",
     "u": "unbalance",
     "phase": "unbalance angle from the keyphasor mark",
     "E": "Young's modulus",
+    "density": "density of the shaft",
     "disk mass": "disk mass",
 }
 NEAR_BOUND = 1e-3  # relative: nearer to a bound than this, an estimate was stopped by it
@@ -53,6 +59,28 @@ def plus_minus(estimate: Estimate) -> str:
     value, sigma = estimate.value * factor, estimate.sigma * factor
     gap = "" if name == "°" else " "
     return f"{_rounded(value, sigma)} ± {_rounded(sigma, sigma)}{gap}{name}".rstrip()
+
+
+def interval(estimate: Estimate, *, unit: bool = True) -> str:
+    """Return the 95 % interval, an open one as a limit; nothing where none is known or both its ends are open.
+
+    >>> from dataclasses import replace
+    >>> c = Estimate(name="cxx", value=1.0, sigma=math.inf, unit="N s/m", nameplate=math.nan, bounds=(1.0, 1e3))
+    >>> interval(replace(c, interval=(1.0, 2.816))), interval(replace(c, interval=(1.2, 2.8163)), unit=False)
+    ('below 2.82 N s/m', '1.20 to 2.82')
+    """
+    if estimate.interval is None:
+        return ""
+    low, high = estimate.interval
+    lowest, highest = estimate.bounds or (0.0 if estimate.name.split()[0] == "u" else -math.inf, math.inf)
+    from_bound, to_bound = (math.isclose(*ends, rel_tol=NEAR_BOUND) for ends in ((low, lowest), (high, highest)))
+    if from_bound and to_bound:
+        return ""
+    name, factor = SHOWN.get(estimate.unit, (estimate.unit, 1.0))
+    first, last = (_rounded(factor * end, factor * min((high - low) / 4, abs(end) / 3)) for end in (low, high))
+    words = f"below {last}" if from_bound else f"above {first}" if to_bound else f"{first} to {last}"
+    gap = "" if name == "°" else " "
+    return f"{words}{gap}{name}".rstrip() if unit else words
 
 
 def determined(estimate: Estimate) -> bool:
@@ -92,10 +120,21 @@ def in_sigmas(estimate: Estimate, reference: float) -> str:
     return f"{difference(estimate, reference) / estimate.sigma:+.1f} σ"
 
 
-def at_bound(estimate: Estimate, search: Identify | None) -> str:
-    """Return "at its lower bound of 0.1 kN/m", or nothing where the search did not stop it."""
-    bounds = {"N/m": search.k_bounds, "N s/m": search.c_bounds, "kg m": search.u_bounds} if search else {}
-    for side, bound in zip(("lower", "upper"), bounds.get(estimate.unit, ()), strict=False):
+def long(name: str) -> str:
+    """Return an estimate's name with what it stands for.
+
+    >>> long("spring kxx"), long("u disk 2")
+    ('spring kxx, stiffness, horizontal', 'u disk 2, unbalance')
+    """
+    for key in (name, name.split()[0], name.split()[-1]):  # a bearing stands before its quantity, a disk behind
+        if key in LONG:
+            return f"{name}, {LONG[key]}"
+    return name
+
+
+def at_bound(estimate: Estimate) -> str:
+    """Return "at its lower bound of 0.1 kN/m", or nothing where none stopped it."""
+    for side, bound in zip(("lower", "upper"), estimate.bounds or (), strict=False):
         if math.isclose(estimate.value, bound, rel_tol=NEAR_BOUND):
             return f"at its {side} bound of {shown(bound, estimate.unit)}"
     return ""

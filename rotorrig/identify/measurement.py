@@ -33,8 +33,20 @@ class Measurement:
         return 2 * int(self.usable.sum())
 
     def sigmas(self, residual: NDArray[np.complex128]) -> NDArray[np.float64]:
-        """Return residuals (row + 1, probe) in standard deviations, as (row + 1, 2 probe) independent figures."""
-        return np.einsum("rij,rj->ri", self.whiten, _as_pairs(np.where(self.usable, residual, 0)))
+        """Return residuals in standard deviations, as independent figures.
+
+        (row + 1, probe) become (row + 1, 2 probe), and columns of them (row + 1, probe, column) become
+        (row + 1, 2 probe, column).
+        """
+        columns = residual.reshape(*self.usable.shape, -1)
+        pairs = _as_pairs(np.where(self.usable[..., None], columns, 0).swapaxes(1, 2)).swapaxes(1, 2)
+        return (self.whiten @ pairs).reshape(len(columns), -1, *residual.shape[2:])
+
+    def noise(self, rng: np.random.Generator) -> NDArray[np.complex128]:
+        """Draw errors (row + 1, probe) [m] of the covariance; none of what is not usable."""
+        white = rng.standard_normal((len(self.z), 2 * self.z.shape[1], 1))
+        pairs = np.linalg.solve(self.whiten, white)[..., 0]
+        return np.where(self.usable, pairs[:, 0::2] + 1j * pairs[:, 1::2], 0)
 
 
 def measure(

@@ -1,67 +1,123 @@
 """What a refined fit frees, in order, and the priors of what the nameplate cannot know exactly.
 
-k and c (as logarithms) and the unbalance vector are what is sought. Modulus, disk mass, the other bearings, probe
-gain and angle are nuisances with the config's priors, and each probe has its runout. Freed only later, each of them
-would be "discovered" in healthy data: +1 % on E alone is a false alarm every time.
+The unknowns of the [identify] table (space.py, in working coordinates) and the unbalance vectors are what is sought.
+Modulus, disk mass, the other bearings, probe gain and angle are nuisances with the config's priors, and each probe has
+its runout. Freed only later, each of them would be "discovered" in healthy data: +1 % on E alone is a false alarm
+every time.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.space import NAMES
+from rotorrig.identify.forward import Structure
+from rotorrig.identify.space import Space
 from rotorrig.rig.description import RigConfig
 
 Reals = NDArray[np.float64]
+
+_NAMEPLATE_RANGE = 0.3  # relative: beyond that the nameplate is not of this rig
 
 
 class Parameters:
     """Names and slices of the vector `p`, and its priors; made for one rig and the probes of one response."""
 
     def __init__(self, rig: RigConfig, probes: tuple[str, ...]) -> None:
-        """Lay out the vector."""
-        n = len(probes)
-        sought = rig.identify.bearings if rig.identify else ()
+        """Lay out the vector. Raises ConfigError if the rig has no [identify] table."""
+        self.space = Space.of(rig)
+        sought = [name for group in self.space.groups for name in group]
         self.others = tuple(b.name for b in rig.bearings if b.name not in sought and not b.rigid)
-        self.names = (
-            *NAMES[:4],
-            *("E", "disk mass", *(f"bearing {name} {axis}" for name in self.others for axis in "xy")),
-            *(f"gain {name}" for name in probes),
-            *(f"angle {name}" for name in probes),
-            *("u re", "u im"),
-            *(f"runout {name} {part}" for name in probes for part in ("re", "im")),
+        self._given = tuple(name for name in ("E", "disk mass") if name not in self.space.also)
+        nameplate = (*self._given, *(f"bearing {name} {axis}" for name in self.others for axis in "xy"))
+        blocks = (
+            self.space.names,
+            nameplate,
+            [f"gain {name}" for name in probes],
+            [f"angle {name}" for name in probes],
+            [f"{unbalance.name} {part}" for unbalance in self.space.amounts for part in ("re", "im")],
+            [f"runout {name} {part}" for name in probes for part in ("re", "im")],
         )
-        ends = np.cumsum([4, 2 + 2 * len(self.others), n, n, 2, 2 * n])
+        self.names = tuple(name for block in blocks for name in block)
+        ends = np.cumsum([len(block) for block in blocks])
         starts = [0, *ends[:-1]]
-        self.bearing, self.nameplate, self.gain, self.angle, self.unbalance, self.runout = (
+        self.sought, self.nameplate, self.gain, self.angle, self.unbalance, self.runout = (
             slice(int(a), int(b)) for a, b in zip(starts, ends, strict=True)
         )
         self.structural = slice(0, self.nameplate.stop)  # what the response depends on nonlinearly
         self.linear = slice(self.unbalance.start, self.runout.stop)
         prior = rig.prior
-        self._sigma = np.full(len(self.names), np.inf)
-        self._sigma[self.nameplate] = [prior.youngs_modulus, prior.disk_mass] + [prior.bearing] * 2 * len(self.others)
-        self._sigma[self.gain] = prior.probe_gain
-        self._sigma[self.angle] = prior.probe_angle
-        self._sigma[self.runout] = prior.runout
-        self.priors = np.flatnonzero(np.isfinite(self._sigma))
+        given = {"E": prior.youngs_modulus, "disk mass": prior.disk_mass}
+        self.prior_sigma = np.full(len(self.names), np.inf)  # infinite for what is sought
+        self.prior_sigma[self.nameplate] = [given.get(name, prior.bearing) for name in nameplate]
+        self.prior_sigma[self.gain] = prior.probe_gain
+        self.prior_sigma[self.angle] = prior.probe_angle
+        self.prior_sigma[self.runout] = prior.runout
+        self.priors = np.flatnonzero(np.isfinite(self.prior_sigma))
 
     def __len__(self) -> int:
         """Return the number of parameters."""
         return len(self.names)
 
-    def bounds(self, box: Reals) -> tuple[Reals, Reals]:
-        """Return lower and upper bounds of `p` from those of k and c, (4, 2) logarithms."""
+    @property
+    def bounds(self) -> tuple[Reals, Reals]:
+        """Lower and upper bounds of `p`."""
         low, high = np.full(len(self), -np.inf), np.full(len(self), np.inf)
-        low[self.bearing], high[self.bearing] = box.T
-        low[self.nameplate], high[self.nameplate] = -0.3, 0.3  # beyond that the nameplate is not of this rig
+        low[self.sought], high[self.sought] = self.space.working_bounds.T
+        low[self.nameplate], high[self.nameplate] = -_NAMEPLATE_RANGE, _NAMEPLATE_RANGE
         return low, high
+
+    def values(self, p: Reals) -> Reals:
+        """Return what is sought of `p` in SI, (unknown,)."""
+        return self.space.from_working(p[self.sought])
+
+    def structure(self, p: Reals) -> Structure:
+        """Return the structural part of `p`."""
+        values = self.values(p)
+        K, C = self.space.matrices(values)
+        given = dict(zip(self._given, 1 + p[self.nameplate], strict=False))
+        return Structure(
+            K=K,
+            C=C,
+            youngs_modulus=given.get("E", float(self.space.shaft_factor("E", values))),
+            density=float(self.space.shaft_factor("density", values)),
+            disk_mass=given["disk mass"],
+            others=tuple(1 + p[self.nameplate][len(given) :]),
+        )
+
+    def structure_derivatives(self, p: Reals) -> list[Structure]:
+        """Return the derivatives of that by every structural parameter."""
+        count, sought = self.structural.stop, len(self.space)
+        change = np.zeros((count, sought))
+        change[:sought] = np.diag(self.space.slopes(self.values(p)))
+        K, C = self.space.matrices(change)
+        factors = {name: np.zeros(count) for name in ("E", "density", "disk mass")}
+        for name in self.space.also:
+            factors[name] = self.space.shaft_factor(name, change)
+        for i, name in enumerate(self._given):
+            factors[name][sought + i] = 1.0
+        others = np.eye(count)[:, sought + len(self._given) :]
+        return [
+            Structure(
+                K=K[i],
+                C=C[i],
+                youngs_modulus=factors["E"][i],
+                density=factors["density"][i],
+                disk_mass=factors["disk mass"][i],
+                others=tuple(others[i]),
+            )
+            for i in range(count)
+        ]
+
+    def amounts(self, p: Reals) -> dict[str, complex]:
+        """Return the unbalance sought on every plane [kg m]."""
+        parts = p[self.unbalance].reshape(-1, 2)
+        return {plane: complex(*part) for plane, part in zip(self.space.planes, parts, strict=True)}
 
     def prior_residual(self, p: Reals) -> Reals:
         """Return the nuisances in units of their priors' sigmas."""
-        return p[self.priors] / self._sigma[self.priors]
+        return p[self.priors] / self.prior_sigma[self.priors]
 
     def prior_jacobian(self) -> Reals:
         """Return d prior_residual / d p."""
         rows = np.zeros((len(self.priors), len(self)))
-        rows[np.arange(len(rows)), self.priors] = 1 / self._sigma[self.priors]
+        rows[np.arange(len(rows)), self.priors] = 1 / self.prior_sigma[self.priors]
         return rows

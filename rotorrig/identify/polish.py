@@ -1,22 +1,24 @@
 """Refine a candidate by whitened complex least squares, and say how well the data determine it."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
-from rotorrig.identify.forward import Forward, Structure, UnitResponse
+from rotorrig.identify.forward import Forward, UnitResponse
+from rotorrig.identify.least_squares import TOLERANCE, minimise
 from rotorrig.identify.measurement import Measurement
 from rotorrig.identify.parameters import Parameters, Reals
+from rotorrig.identify.trial_masses import trial_unbalance
 from rotorrig.processing.response import OrderTrackedResponse
 
 Complex = NDArray[np.complex128]
 
-_STEP = (
-    1e-6  # finite-difference step of structural parameters, relative: k, E and masses nearly tie, so it must be small
-)
+_NEAR = 1.0  # of chi2: from here on all parameters are freed
+OPEN = 1e-9  # singular value of the scaled Jacobian, relative, below which it is rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,134 +26,166 @@ class Polished:
     """A refined candidate: parameters, their covariance and how well it fits."""
 
     p: Reals  # (parameter,) in the order of `Parameters.names`
-    covariance: Reals  # (parameter, parameter), scaled up where the fit is worse than the noise
+    covariance: Reals  # (parameter, parameter), scaled up where the fit is worse than the noise; 0 for what was fixed
+    jacobian: Reals  # (whitened figure + prior, parameter) at p; 0 for what was fixed
     chi2: float  # measured figures and priors together
     dof: int
+
+    @property
+    def sigma(self) -> Reals:
+        """Standard deviations, (parameter,)."""
+        return np.sqrt(np.diag(self.covariance))
 
 
 class Problem:
     """The least-squares problem of one band of one response."""
 
-    def __init__(self, response: OrderTrackedResponse, measured: Measurement, box: Reals) -> None:
-        """Set up the forward model for the rows measured; `box` (4, 2) bounds the logarithms of k and c (SI)."""
-        assert response.rig.identify is not None
+    def __init__(self, response: OrderTrackedResponse, measured: Measurement) -> None:
+        """Set up the forward model for the rows measured. Raises ConfigError if the rig has no [identify] table."""
         self.parameters = Parameters(response.rig, response.probes)
-        self.box = box
-        self._measured = measured
-        self._disk = response.rig.identify.unbalance
-        self._known = _trial_unbalance(response, measured.rows)
-        disks = tuple(dict.fromkeys((self._disk, *self._known)))
-        self._forward = Forward(response, measured.rows, disks=disks, others=self.parameters.others)
-        self._responses: dict[bytes, UnitResponse] = {}
+        self.measured = measured
+        self._known = trial_unbalance(response, measured.rows)
+        space = self.parameters.space
+        self._planes = tuple(dict.fromkeys((*space.planes, *self._known)))
+        self._forward = Forward(
+            response,
+            measured.rows,
+            groups=space.groups,
+            others=self.parameters.others,
+            planes=self._planes,
+        )
+        self._last: tuple[bytes, UnitResponse] | None = None
         self.swept = self._forward.swept
 
-    def start(self, theta: Reals) -> Reals:
-        """Return a full vector from kxx, kyy, cxx, cyy (SI): unbalance and runout by linear least squares."""
-        names = self.parameters
-        p = np.zeros(len(names))
-        p[names.bearing] = np.clip(np.log(theta[:4]), self.box[:, 0] + 1e-9, self.box[:, 1] - 1e-9)
-        columns = np.concatenate([self._linear_columns(p), names.prior_jacobian()[:, names.linear]])
-        p[names.linear] = np.linalg.lstsq(columns, -self.residual(p), rcond=None)[0]
-        return p
+    def of(self, z: Complex) -> "Problem":
+        """Return the same problem of other vectors (row + 1, probe) [m], their covariance that of those measured."""
+        other = copy.copy(self)
+        other.measured = replace(self.measured, z=z)
+        return other
 
-    def solve(self, start: Reals, *, max_steps: int = 25) -> Polished:
-        """Refine by trust-region least squares within the box of k and c."""
-        found = least_squares(
-            self.residual,
-            start,
-            self.jacobian,
-            bounds=self.parameters.bounds(self.box),
-            x_scale="jac",
-            max_nfev=max_steps,
+    def start(self, values: Reals) -> Reals:
+        """Return a full vector from the unknowns in SI: unbalance and runout by linear least squares."""
+        space = self.parameters.space
+        p = np.zeros(len(self.parameters))
+        p[self.parameters.sought] = np.clip(space.to_working(values), *space.working_bounds.T)
+        return self._settled(p, np.arange(len(p)))
+
+    def refined(self, values: Reals) -> Polished:
+        """Refine from the unknowns in SI: first as if the nameplate and the probes were exact, then with all free.
+
+        Far from the minimum a nuisance would take what the unknowns have not reached yet, and find back only slowly.
+        """
+        names = self.parameters
+        nuisances = [i for part in (names.nameplate, names.gain, names.angle) for i in range(part.start, part.stop)]
+        near = self.solve(self.start(values), fixed=dict.fromkeys(nuisances, 0.0), tolerance=_NEAR)
+        return self.solve(near.p)
+
+    def solve(
+        self, start: Reals, *, fixed: Mapping[int, float] = MappingProxyType({}), tolerance: float = TOLERANCE
+    ) -> Polished:
+        """Refine by least squares within the bounds, the parameters in `fixed` held at those values.
+
+        `tolerance` as in least_squares.minimise.
+        """
+        p = start.copy()
+        p[list(fixed)] = list(fixed.values())
+        free = np.setdiff1d(np.arange(len(p)), list(fixed))
+        low, high = self.parameters.bounds
+
+        def full(part: Reals) -> Reals:
+            whole = p.copy()
+            whole[free] = part
+            return whole
+
+        found = minimise(
+            lambda part: self.residual(full(part)),
+            lambda part: self.jacobian(full(part), free),
+            p[free],
+            bounds=(low[free], high[free]),
+            settle=lambda part: self._settled(full(part), free)[free],
+            tolerance=tolerance,
         )
-        chi2 = 2 * float(found.cost)
-        dof = self._measured.size + len(self.parameters.priors) - len(start)
-        jacobian = np.asarray(found.jac)
-        information = jacobian.T @ jacobian
-        scale = 1 / np.sqrt(np.diag(information))
-        inverse = np.linalg.pinv(information * np.outer(scale, scale), rcond=1e-12, hermitian=True)
-        return Polished(
-            p=found.x,
-            covariance=inverse * np.outer(scale, scale) * max(1.0, chi2 / dof),
-            chi2=chi2,
-            dof=dof,
-        )
+        best = full(found.p)
+        dof = self.measured.size + len(self.parameters.priors) - len(free)
+        jacobian = np.zeros((len(found.jacobian), len(p)))
+        jacobian[:, free] = found.jacobian
+        covariance = np.zeros((len(p), len(p)))
+        covariance[np.ix_(free, free)] = inverse_information(found.jacobian) * max(1.0, found.cost / dof)
+        return Polished(p=best, covariance=covariance, jacobian=jacobian, chi2=found.cost, dof=dof)
 
     def at_bound(self, p: Reals, i: int) -> bool:
-        """Say whether k or c number `i` ended within a per cent of its bound."""
-        return bool(np.abs(self.box[i] - p[i]).min() < 0.01)
+        """Say whether unknown number `i` ended within a per cent of its bound."""
+        return bool(np.abs(self.parameters.space.working_bounds[i] - p[i]).min() < 0.01)
 
     def predict(self, p: Reals) -> Complex:
         """Return 1X vectors (row + 1, probe) [m] as they should have been measured, the slow roll last."""
-        along, across = self._motion(p)
-        gain, cos, sin = self._probes(p)
         runout = p[self.parameters.runout]
-        return gain * (cos * along + sin * across) + runout[0::2] + 1j * runout[1::2]
+        return self._seen(p, *self._motion(p, self._unit(p))) + runout[0::2] + 1j * runout[1::2]
 
     def residual(self, p: Reals) -> Reals:
         """Return whitened residuals, model less measured, then the priors' [sigma]."""
-        off = self._measured.sigmas(self.predict(p) - self._measured.z).ravel()
-        return np.concatenate([off, self.parameters.prior_residual(p)])
+        return np.concatenate([self._whitened(self.predict(p) - self.measured.z), self.parameters.prior_residual(p)])
 
-    def jacobian(self, p: Reals) -> Reals:
-        """Return d residual / d p: finite differences for the structure, analytic for the rest."""
-        along, across = self._motion(p)
+    def jacobian(self, p: Reals, free: NDArray[np.intp] | None = None) -> Reals:
+        """Return d residual / d p, (figure + prior, parameter), or its columns `free` alone."""
+        names = self.parameters
+        free = np.arange(len(p)) if free is None else free
+        along, across = self._motion(p, self._unit(p))
         gain, cos, sin = self._probes(p)
-        per_probe = (cos * along + sin * across, gain * (cos * across - sin * along))  # by gain, by angle
-        columns = [
-            *self._structural_columns(p),
-            *(self._whitened(_only(z, i)) for z in per_probe for i in range(z.shape[1])),
-        ]
-        data = np.concatenate([np.stack(columns, axis=1), self._linear_columns(p)], axis=1)
-        return np.concatenate([data, self.parameters.prior_jacobian()])
-
-    def _structural_columns(self, p: Reals) -> Iterator[Reals]:
-        base = self.predict(p)
-        for i in range(self.parameters.structural.stop):
-            moved = p.copy()
-            moved[i] += _STEP
-            yield self._whitened((self.predict(moved) - base) / _STEP)
+        each = np.eye(len(gain))
+        by_gain = (cos * along + sin * across)[..., None] * each
+        by_angle = (gain * (cos * across - sin * along))[..., None] * each
+        structural = np.zeros((*along.shape, names.structural.stop), dtype=complex)
+        if len(moving := free[free < names.structural.stop]):
+            by = names.structure_derivatives(p)
+            changes = self._forward.derivatives(names.structure(p), [by[i] for i in moving])
+            structural[..., moving] = np.moveaxis(self._seen(p, *self._motion(p, changes)), 0, -1)
+        nonlinear = self._whitened(np.concatenate([structural, by_gain, by_angle], axis=-1))
+        data = np.concatenate([nonlinear, self._linear_columns(p)], axis=1)
+        return np.concatenate([data, names.prior_jacobian()])[:, free]
 
     def _linear_columns(self, p: Reals) -> Reals:
         """Return d data residual / d (unbalance, runout)."""
-        gain, cos, sin = self._probes(p)
         unit = self._unit(p)
-        forced = gain * (cos * unit.along[self._disk] + sin * unit.across[self._disk])
-        one = np.ones_like(forced)
-        columns = [self._whitened(forced), self._whitened(1j * forced)]
-        columns += [self._whitened(_only(part * one, i)) for i in range(one.shape[1]) for part in (1, 1j)]
-        return np.stack(columns, axis=1)
+        count = len(self.parameters.space.planes)
+        gain, cos, sin = (part[:, None] for part in self._probes(p))
+        forced = gain * (cos * unit.along[..., :count] + sin * unit.across[..., :count])
+        each = np.broadcast_to(np.eye(len(gain), dtype=complex), (*forced.shape[:-1], len(gain)))
+        return self._whitened(np.concatenate([_re_im(forced), _re_im(each)], axis=-1))
 
-    def _motion(self, p: Reals) -> tuple[Complex, Complex]:
-        """Return the motion along and across the nominal probe axes for the unbalance in `p` and the trial masses."""
-        unit = self._unit(p)
-        re, im = p[self.parameters.unbalance]
-        along, across = (re + 1j * im) * unit.along[self._disk], (re + 1j * im) * unit.across[self._disk]
-        for disk, amounts in self._known.items():
-            along = along + amounts[:, None] * unit.along[disk]
-            across = across + amounts[:, None] * unit.across[disk]
-        return along, across
+    def _settled(self, p: Reals, free: NDArray[np.intp]) -> Reals:
+        """Return `p` with the linear parameters among `free` at their best by linear least squares."""
+        names = self.parameters
+        linear = np.arange(names.linear.start, names.linear.stop)
+        chosen = linear[np.isin(linear, free)]
+        columns = np.concatenate([self._linear_columns(p), names.prior_jacobian()[:, linear]])
+        settled = p.copy()
+        settled[chosen] -= np.linalg.lstsq(columns[:, chosen - linear[0]], self.residual(p), rcond=None)[0]
+        return settled
+
+    def _motion(self, p: Reals, unit: UnitResponse) -> tuple[Complex, Complex]:
+        """Return the motion along and across the nominal probe axes, (..., row + 1, probe), of what unit responses are.
+
+        It is due to the unbalance in `p` and the known trial masses.
+        """
+        sought = self.parameters.amounts(p)
+        amounts = np.stack(
+            [sought.get(plane, 0) + self._known.get(plane, np.zeros(len(self.measured.z))) for plane in self._planes],
+            axis=-1,
+        )
+        return tuple(np.einsum("...rpl,rl->...rp", z, amounts) for z in (unit.along, unit.across))
+
+    def _seen(self, p: Reals, along: Complex, across: Complex) -> Complex:
+        """Return what the probes make of a motion, gain and angle errors included."""
+        gain, cos, sin = self._probes(p)
+        return gain * (cos * along + sin * across)
 
     def _unit(self, p: Reals) -> UnitResponse:
-        structural = p[self.parameters.structural]
-        key = structural.tobytes()
-        if key not in self._responses:
-            if len(self._responses) > 2 * len(structural):
-                self._responses.clear()
-            kxx, kyy, cxx, cyy = np.exp(p[self.parameters.bearing])
-            youngs_modulus, disk_mass, *others = 1 + p[self.parameters.nameplate]
-            self._responses[key] = self._forward(
-                Structure(
-                    kxx=kxx,
-                    kyy=kyy,
-                    cxx=cxx,
-                    cyy=cyy,
-                    youngs_modulus=youngs_modulus,
-                    disk_mass=disk_mass,
-                    others=tuple(others),
-                )
-            )
-        return self._responses[key]
+        """Return the unit responses, those of the last candidate at once."""
+        key = p[self.parameters.structural].tobytes()
+        if self._last is None or self._last[0] != key:
+            self._last = key, self._forward(self.parameters.structure(p))
+        return self._last[1]
 
     def _probes(self, p: Reals) -> tuple[Reals, Reals, Reals]:
         """Return gain, and cosine and sine of the angle error, per probe."""
@@ -159,18 +193,22 @@ class Problem:
         return 1 + p[self.parameters.gain], np.cos(angle), np.sin(angle)
 
     def _whitened(self, change: Complex) -> Reals:
-        return self._measured.sigmas(change).ravel()
+        """Return changes of the vectors, (row + 1, probe) or (row + 1, probe, column), in sigmas, (figure, ...)."""
+        sigmas = self.measured.sigmas(change)
+        return sigmas.reshape(-1, *sigmas.shape[2:])
 
 
-def _only(z: Complex, probe: int) -> Complex:
-    """Return `z` with every probe but one set to zero."""
-    kept = np.zeros_like(z)
-    kept[:, probe] = z[:, probe]
-    return kept
+def inverse_information(jacobian: Reals) -> Reals:
+    """Return (J^T J)^-1, (parameter, parameter); what the rows leave open gets a large variance, never a small one."""
+    length = np.linalg.norm(jacobian, axis=0)
+    scale = np.divide(1.0, length, out=np.ones_like(length), where=length > 0)
+    triangle: Reals = np.asarray(np.linalg.qr(jacobian * scale, mode="r"))
+    square = np.pad(triangle, ((0, len(length) - len(triangle)), (0, 0)))  # fewer rows than parameters leave some open
+    _, size, directions = np.linalg.svd(square)
+    root = scale[:, None] * directions.T / np.maximum(size, OPEN * size[0])
+    return root @ root.T
 
 
-def _trial_unbalance(response: OrderTrackedResponse, rows: NDArray[np.intp]) -> dict[str, Complex]:
-    """Return the known added unbalance per disk, (row + 1,) kg m; the slow roll is a run without."""
-    disks = dict.fromkeys(disk for run in response.runs for disk in run.trial_unbalance)
-    per_run = {d: np.array([run.trial_unbalance.get(d, 0) for run in response.runs], dtype=complex) for d in disks}
-    return {disk: np.append(amounts[response.run[rows]], 0) for disk, amounts in per_run.items()}
+def _re_im(z: Complex) -> Complex:
+    """Return columns by Re u, Im u of columns by u, (..., 2 column)."""
+    return np.stack([z, 1j * z], axis=-1).reshape(*z.shape[:-1], -1)

@@ -12,13 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.diagnosis import Diagnosis, Misfit, Verdict
-from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
+from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
 
 VERSION = 1
 _FIT = "rotorrig fit"
 _DIAGNOSIS = "rotorrig diagnosis"
+_ESTIMATE = "name value sigma unit nameplate determined bounds interval interval_by"
+_FIRST_UNKNOWNS = ("kxx", "kyy", "cxx", "cyy", "u")  # of files that do not name them
 CONVENTIONS = "SI units; amplitudes 0-peak; z = 2 mean(x exp(-j theta)), theta = 0 at the keyphasor edge; lag = -arg z"
 
 
@@ -28,10 +30,13 @@ def write_identification(path: Path, found: Identification) -> None:
         {
             "name": fit.name,
             "band": list(fit.band),
-            "estimates": [_plain(e, "name value sigma unit nameplate determined") for e in fit.estimates],
-            "nuisances": [_plain(e, "name value sigma unit nameplate determined") for e in fit.nuisances],
+            "estimates": [_plain(e, _ESTIMATE) for e in fit.estimates],
+            "nuisances": [_plain(e, _ESTIMATE) for e in fit.nuisances],
+            "unknowns": list(fit.unknowns),
             "optima": [{"theta": list(o.theta), "cost": o.cost} for o in fit.optima],
             "prediction": _complex_out(fit.prediction),
+            "directions": [_plain(d, "weights sigma sigma_of_noise") for d in fit.directions],
+            "budget": fit.budget,
             "words": list(fit.words),
             **_plain(fit, "objective evaluations stop seed chi2 dof"),
         }
@@ -51,6 +56,7 @@ def read_identification(path: Path) -> Identification:
                 band=(float(f["band"][0]), float(f["band"][1])),
                 estimates=tuple(_estimate(e) for e in f["estimates"]),
                 nuisances=tuple(_estimate(e) for e in f["nuisances"]),
+                unknowns=tuple(f.get("unknowns", _FIRST_UNKNOWNS)),
                 optima=tuple(Optimum(theta=tuple(o["theta"]), cost=float(o["cost"])) for o in f["optima"]),
                 objective=f["objective"],
                 evaluations=int(f["evaluations"]),
@@ -59,6 +65,8 @@ def read_identification(path: Path) -> Identification:
                 chi2=float(f["chi2"]),
                 dof=int(f["dof"]),
                 prediction=_complex_in(f["prediction"]),
+                directions=tuple(_direction(d) for d in f.get("directions", ())),
+                budget=f.get("budget", {}),
                 words=tuple(f["words"]),
             )
             for f in table["fits"]
@@ -126,15 +134,33 @@ def read_diagnosis(path: Path) -> Diagnosis:
 
 
 def _estimate(table: dict[str, Any]) -> Estimate:
-    sigma = table["sigma"]
     return Estimate(
         name=table["name"],
         value=float(table["value"]),
-        sigma=math.inf if sigma is None else float(sigma),
+        sigma=_infinite(table["sigma"]),
         unit=table["unit"],
         nameplate=_number(table["nameplate"]),
         determined=bool(table["determined"]),
+        bounds=_pair(table.get("bounds")),
+        interval=_pair(table.get("interval")),
+        interval_by=table.get("interval_by", ""),
     )
+
+
+def _direction(table: dict[str, Any]) -> Direction:
+    return Direction(
+        weights=table["weights"],
+        sigma=_infinite(table["sigma"]),
+        sigma_of_noise=_infinite(table["sigma_of_noise"]),
+    )
+
+
+def _pair(value: list[float] | None) -> tuple[float, float] | None:
+    return (float(value[0]), float(value[1])) if value else None
+
+
+def _infinite(value: float | None) -> float:
+    return math.inf if value is None else float(value)
 
 
 def _number(value: float | None) -> float:

@@ -8,19 +8,23 @@ import difflib
 import itertools
 import json
 import tomllib
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar, get_args
 
-from pydantic import BaseModel, Field, PrivateAttr, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, PrivateAttr, ValidationError, model_validator
 
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.nameplate import (
+    COEFFICIENTS,
     NUMBER,
     SHORTEST,
     TABLE,
     Angle,
     Bearing,
+    CrossDamping,
+    CrossStiffness,
     Damping,
     Disk,
     Length,
@@ -94,25 +98,76 @@ class RunUpCoastDown(Part):
         return self
 
 
-class Identify(Part):
-    """What `rotor identify` looks for: one set of k and c shared by `bearings`, and the unbalance of one disk."""
+def _as_groups(value: object) -> object:
+    """Return `["a", "b"]`, bearings that share one set, as the one group it is."""
+    flat = isinstance(value, Sequence) and not isinstance(value, str) and all(isinstance(v, str) for v in value)
+    return [value] if flat and value else value
 
-    bearings: tuple[str, ...] = Field(min_length=1)
-    unbalance: str
+
+def _as_list(value: object) -> object:
+    return [value] if isinstance(value, str) else value
+
+
+def _symmetric(key: str) -> Callable[[dict[str, Any]], tuple[float, float]]:
+    """Return a default for cross coefficients: either sign, as large as the largest direct one of `key`."""
+    return lambda given: (-given[key][1], given[key][1])
+
+
+class Identify(Part):
+    """What `rotor identify` looks for: stiffness and damping of bearings, unbalance, and what else is not known.
+
+    Bearings in one group share a set of coefficients: `["a", "b"]` is one group, `[["a"], ["b"]]` are two.
+    """
+
+    bearings: Annotated[
+        tuple[Annotated[tuple[str, ...], Field(min_length=1)], ...], BeforeValidator(_as_groups), Field(min_length=1)
+    ]
+    coefficients: Literal["direct", "all"] = "direct"  # kxx kyy cxx cyy, or the four cross ones too
+    unbalance: Annotated[tuple[str, ...], BeforeValidator(_as_list), Field(min_length=1)]  # disks or planes
+    also: tuple[Literal["youngs_modulus", "density"], ...] = ()  # of the shaft: sought instead of known by a prior
     k_bounds: tuple[Stiffness, Stiffness] = (1e2, 1e6)
     c_bounds: tuple[Damping, Damping] = (1.0, 1e3)
+    kxy_bounds: tuple[CrossStiffness, CrossStiffness] = Field(default_factory=_symmetric("k_bounds"))
+    cxy_bounds: tuple[CrossDamping, CrossDamping] = Field(default_factory=_symmetric("c_bounds"))
     u_bounds: tuple[UnbalanceAmount, UnbalanceAmount] = (1e-7, 1e-3)
     bands: dict[str, tuple[Speed, Speed]] = Field(default_factory=dict)
 
+    @property
+    def coefficient_names(self) -> tuple[str, ...]:
+        """The coefficients sought of every group."""
+        return COEFFICIENTS if self.coefficients == "all" else ("kxx", "kyy", "cxx", "cyy")
+
+    def coefficient_of(self, group: tuple[str, ...], name: str) -> str:
+        """Return what `name` of a group is called among the estimates: "kxx", or "left A+left B kxx" of several."""
+        return name if len(self.bearings) == 1 else f"{'+'.join(group)} {name}"
+
+    def unbalance_of(self, plane: str, name: str) -> str:
+        """Return what "u" or "phase" of a plane is called among the estimates: "u", or "u disk 2" of several."""
+        return name if len(self.unbalance) == 1 else f"{name} {plane}"
+
     @model_validator(mode="after")
     def _bounds_rise(self) -> Self:
-        for name in ("k_bounds", "c_bounds", "u_bounds"):
+        for name in ("k_bounds", "c_bounds", "kxy_bounds", "cxy_bounds", "u_bounds"):
             low, high = getattr(self, name)
             if not low < high:
                 raise ValueError(f"{name}: got {low:g} to {high:g} (SI), want the lower bound first")
+            if low <= 0 and name not in ("kxy_bounds", "cxy_bounds"):
+                raise ValueError(f"{name}: the lower bound is zero, want more: they are searched by their logarithm")
         for name, (low, high) in self.bands.items():
             if not low < high:
                 raise ValueError(f"bands.{name}: want the lower speed first")
+        return self
+
+    @model_validator(mode="after")
+    def _each_once(self) -> Self:
+        for key, names in (
+            ("bearings", [name for group in self.bearings for name in group]),
+            ("unbalance", self.unbalance),
+            ("also", self.also),
+        ):
+            for name in names:
+                if names.count(name) > 1:
+                    raise ValueError(f"{key}: '{name}' stands there twice, want it once")
         return self
 
 
@@ -215,14 +270,20 @@ class RigConfig(Part):
         if not self.identify:
             return
         known = {b.name: b for b in self.bearings}
-        for name in self.identify.bearings:
+        for name in itertools.chain(*self.identify.bearings):
             if name not in known:
                 raise ValueError(f"identify.bearings: no bearing '{name}', want one of {sorted(known)}")
             if known[name].rigid or known[name].over_speed:
                 kind = "rigid" if known[name].rigid else "given over speed"
                 raise ValueError(f"identify.bearings: '{name}' is {kind}, want a bearing of constant coefficients")
-        if self.identify.unbalance not in (names := [d.name for d in self.disks]):
-            raise ValueError(f"identify.unbalance: no disk '{self.identify.unbalance}', want one of {names}")
+        places = [*(disk.name for disk in self.disks), *(plane.name for plane in self.planes)]
+        for name in self.identify.unbalance:
+            if name not in places:
+                raise ValueError(f"identify.unbalance: no {self._place} '{name}', want one of {places}")
+
+    @property
+    def _place(self) -> str:
+        return "disk or plane" if self.planes else "disk"
 
 
 def load(path: Path) -> RigConfig:

@@ -14,8 +14,6 @@ from rotorrig.identify.diagnosis import Verdict, diagnose
 from rotorrig.identify.fit import WHOLE, fit
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.polish import Problem
-from rotorrig.identify.space import bounds
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.sims.plant.truth import draw, identified_truth
@@ -80,47 +78,6 @@ def test_a_vector_added_in_a_narrow_band_is_located(
     assert worst.residual == pytest.approx(10e-6, rel=0.3)
 
 
-def test_the_jacobian_is_the_derivative_of_the_residual(blind_response: OrderTrackedResponse) -> None:
-    identify = blind_response.rig.identify
-    assert identify is not None
-    measured = measure(blind_response)
-    problem = Problem(blind_response, measured, np.log(bounds(identify)[:4]))
-    p = problem.start(np.array([33900.0, 34600.0, 15.0, 15.0]))
-    p[problem.parameters.gain] += 0.01
-    p[problem.parameters.angle] -= 0.02
-    jacobian = problem.jacobian(p)
-    for i, name in enumerate(problem.parameters.names):
-        step = 1e-10 if name.startswith(("u ", "runout")) else 1e-5
-        ahead, behind = p.copy(), p.copy()
-        ahead[i] += step
-        behind[i] -= step
-        central = (problem.residual(ahead) - problem.residual(behind)) / (2 * step)
-        assert np.linalg.norm(jacobian[:, i] - central) < 1e-4 * np.linalg.norm(central), name
-
-
-def test_a_known_trial_mass_is_not_taken_for_the_unbalance_sought(blind_response: OrderTrackedResponse) -> None:
-    identify = blind_response.rig.identify
-    assert identify is not None
-    box = np.log(bounds(identify)[:4])
-    k_and_c = np.array([33900.0, 34600.0, 15.0, 15.0])
-    up, down = (i for i, run in enumerate(blind_response.runs) if run.direction)
-    weighted = list(blind_response.runs)
-    weighted[down] = replace(weighted[down], trial_unbalance={"disk": 12e-6j})
-    response = replace(blind_response, runs=tuple(weighted))
-    problem = Problem(response, measure(response), box)
-    p = problem.start(k_and_c)
-    p[problem.parameters.unbalance] = 3e-6, -4e-6
-    made = response.z.copy()
-    rows = measure(response).rows
-    made[rows, :, response.orders.index(1.0)] = problem.predict(p)[:-1]
-    bare = problem.predict(p)[:-1] - Problem(blind_response, measure(blind_response), box).predict(p)[:-1]
-    assert np.abs(bare[response.run[rows] == up]).max() == 0
-    assert np.abs(bare[response.run[rows] == down]).max() > 100e-6
-    rebuilt = replace(response, z=made)
-    again = Problem(rebuilt, measure(rebuilt), box).start(k_and_c)
-    assert again[problem.parameters.unbalance] == pytest.approx([3e-6, -4e-6], rel=0.01)
-
-
 def test_one_probe_alone_leaves_the_other_direction_undetermined(blind_response: OrderTrackedResponse) -> None:
     usable = blind_response.usable.copy()
     usable[:, [1, 2, 3]] = False
@@ -144,10 +101,10 @@ def test_a_band_the_data_do_not_reach_is_left_out_and_said(blind_response: Order
     assert any("The band 'overspeed' was left out: " in words for words in found.fits[0].words)
 
 
-def test_runs_with_trial_masses_alone_are_refused(blind_response: OrderTrackedResponse) -> None:
+def test_an_objective_on_amplitudes_refuses_runs_with_trial_masses_alone(blind_response: OrderTrackedResponse) -> None:
     runs = tuple(replace(run, trial_unbalance={"disk": 12e-6 + 0j}) for run in blind_response.runs)
     with pytest.raises(DataError, match="every run carries a trial mass, want one without"):
-        fit(replace(blind_response, runs=runs))
+        fit(replace(blind_response, runs=runs), objective="f2")
 
 
 def test_too_few_rows_are_refused(blind_response: OrderTrackedResponse) -> None:

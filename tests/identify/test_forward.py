@@ -24,12 +24,13 @@ def test_a_rigid_bearing_is_no_nuisance_and_holds_the_shaft_in_the_prediction(
     blind_response: OrderTrackedResponse,
 ) -> None:
     rows = np.arange(5)
-    nominal = Structure(kxx=33.9e3, kyy=34.6e3, cxx=15.0, cyy=15.0)
+    K, C = np.diag([33.9e3, 34.6e3])[None], np.diag([15.0, 15.0])[None]
 
     def predicted(response: OrderTrackedResponse) -> np.ndarray:
         others = Parameters(response.rig, response.probes).others
-        values = replace(nominal, others=(1.0,) * 2 * len(others))
-        return Forward(response, rows, disks=("disk",), others=others)(values).along["disk"]
+        values = Structure(K=K, C=C, others=(1.0,) * 2 * len(others))
+        forward = Forward(response, rows, groups=[["spring"]], others=others, planes=["disk"])
+        return forward(values).along[..., 0]
 
     rigid = with_left_bearing(blind_response, rigid=True, kxx=None, kyy=None)
     assert Parameters(rigid.rig, rigid.probes).others == ("left B",)

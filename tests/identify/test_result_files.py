@@ -10,7 +10,7 @@ import pytest
 
 from rotorrig.identify.adequacy import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
-from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
+from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
@@ -23,10 +23,20 @@ FOUND = Identification(
             name="whole sweep",
             band=(50.0, 377.0),
             estimates=(
-                Estimate(name="kxx", value=33900.0, sigma=120.5, unit="N/m", nameplate=34000.0),
+                Estimate(
+                    name="kxx",
+                    value=33900.0,
+                    sigma=120.5,
+                    unit="N/m",
+                    nameplate=34000.0,
+                    bounds=(1e2, 1e6),
+                    interval=(33.6e3, 34.2e3),
+                    interval_by="covariance",
+                ),
                 Estimate(name="cyy", value=1.0, sigma=math.inf, unit="N s/m", nameplate=math.nan, determined=False),
             ),
             nuisances=(Estimate(name="gain 1x", value=0.01, sigma=0.005, unit="", nameplate=0.0),),
+            unknowns=("kxx", "kyy", "cxx", "cyy", "u"),
             optima=(Optimum(theta=(1.0, 2.0, 3.0, 4.0, 5.0), cost=0.5),),
             objective="f2",
             evaluations=1234,
@@ -35,6 +45,11 @@ FOUND = Identification(
             chi2=1000.0,
             dof=990,
             prediction=Z,
+            directions=(
+                Direction(weights={"kxx": 0.6, "cyy": -0.8}, sigma=math.inf, sigma_of_noise=0.25),
+                Direction(weights={"kxx": 0.8, "cyy": 0.6}, sigma=0.01, sigma_of_noise=0.005),
+            ),
+            budget={"kxx": {"noise": 0.75, "E": 0.25}, "cyy": {"noise": 1.0, "E": 0.0}},
             words=("cyy ran into its bound",),
         ),
     ),
@@ -85,6 +100,20 @@ def equal(a: object, b: object) -> bool:
 def test_an_identification_comes_back(tmp_path: Path) -> None:
     write_identification(tmp_path / "fit.json", FOUND)
     assert equal(read_identification(tmp_path / "fit.json"), FOUND)
+
+
+def test_a_file_from_before_bearing_sets_is_read(tmp_path: Path) -> None:
+    write_identification(tmp_path / "fit.json", FOUND)
+    table = json.loads((tmp_path / "fit.json").read_text())
+    for key in ("unknowns", "directions", "budget"):
+        del table["fits"][0][key]
+    for estimate in table["fits"][0]["estimates"] + table["fits"][0]["nuisances"]:
+        del estimate["bounds"]
+    (tmp_path / "fit.json").write_text(json.dumps(table))
+    fit = read_identification(tmp_path / "fit.json").fits[0]
+    assert fit.unknowns == ("kxx", "kyy", "cxx", "cyy", "u")
+    assert fit.directions == ()
+    assert fit.estimates[0].bounds is None
 
 
 def test_a_diagnosis_comes_back(tmp_path: Path) -> None:

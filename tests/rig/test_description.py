@@ -56,6 +56,18 @@ def test_the_hash_follows_values_and_not_layout() -> None:
         ('edge = "falling"', 'edge = "down"', "keyphasor.edge: got 'down'"),
         ("poisson_ratio = 0.3", "poisson_ratio = nan", "shaft.poisson_ratio: got nan"),
         ('bearings = ["spring"]', 'bearings = ["sprung"]', "identify.bearings: no bearing 'sprung'"),
+        ('bearings = ["spring"]', 'bearings = [["left A"], ["sprung"]]', "identify.bearings: no bearing 'sprung'"),
+        ('bearings = ["spring"]', 'bearings = [["spring"], ["spring"]]', "bearings: 'spring' stands there twice"),
+        ('bearings = ["spring"]', "bearings = []", "identify.bearings: got [], value should have at least 1 item"),
+        (
+            'unbalance = "disk"',
+            'unbalance = ["disk", "disc"]',
+            "identify.unbalance: no disk 'disc', want one of ['disk']",
+        ),
+        ('unbalance = "disk"', 'unbalance = "disk"\nalso = ["E"]', "identify.also[0]: got 'E', input should be"),
+        ('unbalance = "disk"', 'unbalance = "disk"\ncoefficients = "cross"', "identify.coefficients: got 'cross'"),
+        ('["1 N s/m", "1e3', '["0 N s/m", "1e3', "c_bounds: the lower bound is zero, want more"),
+        ('["0.1 g mm", "1e3', '["1e4 g mm", "1e3', "u_bounds: got 0.01 to 0.001 (SI), want the lower bound first"),
         ('overspeed = "4000 rpm"', 'overspeed = "5000 rpm"', "limits.overspeed: is above motor.max_speed"),
         ('name = "1y"', 'name = "1x"', "probes: two are named '1x'"),
         ("[shaft]", "[shaft", "is no valid TOML"),
@@ -68,6 +80,29 @@ def test_a_mistake_is_one_sentence(old: str, new: str, said: str) -> None:
     assert said in str(caught.value)
     assert str(caught.value).startswith("rk4.toml: ")
     assert "\n" not in str(caught.value)
+
+
+def test_bearings_to_identify_are_one_set_or_several_and_a_dump_of_them_comes_back() -> None:
+    together = parse(RK4.replace('["spring"]', '["left A", "left B"]'), where="x")
+    apart = parse(RK4.replace('["spring"]', '[["left A", "left B"], ["spring"]]\ncoefficients = "all"'), where="x")
+    assert together.identify is not None
+    assert apart.identify is not None
+    assert together.identify.bearings == (("left A", "left B"),)
+    assert apart.identify.bearings == (("left A", "left B"), ("spring",))
+    assert together.identify.coefficient_names == ("kxx", "kyy", "cxx", "cyy")
+    assert apart.identify.coefficient_names == ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy")
+    assert apart.identify.kxy_bounds == (-1e6, 1e6)
+    assert from_si(apart.model_dump(mode="json")).identify == apart.identify
+
+
+def test_estimates_carry_their_bearing_or_disk_where_there_are_several() -> None:
+    identify = parse(RK4, where="x").identify
+    assert identify is not None
+    assert identify.coefficient_of(("spring",), "kxx") == "kxx"
+    assert identify.unbalance_of("disk", "phase") == "phase"
+    several = identify.model_copy(update={"bearings": (("a", "b"), ("c",)), "unbalance": ("d", "e")})
+    assert several.coefficient_of(("a", "b"), "kxx") == "a+b kxx"
+    assert several.unbalance_of("e", "phase") == "phase e"
 
 
 def test_bearings_without_a_span_are_refused() -> None:

@@ -221,8 +221,13 @@ class _Plan:
         return end.u
 
     def _take_in(self, u: Array, fun: float) -> None:
-        """Add the end of a descent to the minima; a lower value elsewhere, or one as low, is a find."""
+        """Add the end of a descent to the minima; a lower value elsewhere, or one as low, is a find.
+
+        Of plateaus, of which any point is an end, only one lower than all minima is taken in.
+        """
         minima = self._record.minima
+        if fun >= minima.best and self._is_flat(u, fun):
+            return
         before, _, _ = minima.sorted()
         minima.add(u, fun)
         places, values, _ = minima.sorted()
@@ -230,6 +235,11 @@ class _Plan:
         margin = self._settings.tie * (self._usual - minima.best)
         ties = int((values <= minima.best + margin).sum())
         self._stop.found(minima.best, ties, margin=margin if elsewhere else np.inf, nfev=self._record.nfev)
+
+    def _is_flat(self, u: Array, fun: float) -> bool:
+        """Return whether points not quite at `u` have exactly its value."""
+        away = np.abs(self._record.points[self._record.values == fun] - u).max(axis=1)
+        return bool(((away > 1e-2 * self._settings.same_point) & (away <= self._settings.same_point)).any())
 
     def _makes_for_known(self, u: Array, _fun: float, goal: Array, _foreseen: float) -> bool:
         """Return whether the `goal` of a descent now at `u` is a known minimum, and clearly which."""

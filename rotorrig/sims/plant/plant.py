@@ -4,6 +4,7 @@ Everything random comes from streams of the truth's seed that are drawn in the o
 depend on the seed and on when commands came, never on the size of the steps `advance` is called with.
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -135,5 +136,5 @@ def _gravity(rig: RigConfig) -> tuple[float, float]:
 
 def _shaken(rig: RigConfig) -> tuple[float, ...]:
     """Return the places of the bearings whose balls rattle: the identified ones, else all."""
-    names = rig.identify.bearings if rig.identify else tuple(b.name for b in rig.bearings)
+    names = itertools.chain(*rig.identify.bearings) if rig.identify else (b.name for b in rig.bearings)
     return tuple(rig.bearing(name).position for name in names)

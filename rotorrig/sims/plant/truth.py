@@ -162,18 +162,28 @@ def nameplate(rig: RigConfig, *, seed: int = 0, faults: Iterable[FaultSpec] = ()
 
 
 def identified_truth(rig: RigConfig, truth: Truth) -> dict[str, float]:
-    """Return what a perfect fit of the config's [identify] table would find, SI: kxx, kyy, cxx, cyy, u and phase.
+    """Return what a perfect fit of the config's [identify] table would find, SI: "kxx".. "u", "phase" by name.
 
-    `phase` [rad, -pi to pi] is the unbalance's angle from the emitted keyphasor edge, in the sense of rotation.
-    Raises DataError if the config has no [identify] table.
+    A phase [rad, -pi to pi] is the unbalance's angle from the emitted keyphasor edge, in the sense of rotation; a
+    plane that is no disk has no unbalance here. Raises DataError if the config has no [identify] table.
     """
-    if rig.identify is None:
+    if (sought := rig.identify) is None:
         raise DataError(f"config '{rig.name}': has no [identify] table, want one to know what is to be found")
-    bearing = next(b for b in truth.bearings if b.name == rig.identify.bearings[0])
-    unbalance = next(u for u in truth.unbalances if u.disk == rig.identify.unbalance)
-    phase = math.remainder(unbalance.angle + truth.keyphasor_offset, math.tau)
-    found = {name: float(getattr(bearing, name)) for name in ("kxx", "kyy", "cxx", "cyy")}
-    return found | {"u": unbalance.amount, "phase": phase}
+    found = {}
+    bearings = {bearing.name: bearing for bearing in truth.bearings}
+    for group in sought.bearings:
+        for name in sought.coefficient_names:
+            found[sought.coefficient_of(group, name)] = float(getattr(bearings[group[0]], name))
+    factors = {"youngs_modulus": ("E", truth.modulus_factor), "density": ("density", truth.density_factor)}
+    for key in sought.also:
+        name, factor = factors[key]
+        found[name] = factor * getattr(rig.shaft, key)
+    for unbalance in truth.unbalances:
+        if unbalance.disk in sought.unbalance:
+            phase = math.remainder(unbalance.angle + truth.keyphasor_offset, math.tau)
+            found[sought.unbalance_of(unbalance.disk, "u")] = unbalance.amount
+            found[sought.unbalance_of(unbalance.disk, "phase")] = phase
+    return found
 
 
 def seal(truth: Truth, path: Path) -> None:
@@ -215,11 +225,12 @@ def _check_can_be_simulated(rig: RigConfig) -> None:
 
 
 def _draw_bearings(rig: RigConfig, seed: int) -> tuple[BearingTruth, ...]:
-    """Draw each bearing by itself, but the identified ones with common factors: they are alike on the nameplate."""
-    together = rig.identify.bearings if rig.identify else ()
+    """Draw each bearing by itself, but those identified as one set with common factors: they are alike."""
+    sets = rig.identify.bearings if rig.identify else ()
+    owners = {name: f"identified {i}" if i else "identified" for i, group in enumerate(sets) for name in group}
     drawn = []
     for bearing in rig.bearings:
-        owner = "identified" if bearing.name in together else bearing.name
+        owner = owners.get(bearing.name, bearing.name)
         factors = {
             c: 1.0 + _within(seed, f"{owner} {c}", STIFFNESS_TOLERANCE if c.startswith("k") else DAMPING_TOLERANCE)
             for c in COEFFICIENTS

@@ -51,6 +51,6 @@ def test_threshold_is_the_stated_share_of_the_diagonal() -> None:
 
 def test_copies_in_a_row_weigh_as_much_as_each_by_itself() -> None:
     points = np.array([[0.0], [0.0], [0.0], [0.3], [0.52]])
-    # The neuron's mean is 0.3 / 4 = 0.075 after four points, 0.445 from the last, which becomes a neuron; in the end 0.3
-    # is nearer to that. Were the copies learned as one point, the mean would be 0.15, within 0.4 of the last.
+    # The mean of the neuron is 0.3 / 4 = 0.075 after four points, 0.445 from the last, which becomes a neuron: at the
+    # end the one nearer to 0.3. Were the copies learned as one point, the mean would be 0.15, within 0.4 of the last.
     assert classify(points, similarity=0.6).tolist() == [0, 0, 0, 1, 1]

@@ -34,11 +34,12 @@ def rastrigin(x: np.ndarray) -> np.ndarray:
     return 20 + (x**2 - 10 * np.cos(2 * np.pi * x)).sum(axis=1)
 
 
+def solve(fun, bounds, rng: np.random.Generator, **options):
+    return chea(fun, bounds, rng=rng, vectorized=True, profile="seed", **options)
+
+
 def runs(fun, bounds, seeds: int, **options):
-    return [
-        chea(fun, bounds, rng=np.random.default_rng(s), vectorized=True, profile="seed", **options)
-        for s in range(seeds)
-    ]
+    return [solve(fun, bounds, np.random.default_rng(seed), **options) for seed in range(seeds)]
 
 
 def shifted(fun, half: float, fraction: float, seeds: int):
@@ -86,7 +87,7 @@ def test_rastrigin_is_nearly_always_solved() -> None:
 
 
 def test_rastrigin_is_nearly_always_solved_on_a_shifted_box() -> None:
-    assert sum(r.fun < 1e-6 for r in shifted(rastrigin, 5.0, 0.6, 6)) >= 5  # p = 0.97
+    assert sum(r.fun < 1e-6 for r in shifted(rastrigin, 5.0, 0.6, 6)) >= 5  # p = 0.98
 
 
 def stretched_valley(x: np.ndarray) -> np.ndarray:

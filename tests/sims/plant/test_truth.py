@@ -44,8 +44,21 @@ def test_a_seed_is_one_rig_and_another_seed_another(rk4: RigConfig) -> None:
     assert draw(rk4, seed=7).bearings != draw(rk4, seed=8).bearings
 
 
+def test_the_truth_is_named_as_the_estimates_are(rk4: RigConfig) -> None:
+    update = {"bearings": (("left A",), ("spring",)), "coefficients": "all", "also": ("density", "youngs_modulus")}
+    assert rk4.identify is not None
+    rig = rk4.model_copy(update={"identify": rk4.identify.model_copy(update=update)})
+    truth = draw(rig, seed=3)
+    found = identified_truth(rig, truth)
+    assert list(found)[:2] == ["left A kxx", "left A kxy"]
+    assert found["spring kyy"] == truth.bearings[2].kyy
+    assert found["E"] == pytest.approx(truth.modulus_factor * 208.11e9)
+    assert found["density"] == pytest.approx(truth.density_factor * 7801)
+    assert list(found)[-2:] == ["u", "phase"]
+
+
 def test_identified_bearings_share_their_deviation_and_others_do_not(rk4: RigConfig) -> None:
-    both = rk4.identify.model_copy(update={"bearings": ("left A", "left B")})
+    both = rk4.identify.model_copy(update={"bearings": (("left A", "left B"),)})
     a, b, _ = draw(rk4.model_copy(update={"identify": both}), seed=1).bearings
     assert a.kxx == b.kxx
     a, b, _ = draw(rk4, seed=1).bearings

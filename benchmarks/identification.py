@@ -1,0 +1,77 @@
+"""The chapter's identifications, Tables 7, 8 and 10, again: calls, errors, and what the data can tell at all.
+
+    python benchmarks/identification.py --seeds 20
+    python benchmarks/identification.py --seeds 100 --json                 (one JSON object on the last line)
+    python benchmarks/identification.py --seeds 100 --draws 30 --rigs 20 --write        (docs/identification.md)
+
+One file per table, each with `measure`, `summarise` and `text`. Every call of the model counts, with its derivatives
+as one; finite differences count as the calls they are.
+"""
+
+import argparse
+import json
+import os
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+from benchmarks import identification_coverage as coverage
+from benchmarks import identification_table7 as table7
+from benchmarks import identification_table8 as table8
+from benchmarks import identification_table10 as table10
+from benchmarks import identification_timing as timing
+from benchmarks.identification_page import page
+
+ROOT = Path(__file__).parents[1]
+
+
+def main() -> None:
+    """Measure, print, and write the page if asked."""
+    options = arguments()
+    timed = timing.measure()  # before the processes that would share the machine with it
+    with ProcessPoolExecutor(options.workers, initializer=threadpool_limits, initargs=(1,)) as pool:
+        seventh = table7.measure(pool, seeds=options.seeds, truths=options.truths)
+        eighth = table8.measure(
+            pool, draws=options.draws, starts=options.starts, black_boxes=min(options.black_boxes, options.draws)
+        )
+        tenth = table10.measure(pool, rigs=options.rigs)
+        covered = coverage.measure(pool, cases=options.cases)
+    texts = [table7.text(seventh), table8.text(eighth), table10.text(tenth), timing.text(timed)]
+    print("\n\n".join([*texts, coverage.text(covered)]))
+    if options.write:
+        written = page(*texts[:3], more=texts[3:], seeds=options.seeds, starts=options.starts)
+        (ROOT / "docs/identification.md").write_text(written, encoding="utf-8")
+    if options.json:
+        found = {
+            "table7": table7.summarise(seventh),
+            "table8": table8.summarise(eighth),
+            "table10": table10.summarise(tenth),
+            **coverage.summarise(covered),
+            **timed,
+        }
+        print(json.dumps(found))
+
+
+def arguments() -> argparse.Namespace:
+    """Return the checked command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=20, help="runs per search of Table 7 (default 20)")
+    parser.add_argument("--truths", type=int, default=300, help="random truths of Table 7 (default 300)")
+    parser.add_argument("--draws", type=int, default=30, help="draws of the noise of Table 8 (default 30)")
+    parser.add_argument("--black-boxes", type=int, default=30, help="of these draws, as a black box too (default 30)")
+    parser.add_argument("--starts", type=int, default=200, help="of the brute force of Table 8 (default 200)")
+    parser.add_argument("--rigs", type=int, default=20, help="simulated rigs of Table 10 (default 20)")
+    parser.add_argument("--cases", type=int, default=100, help="of the coverage of intervals (default 100)")
+    parser.add_argument("--workers", type=int, default=os.cpu_count(), help="processes (default: one per core)")
+    parser.add_argument("--json", action="store_true", help="end with one JSON object on the last line")
+    parser.add_argument("--write", action="store_true", help="write docs/identification.md")
+    options = parser.parse_args()
+    for name in ("seeds", "truths", "draws", "black_boxes", "starts", "rigs", "cases", "workers"):
+        if getattr(options, name) < 1:
+            parser.error(f"--{name.replace('_', '-')} is {getattr(options, name)}, want at least 1")
+    return options
+
+
+if __name__ == "__main__":
+    main()

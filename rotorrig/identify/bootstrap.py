@@ -1,0 +1,169 @@
+"""Parametric bootstrap: simulate the measurement again and again, refit, and see how the estimates scatter.
+
+A draw is of the fitted rig, except for the nuisances, which are drawn from their priors. Noise of the stated covariance
+is added, enlarged where the fit is worse than it. Neither need chi2 be quadratic nor the estimates off their bounds;
+that the model is right is taken for granted. Efron and Tibshirani, An Introduction to the Bootstrap (1993), ch. 6, 13.
+"""
+
+import multiprocessing
+import signal
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from rotorrig.identify.identification import Estimate, Fit
+from rotorrig.identify.parameters import Reals
+from rotorrig.identify.polish import Polished, Problem
+from rotorrig.identify.quantities import quantities
+
+FEWEST = 40  # draws, of which one is beyond either end of a 95 % interval
+Progress = Callable[[int], None]  # is told how many draws are done
+Refit = Callable[[Problem, Reals], Polished]  # of a drawn problem, given the parameters it was drawn with
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Resampling:
+    """How a fit is to be bootstrapped."""
+
+    draws: int
+    workers: int = 1
+    search: bool = False  # refit by the whole search
+    progress: Progress = lambda done: None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bootstrap:
+    """The refitted draws, fewer than asked for if they were interrupted."""
+
+    names: tuple[str, ...]  # of the estimates
+    draws: Reals  # (draw, estimate) SI; phases within half a turn of the estimate
+    asked: int
+    seed: int
+
+    def interval(self, name: str, *, level: float = 0.95) -> tuple[float, float] | None:
+        """Return the percentile interval of an estimate [SI], None of fewer than `FEWEST` draws.
+
+        One more draw would fall into it with probability `level`.
+        """
+        if len(self.draws) < FEWEST:
+            return None
+        tail = (1 - level) / 2
+        low, high = np.quantile(self.draws[:, self.names.index(name)], [tail, 1 - tail], method="weibull")
+        return float(low), float(high)
+
+
+def resampled(fit: Fit, problem: Problem, best: Polished, resampling: Resampling, *, seed: int, search: Refit) -> Fit:
+    """Return the fit with the intervals of a bootstrap; `search` refits by the whole search, if that is wanted."""
+    found = bootstrap(
+        problem,
+        best,
+        draws=resampling.draws,
+        seed=seed,
+        refit=search if resampling.search else locally,
+        workers=resampling.workers,
+        progress=resampling.progress,
+    )
+    return replace(
+        fit,
+        estimates=tuple(_resampled(estimate, found) for estimate in fit.estimates),
+        words=(*fit.words, *_words(found)),
+    )
+
+
+def locally(problem: Problem, start: Reals) -> Polished:
+    """Refit a draw from the parameters it was drawn with: no other minimum is looked for."""
+    return problem.solve(start)
+
+
+def bootstrap(
+    problem: Problem,
+    best: Polished,
+    *,
+    draws: int,
+    seed: int = 0,
+    refit: Refit = locally,
+    workers: int = 1,
+    progress: Progress = lambda done: None,
+) -> Bootstrap:
+    """Return the estimates of `draws` simulated measurements. Ctrl-C ends it and keeps the draws done.
+
+    A draw depends on `seed` and its number alone, not on `workers`, the processes; with several, `refit` has to stand
+    in a module.
+    """
+    job = _Job(problem, best, seed, refit)
+    done: dict[int, Reals] = {}
+    with suppress(KeyboardInterrupt):
+        for i, values in _in_processes(job, draws, workers) if workers > 1 else _one_by_one(job, draws):
+            done[i] = values
+            progress(len(done))
+    names = tuple(quantity.name for quantity in quantities(problem.parameters, best.p))
+    values = np.reshape([done[i] for i in sorted(done)], (len(done), len(names)))
+    return Bootstrap(names=names, draws=values, asked=draws, seed=seed)
+
+
+def _resampled(estimate: Estimate, found: Bootstrap) -> Estimate:
+    interval = found.interval(estimate.name)
+    if interval is None or estimate.interval is None:
+        return estimate
+    return replace(estimate, interval=interval, interval_by="bootstrap")
+
+
+def _words(found: Bootstrap) -> Iterator[str]:
+    done = len(found.draws)
+    if done < found.asked:
+        yield f"The bootstrap was interrupted after {done} of {found.asked} draws."
+    if done < FEWEST:
+        yield f"A bootstrap of {done} draws gives no 95 % interval, want at least {FEWEST}: the others stand."
+
+
+def simulated(problem: Problem, best: Polished, *, rng: np.random.Generator) -> tuple[Reals, NDArray[np.complex128]]:
+    """Return parameters and the 1X vectors (row + 1, probe) [m] they might have given, the slow roll last."""
+    parameters = problem.parameters
+    p = best.p.copy()
+    p[parameters.priors] = parameters.prior_sigma[parameters.priors] * rng.standard_normal(len(parameters.priors))
+    p = np.clip(p, *parameters.bounds)
+    excess = np.sqrt(max(1.0, best.chi2 / best.dof))
+    return p, problem.predict(p) + excess * problem.measured.noise(rng)
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What a draw needs; called with its number, it returns the estimates (estimate,)."""
+
+    problem: Problem
+    best: Polished
+    seed: int
+    refit: Refit
+
+    def __call__(self, i: int) -> Reals:
+        rng = np.random.default_rng([self.seed, i])
+        with threadpool_limits(1, user_api="blas"):
+            start, z = simulated(self.problem, self.best, rng=rng)
+            p = self.refit(self.problem.of(z), start).p
+        return np.array([q.si(q.read(p)) for q in quantities(self.problem.parameters, self.best.p)])
+
+
+def _one_by_one(job: _Job, draws: int) -> Iterator[tuple[int, Reals]]:
+    for i in range(draws):
+        yield i, job(i)
+
+
+def _in_processes(job: _Job, draws: int, workers: int) -> Iterator[tuple[int, Reals]]:
+    """Yield the draws as they come; Ctrl-C reaches this process alone."""
+    pool = ProcessPoolExecutor(
+        min(workers, draws),
+        mp_context=multiprocessing.get_context("spawn"),  # a fork would copy locks that threads of this process hold
+        initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_IGN),
+    )
+    try:
+        numbers = {pool.submit(job, i): i for i in range(draws)}
+        for future in as_completed(numbers):
+            yield numbers[future], future.result()
+    finally:
+        pool.shutdown(cancel_futures=True)

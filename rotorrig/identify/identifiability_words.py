@@ -1,0 +1,144 @@
+"""What a response cannot tell, in sentences."""
+
+import math
+from collections.abc import Collection, Iterator
+
+from rotorrig.identify.identifiability import DETERMINED, Coordinate, Identifiability, Weakness
+from rotorrig.identify.parameters import Reals
+from rotorrig.identify.polish import Polished, Problem
+
+_INSEPARABLE = 0.99  # correlation from which two determined quantities are better known together
+_LIMITED = 0.9  # share of a variance that is the nameplate's, from which on less noise would not help
+_KNOWN = 0.1  # relative standard deviation up to which a combination is worth naming
+_SHOWN = 0.1  # relative change in an example
+
+
+def words(best: Polished, problem: Problem, able: Identifiability, *, unseen: str) -> tuple[str, ...]:
+    """Return sentences on parameters at a bound, undetermined, tied, or limited by the nameplate's tolerances.
+
+    `unseen` names the axes no probe looks along.
+    """
+    unknowns = problem.parameters.space.unknowns
+    settled = {u.name for u in unknowns if any(axis in unseen for axis in u.axes)}
+    said = [_unseen(axis, [u.name for u in unknowns if axis in u.axes]) for axis in unseen]
+    for i, unknown in enumerate(unknowns):
+        if problem.at_bound(best.p, i):
+            value = problem.parameters.values(best.p)[i]
+            settled.add(unknown.name)
+            said.append(f"{unknown.name} ran into its bound of {value:.3g} {unknown.unit}: this data does not give it.")
+    for root, by_what in ((able.noise, "by this data"), (able.fitted, "within the tolerances of the nameplate")):
+        for names, sentence in _weak(able, root, by_what, settled):
+            settled.update(names)
+            said.append(sentence)
+    said += _tied(able)
+    if limited := _limited(able):
+        said.append(limited)
+    return tuple(said)
+
+
+def _unseen(axis: str, names: list[str]) -> str:
+    listed = _list(names) if names else f"what moves along {axis}"
+    return f"No probe looks along {axis}: {listed} {_are(names)} not determined."
+
+
+def _weak(
+    able: Identifiability, root: Reals, by_what: str, settled: Collection[str]
+) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Say what is not determined, what only a combination of is, and what cannot be while those are not.
+
+    `settled` are undetermined by what was said before.
+    """
+    coordinates = {c.name: c for c in able.coordinates}
+    weak: list[tuple[str, ...]] = [(name,) for name in able.undetermined(root) if name not in settled]
+    open_ = {*settled, *(names[0] for names in weak)}
+    for weakness in able.weaknesses(root, known=open_):
+        open_.update(weakness.names)
+        if len(weakness.names) > 1:
+            yield weakness.names, _inseparable([coordinates[n] for n in weakness.names], weakness, by_what)
+        else:
+            weak.append(weakness.names)
+    for names in weak:
+        way = _either_way(coordinates[names[0]], able.sigma(names[0], root))
+        yield names, f"{names[0]} is not determined {by_what} ({way})."
+    led = [name for name in able.names if name not in open_ and able.sigma(name, root) > DETERMINED]
+    if led:
+        yield tuple(led), f"While these are open, {_list(led)} {_are(led)} not determined {by_what} either."
+
+
+def _inseparable(coordinates: list[Coordinate], weakness: Weakness, by_what: str) -> str:
+    moves = [_moved(c, _SHOWN * change) for c, change in zip(coordinates, weakness.changes, strict=True)]
+    said = f"{_list(weakness.names)} cannot be separated {by_what}: {_list(moves)} at once would hardly show"
+    if weakness.known_sigma < _KNOWN:
+        said += f"; {_combination(coordinates, weakness.known)} is known to {_percent(weakness.known_sigma)}"
+    return f"{said}."
+
+
+def _tied(able: Identifiability) -> Iterator[str]:
+    """Name pairs that are each determined, but far better together."""
+    weak = {name for name in able.names if able.sigma(name, able.fitted) > DETERMINED}
+    correlation = able.correlation()
+    for i, first in enumerate(able.coordinates):
+        for k, second in enumerate(able.coordinates[:i]):
+            if abs(correlation[i, k]) > _INSEPARABLE and not weak & {first.name, second.name}:
+                weights, sigma = able.combination((second.name, first.name), able.fitted)
+                yield (
+                    f"{second.name} and {first.name} are {abs(correlation[i, k]):.3f} correlated: "
+                    f"{_combination([second, first], weights)} is known to {_percent(sigma)}, better than either."
+                )
+
+
+def _limited(able: Identifiability) -> str:
+    """Say which estimates the nameplate's tolerances limit, not the noise."""
+    said = []
+    for name, shares in able.budget().items():
+        if shares["noise"] < 1 - _LIMITED:
+            cause = max((kind for kind in shares if kind != "noise"), key=lambda kind: shares[kind])
+            said.append(f"{name} ({cause})")
+    return f"The tolerances in [prior] limit {_list(said)}, not the noise: more data would not help." if said else ""
+
+
+def _either_way(coordinate: Coordinate, sigma: float) -> str:
+    if coordinate.logarithmic:
+        return f"a factor of {math.exp(min(sigma, 20)):.2g} either way"
+    if coordinate.unit == "rad":
+        return f"± {math.degrees(min(sigma, math.pi)):.0f} degrees"
+    return f"± {sigma * coordinate.reference:.2g} {coordinate.unit}"
+
+
+def _moved(coordinate: Coordinate, change: float) -> str:
+    way = "higher" if change > 0 else "lower"
+    if coordinate.logarithmic:
+        return f"{coordinate.name} {_percent(abs(change))} {way}"
+    if coordinate.unit == "rad":
+        return f"{coordinate.name} {math.degrees(abs(change)):.2g} degrees {way}"
+    return f"{coordinate.name} {abs(change) * coordinate.reference:.2g} {coordinate.unit} {way}"
+
+
+def _combination(coordinates: list[Coordinate], weights: Reals) -> str:
+    """Return "kxx × u / cxx^0.97" of logarithms, else "ln(kxx) - 0.4 kxy/(3.4e+04 N/m)"."""
+    kept = [(c, round(float(w), 2)) for c, w in zip(coordinates, weights, strict=True) if abs(w) >= 0.01]
+    if all(c.logarithmic for c, _ in kept):
+        factors = [f"{'/' if w < 0 else '×'} {c.name}{'' if abs(w) == 1 else f'^{abs(w):g}'}" for c, w in kept]
+        above, below = ([f for f in factors if f[0] == sign] for sign in "×/")
+        return " ".join([*above, *below]).removeprefix("× ")
+    terms = [f"{'-' if w < 0 else '+'} {'' if abs(w) == 1 else f'{abs(w):g} '}{_term(c)}" for c, w in kept]
+    return " ".join(terms).removeprefix("+ ")
+
+
+def _term(coordinate: Coordinate) -> str:
+    if coordinate.logarithmic:
+        return f"ln({coordinate.name})"
+    return f"{coordinate.name}/({coordinate.reference:.3g} {coordinate.unit})"
+
+
+def _percent(relative: float) -> str:
+    return f"{100 * relative:.2g} %"
+
+
+def _are(names: Collection[str]) -> str:
+    return "is" if len(names) == 1 else "are"
+
+
+def _list(names: Collection[str]) -> str:
+    *most, last = names
+    return f"{', '.join(most)} and {last}" if most else last

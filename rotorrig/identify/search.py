@@ -1,0 +1,117 @@
+"""The global search of an identification: all places from where a refinement may begin, in a few hundred model calls.
+
+The objectives on amplitudes are searched in the logarithmic shape of the response, the amount at its best: the
+smoothest ground there is, on which the minima of f1, f2 and f3 lie near one another. Each minimum is then followed to
+that of the objective itself.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from rotorrig.identify.chea.least_absolute import descend_absolute
+from rotorrig.identify.chea.levenberg_marquardt import Counted, descend, evaluate
+from rotorrig.identify.chea.minima import Minima
+from rotorrig.identify.chea.residual_search import RESIDUAL, ResidualSettings, residual_search
+from rotorrig.identify.chea.stopping import StopReason
+from rotorrig.identify.identification import Optimum
+from rotorrig.identify.measurement import Measurement
+from rotorrig.identify.objective import Amplitudes, ComplexResidual, Name
+from rotorrig.identify.space import Space
+from rotorrig.processing.response import OrderTrackedResponse
+
+Real = NDArray[np.float64]
+
+ROUNDING = 1e-9  # of the response: so good are the receptances
+_NEAR = 0.02  # of the cube: first step from a minimum of the shape to that of an objective
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """What a search found."""
+
+    optima: tuple[Optimum, ...]  # best first
+    evaluations: int  # calls of the model, each the response and its derivatives
+    stop: str
+    seconds: float
+
+
+def search(
+    response: OrderTrackedResponse,
+    measured: Measurement,
+    space: Space,
+    *,
+    objective: Name = "residual",
+    seed: int = 0,
+) -> Found:
+    """List the significant minima of an objective over the coefficients and the unbalance of `space`.
+
+    "residual" is the whitened complex one and knows any space; "f1", "f2" and "f3" are the chapter's, of one unbalance.
+    The model is the steady one; modulus and density stay at the nameplate's. Raises ValueError on another name,
+    ConfigError and DataError where the space or the data do not suit an objective on amplitudes.
+    """
+    began = time.perf_counter()
+    rng = np.random.default_rng(seed)
+    with threadpool_limits(1, user_api="blas"):  # hundreds of small products: threads cost more than they save
+        if objective == "residual":
+            optima, calls, stop = search_residual(ComplexResidual.of(response, measured, space), rng=rng)
+        else:
+            amplitudes = Amplitudes.of(response, measured, space)
+            optima, calls, stop = search_amplitudes(amplitudes, objective=objective, rng=rng)
+    return Found(optima=optima, evaluations=calls, stop=str(stop), seconds=time.perf_counter() - began)
+
+
+Outcome = tuple[tuple[Optimum, ...], int, StopReason]
+
+
+def search_residual(
+    problem: ComplexResidual, *, rng: np.random.Generator, settings: ResidualSettings = RESIDUAL
+) -> Outcome:
+    """Return the minima of the whitened residual's sum of squares, the calls of the model, and why the search ended."""
+    steady = problem.steady
+    floor = ROUNDING**2 * problem.size
+    found = residual_search(problem, steady.dim, rng=rng, floor=floor, starts=steady.starts, settings=settings)
+    optima = [
+        Optimum(theta=(*map(float, steady.values(u)), *map(float, np.abs(problem.amounts(u)))), cost=float(cost))
+        for u, cost in zip(found.u, found.cost, strict=True)
+    ]
+    return tuple(optima), found.calls + len(optima), found.stop
+
+
+def search_amplitudes(
+    amplitudes: Amplitudes, *, objective: Name, rng: np.random.Generator, settings: ResidualSettings = RESIDUAL
+) -> Outcome:
+    """Return the minima of f1, f2 or f3 likewise."""
+    if objective not in ("f1", "f2", "f3"):
+        raise ValueError(f"objective is {objective!r}, want 'residual', 'f1', 'f2' or 'f3'")
+    steady = amplitudes.steady
+    floor = amplitudes.figures * (ROUNDING / np.log(10.0)) ** 2
+    found = residual_search(amplitudes.shape, steady.dim, rng=rng, floor=floor, starts=steady.starts, settings=settings)
+    solved = found.stop is StopReason.TARGET
+    minima, calls = Minima(amplitudes.dim, tolerance=settings.same_point), found.calls
+    for u in found.u:
+        v = np.append(u, amplitudes.amount(u))
+        v, cost, more = _value(amplitudes, v, objective) if solved else _followed(amplitudes, v, objective)
+        minima.add(v, cost)
+        calls += 1 + more
+    optima = [Optimum(theta=amplitudes.theta(v), cost=float(cost)) for v, cost, _ in zip(*minima.sorted(), strict=True)]
+    return tuple(optima), calls, found.stop
+
+
+def _value(amplitudes: Amplitudes, v: Real, objective: Name) -> tuple[Real, float, int]:
+    """Return `v`, the objective there and the one call that took."""
+    r, _ = amplitudes.vector(objective)(v)
+    return v, float(r @ r if objective == "f1" else np.abs(r).sum()), 1
+
+
+def _followed(amplitudes: Amplitudes, v: Real, objective: Name) -> tuple[Real, float, int]:
+    """Return the minimum of the objective next to `v`, its value, and the calls that took."""
+    fun = amplitudes.vector(objective)
+    if objective != "f1":
+        return descend_absolute(fun, v, radius=_NEAR)
+    counted = Counted(fun)
+    end = descend(counted, evaluate(counted, v), tolerance=1e-10, reach=_NEAR, max_steps=100)
+    return end.point.u, end.point.cost, counted.calls

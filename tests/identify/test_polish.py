@@ -1,0 +1,111 @@
+"""The least-squares problem: its derivatives, trial masses, and parameters held fixed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.measurement import measure
+from rotorrig.identify.polish import Problem, inverse_information
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import RigConfig
+from tests.identify.matched import matched_response, sought
+from tests.identify.test_bearing_sets import SPRING, U
+
+K_AND_C = np.array([33900.0, 34600.0, 15.0, 15.0])
+
+
+@pytest.fixture(scope="module")
+def problem(blind_response: OrderTrackedResponse) -> Problem:
+    return Problem(blind_response, measure(blind_response))
+
+
+def differences(problem: Problem, p: np.ndarray, i: int, *, step: float = 1e-5) -> np.ndarray:
+    step = 1e-10 if problem.parameters.names[i].startswith(("u ", "runout")) else step
+    ahead, behind = p.copy(), p.copy()
+    ahead[i] += step
+    behind[i] -= step
+    return (problem.residual(ahead) - problem.residual(behind)) / (2 * step)
+
+
+def test_the_jacobian_is_the_derivative_of_the_residual(problem: Problem) -> None:
+    p = problem.start(K_AND_C)
+    p[problem.parameters.gain] += 0.01
+    p[problem.parameters.angle] -= 0.02
+    jacobian = problem.jacobian(p)
+    for i, name in enumerate(problem.parameters.names):
+        central = differences(problem, p, i)
+        assert np.linalg.norm(jacobian[:, i] - central) < 1e-3 * np.linalg.norm(central), name
+    some = np.array([1, 5, len(p) - 1])
+    np.testing.assert_allclose(problem.jacobian(p, some), jacobian[:, some], rtol=1e-9, atol=1e-6)
+
+
+def test_the_jacobian_of_every_kind_of_unknown_is_the_derivative(
+    rig_config: RigConfig, rng: np.random.Generator
+) -> None:
+    rig = sought(
+        rig_config,
+        bearings=[["left A", "left B"], ["spring"]],
+        coefficients="all",
+        also=["density", "youngs_modulus"],
+        k_bounds=[1e2, 1e8],
+    )
+    response = matched_response(rig, bearings={"spring": SPRING}, unbalance={"disk": U}, rng=rng)
+    problem = Problem(response, measure(response))
+    p = problem.start(problem.parameters.space.nameplate * rng.uniform(0.9, 1.1, len(problem.parameters.space)))
+    p[problem.parameters.sought][1] = 3e-4  # kxy of the left bearings, in parts of 1e8 N/m
+    jacobian = problem.jacobian(p)
+    for i, name in enumerate(problem.parameters.names):
+        central = differences(problem, p, i, step=1e-7)
+        assert np.linalg.norm(jacobian[:, i] - central) < 1e-4 * np.linalg.norm(central), name
+
+
+def test_a_known_trial_mass_is_not_taken_for_the_unbalance_sought(blind_response: OrderTrackedResponse) -> None:
+    up, down = (i for i, run in enumerate(blind_response.runs) if run.direction)
+    weighted = list(blind_response.runs)
+    weighted[down] = replace(weighted[down], trial_unbalance={"disk": 12e-6j})
+    response = replace(blind_response, runs=tuple(weighted))
+    problem = Problem(response, measure(response))
+    p = problem.start(K_AND_C)
+    p[problem.parameters.unbalance] = 3e-6, -4e-6
+    made = response.z.copy()
+    rows = measure(response).rows
+    made[rows, :, response.orders.index(1.0)] = problem.predict(p)[:-1]
+    bare = problem.predict(p)[:-1] - Problem(blind_response, measure(blind_response)).predict(p)[:-1]
+    assert np.abs(bare[response.run[rows] == up]).max() == 0
+    assert np.abs(bare[response.run[rows] == down]).max() > 100e-6
+    rebuilt = replace(response, z=made)
+    again = Problem(rebuilt, measure(rebuilt)).start(K_AND_C)
+    assert again[problem.parameters.unbalance] == pytest.approx([3e-6, -4e-6], rel=0.01)
+
+
+def test_a_parameter_held_fixed_stays_and_the_others_make_the_best_of_it(
+    rig_config: RigConfig, rng: np.random.Generator
+) -> None:
+    response = matched_response(sought(rig_config), bearings={"spring": SPRING}, unbalance={"disk": U}, rng=rng)
+    problem = Problem(response, measure(response))
+    best = problem.refined(K_AND_C)
+    for i in (0, problem.parameters.names.index("gain 1x"), problem.parameters.names.index("runout 2y im")):
+        away = best.p[i] + 2 * best.sigma[i]
+        held = problem.solve(best.p, fixed={i: away})
+        assert held.p[i] == away
+        assert held.sigma[i] == 0
+        assert held.dof == best.dof + 1
+        assert held.chi2 - best.chi2 == pytest.approx(4.0, rel=0.05)  # two sigmas, near enough linear
+
+
+def test_from_the_nameplate_and_from_the_truth_the_same_minimum_is_reached(
+    rig_config: RigConfig, rng: np.random.Generator
+) -> None:
+    response = matched_response(sought(rig_config), bearings={"spring": SPRING}, unbalance={"disk": U}, rng=rng)
+    problem = Problem(response, measure(response))
+    far, near = problem.refined(K_AND_C), problem.refined(np.array([31e3, 37e3, 18.0, 12.0]))
+    assert far.chi2 == pytest.approx(near.chi2, abs=1e-5)
+    assert (np.abs(far.p - near.p) < 2e-3 * near.sigma).all()
+
+
+def test_what_no_row_depends_on_gets_a_large_variance_and_not_a_small_one() -> None:
+    jacobian = np.array([[2.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 1.0, 0.0]])
+    variance = np.diag(inverse_information(jacobian))
+    assert variance[0] == pytest.approx(0.25)
+    assert (variance[1:] > 1e12).all()
