@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from rotorrig.identify.identification import Estimate, Fit
+from rotorrig.identify.intervals import LEVEL
 from rotorrig.identify.parameters import Reals
 from rotorrig.identify.polish import Polished, Problem
 from rotorrig.identify.quantities import quantities
@@ -45,7 +46,7 @@ class Bootstrap:
     asked: int
     seed: int
 
-    def interval(self, name: str, *, level: float = 0.95) -> tuple[float, float] | None:
+    def interval(self, name: str, *, level: float = LEVEL) -> tuple[float, float] | None:
         """Return the percentile interval of an estimate [SI], None of fewer than `FEWEST` draws.
 
         One more draw would fall into it with probability `level`.
@@ -106,6 +107,16 @@ def bootstrap(
     return Bootstrap(names=names, draws=values, asked=draws, seed=seed)
 
 
+def simulated(problem: Problem, best: Polished, *, rng: np.random.Generator) -> tuple[Reals, NDArray[np.complex128]]:
+    """Return parameters and the 1X vectors (row + 1, probe) [m] they might have given, the slow roll last."""
+    parameters = problem.parameters
+    p = best.p.copy()
+    p[parameters.priors] = parameters.prior_sigma[parameters.priors] * rng.standard_normal(len(parameters.priors))
+    p = np.clip(p, *parameters.bounds)
+    excess = np.sqrt(max(1.0, best.chi2 / best.dof))
+    return p, problem.predict(p) + excess * problem.measured.noise(rng)
+
+
 def _resampled(estimate: Estimate, found: Bootstrap) -> Estimate:
     interval = found.interval(estimate.name)
     if interval is None or estimate.interval is None:
@@ -119,16 +130,6 @@ def _words(found: Bootstrap) -> Iterator[str]:
         yield f"The bootstrap was interrupted after {done} of {found.asked} draws."
     if done < FEWEST:
         yield f"A bootstrap of {done} draws gives no 95 % interval, want at least {FEWEST}: the others stand."
-
-
-def simulated(problem: Problem, best: Polished, *, rng: np.random.Generator) -> tuple[Reals, NDArray[np.complex128]]:
-    """Return parameters and the 1X vectors (row + 1, probe) [m] they might have given, the slow roll last."""
-    parameters = problem.parameters
-    p = best.p.copy()
-    p[parameters.priors] = parameters.prior_sigma[parameters.priors] * rng.standard_normal(len(parameters.priors))
-    p = np.clip(p, *parameters.bounds)
-    excess = np.sqrt(max(1.0, best.chi2 / best.dof))
-    return p, problem.predict(p) + excess * problem.measured.noise(rng)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 Profiled means: as small as all other parameters can make it while one quantity is held (Venzon and Moolgavkar, Appl.
 Statist. 37 (1988) 87). The root of its rise is nearly a straight line on either side of the optimum, exactly so where
 chi2 is a parabola; so a secant finds where it is 1.96, and each trial starts from the last with one step for the move
-and seldom more than one to settle. An end takes two to eight Jacobians.
+and a few to settle. An end takes two to eight Jacobians.
 
 An end that the bounds of the fit forestall is the bound: the data are content with everything up to there.
 """
@@ -19,14 +19,14 @@ from rotorrig.identify.quantities import Amount, Phase, Quantity
 _CLOSE = 0.01  # of the rise: half a per cent of an interval's half width
 _SETTLED = 0.003  # of the rise: what a trial may still promise
 _TRIALS = 20
-_STEPS = 8  # in a trial
+_STEPS = 6  # in a trial
 _HALVINGS = 5
 _LONGEST = 0.7  # of a quantity's scale, from one trial to the next
 _INSIDE = 0.1  # of a bracket: the next trial is that far from its ends
-_NARROW = 1e-3  # of the way from the optimum: chi2 jumps here, from one valley into another
+_NARROW = 0.005  # of the way from the optimum: narrow enough, even where chi2 jumps from one valley into another
 _NONE = 4.0  # standard deviations: an unbalance smaller than that may be none at all
 _NOTHING = 1e-3  # of an unbalance: stands for none, for which nothing could be derived
-_AT_BOUND = 1e-9  # of the coordinates, which are of the order of one
+_AT_BOUND = 1e-9  # of a quantity's scale; parameters with bounds are of the order of one
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,16 +63,16 @@ def find_end(problem: Problem, best: Polished, quantity: Quantity, *, side: int,
     """Return the largest (`side` +1) or the least (-1) coordinate at which the profiled chi2 is `limit`."""
     rise = limit - best.chi2
     bound = quantity.high if side > 0 else quantity.low
-    here = optimum = _Point(problem, quantity, best.p, J=best.jacobian)
-    bracket = _Bracket(optimum, quantity, side=side, rise=rise)
+    here = _Point(problem, quantity, best.p, J=best.jacobian)
+    bracket = _Bracket(here, side=side, rise=rise)
     for _ in range(_TRIALS):
         bracket.take(here)
-        at_bound = abs(here.coordinate - bound) <= _AT_BOUND and here.chi2 <= limit
+        at_bound = abs(here.coordinate - bound) <= _AT_BOUND * here.scale and here.chi2 <= limit
         if at_bound or abs(here.chi2 - limit) <= _CLOSE * rise or bracket.narrow:
             end = bound if at_bound else here.coordinate
             return End(coordinate=end, bound=at_bound, converged=True)
         target = min(side * bracket.next(), side * bound) * side
-        here = _settled(bracket.inside, target, tolerance=_SETTLED * rise)
+        here = _settled(bracket.inside, target, tolerance=_SETTLED * rise, limit=limit)
     return End(coordinate=bracket.inside.coordinate, bound=False, converged=False)
 
 
@@ -111,18 +111,20 @@ class _Point:
 class _Bracket:
     """The farthest point with chi2 below the limit, and the nearest beyond with chi2 above."""
 
-    def __init__(self, optimum: _Point, quantity: Quantity, *, side: int, rise: float) -> None:
+    def __init__(self, optimum: _Point, *, side: int, rise: float) -> None:
         self.inside = optimum
         self._outside: _Point | None = None
         self._optimum = optimum
         self._side = side
         self._goal = np.sqrt(rise)
+        self._taken: list[bool] = []  # whether the points were inside
 
     def take(self, point: _Point) -> None:
-        if self._root(point) > self._goal:
-            self._outside = point
-        else:
+        self._taken.append(self._root(point) <= self._goal)
+        if self._taken[-1]:
             self.inside = point
+        else:
+            self._outside = point
 
     @property
     def narrow(self) -> bool:
@@ -132,11 +134,13 @@ class _Bracket:
         return width <= _NARROW * abs(self.inside.coordinate - self._optimum.coordinate)
 
     def next(self) -> float:
-        """Return where the root of the rise would be the goal if it were straight from here on."""
+        """Return where the root of the rise would be the goal if it were straight; halfway if that failed twice."""
         inside, outside = self.inside, self._outside
         if outside is not None:
             low, high = self._root(inside), self._root(outside)
             part = np.clip((self._goal - low) / (high - low), _INSIDE, 1 - _INSIDE)
+            if len(self._taken) > 2 and self._taken[-1] == self._taken[-2]:  # the other end is a bad guide
+                part = 0.5
             return inside.coordinate + part * (outside.coordinate - inside.coordinate)
         variance = inside.gradient @ inverse_information(inside.J) @ inside.gradient
         ahead = (self._goal - self._root(inside)) * np.sqrt(variance)
@@ -146,12 +150,12 @@ class _Bracket:
         return float(np.sqrt(max(point.chi2 - self._optimum.chi2, 0.0)))
 
 
-def _settled(start: _Point, target: float, *, tolerance: float) -> _Point:
-    """Return the point with the least chi2 at the coordinate `target`."""
+def _settled(start: _Point, target: float, *, tolerance: float, limit: float) -> _Point:
+    """Return the point with the least chi2 at the coordinate `target`, or any there if none is below the limit."""
     here = start.moved(_step(start, ahead=target - start.coordinate)[0])
     for _ in range(_STEPS):
         step, promise = _step(here, ahead=target - here.coordinate)
-        if promise <= tolerance:
+        if promise <= tolerance or here.chi2 - promise > limit:
             break
         shorter = (here.moved(step / 2**halvings) for halvings in range(_HALVINGS))
         better = next((point for point in shorter if point.chi2 < here.chi2), None)

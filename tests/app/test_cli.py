@@ -3,9 +3,15 @@
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rotorrig.app import cli
+from rotorrig.identify.result_files import read_identification
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.response_file import write_response
+from rotorrig.rig.description import RigConfig
+from tests.identify.matched import matched_response, sought
 
 RK4 = str(Path(__file__).parents[2] / "configs/rk4.toml")
 KFUPM = Path(__file__).parents[1] / "data/kfupm-rk4"
@@ -98,3 +104,28 @@ def test_the_measured_run_up_is_imported_fitted_and_shown_to_fit_poorly(
     page = Path("report.html").read_text()
     assert "does NOT describe this run" in page
     assert "not determined by this data" in page
+
+
+def test_intervals_come_from_the_profile_or_the_bootstrap_when_asked(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, rig_config: RigConfig
+) -> None:
+    write_response(tmp_path / "r.mcap", few_rows(rig_config))
+    for words, made_by in ((["--profile"], "profile likelihood"), (["--bootstrap", "40"], "bootstrap")):
+        code, out, _ = run(
+            monkeypatch, capsys, "identify", tmp_path / "r.mcap", "-o", tmp_path / "fit.json", "--seed", "3", *words
+        )
+        assert code == 0
+        kxx = read_identification(tmp_path / "fit.json").fits[0].estimate("kxx")
+        assert kxx.interval_by == made_by
+        low, high = kxx.interval or (0.0, 0.0)
+        assert low < 33e3 < high  # the truth
+        assert f"{low / 1e3:.1f}" in out
+
+
+def few_rows(rig: RigConfig) -> OrderTrackedResponse:
+    """A response of the model itself."""
+    bearing = (np.diag([33e3, 36e3]), np.diag([14.0, 16.0]))
+    rng = np.random.default_rng(3)
+    return matched_response(
+        sought(rig), bearings={"spring": bearing}, unbalance={"disk": 14e-6}, rng=rng, noise=3e-6, top=2600.0
+    )

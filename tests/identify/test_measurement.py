@@ -27,6 +27,15 @@ def test_noise_of_the_stated_covariance_whitens_to_one_sigma(
     assert abs(neighbours) < 0.02
 
 
+def test_drawn_noise_is_that_of_the_covariance(blind_response: OrderTrackedResponse, rng: np.random.Generator) -> None:
+    usable = blind_response.usable.copy()
+    usable[:, 1] = False
+    measured = measure(replace(blind_response, usable=usable))
+    sigmas = np.stack([measured.sigmas(measured.noise(rng)) for _ in range(50)])[:, :-1]
+    assert abs(sigmas[..., [0, 1, 4, 5, 6, 7]].std() - 1) < 0.02
+    assert (measured.noise(rng)[:-1, 1] == 0).all()
+
+
 def test_a_masked_vector_has_no_weight(blind_response: OrderTrackedResponse) -> None:
     usable = blind_response.usable.copy()
     usable[10, 1] = False
