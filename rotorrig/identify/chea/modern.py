@@ -49,6 +49,7 @@ class ModernSettings:
     descents_per_parameter: int = 3  # and so many more per parameter
 
 
+BASIN = 0.25  # of the distance between minima: how far the basin of one is trusted to reach
 HOPS = (1e-3, 0.3)  # the shortest and the longest
 
 #: One set of values for every function.
@@ -61,6 +62,8 @@ def search(record: Record, rng: np.random.Generator, settings: ModernSettings) -
 
 
 class _Plan:
+    """The points gathered, what was done about them, and the steps that add to both."""
+
     def __init__(self, record: Record, rng: np.random.Generator, settings: ModernSettings) -> None:
         self._record = record
         self._rng = rng
@@ -146,7 +149,7 @@ class _Plan:
         away = self._rng.normal(size=self._record.dim)
         start = np.clip(lowest + self._hop_length * away / np.abs(away).max(), 0.0, 1.0)
         value = float((yield start[None])[0])
-        end = yield from self._descend(start, value, radius=0.25 * self._hop_length, wary=False)
+        end = yield from self._descend(start, value, radius=BASIN * self._hop_length, wary=False)
         back = np.abs(end - lowest).max() <= self._settings.same_point
         self._hop_length = float(np.clip(self._hop_length * (1.5 if back else 0.75), *HOPS))
         yield from self._follow_funnels()
@@ -167,7 +170,7 @@ class _Plan:
                     break
                 self._bottoms = np.vstack([self._bottoms, funnel.bottom])
                 value = float((yield funnel.bottom[None])[0])
-                yield from self._descend(funnel.bottom, value, radius=0.25 * self._apart(minima))
+                yield from self._descend(funnel.bottom, value, radius=BASIN * self._apart(minima))
 
     def _breed(self) -> Evaluations[None]:
         """Evaluate the offspring of the minima; descend from what is promising, and as low as half of the minima."""
@@ -182,7 +185,7 @@ class _Plan:
             best = self._record.best[1]
             promising = best + self._settings.promising * (self._usual - best)
             if self._values[i] <= min(promising, float(np.median(fun))):
-                yield from self._descend_from(i, radius=0.25 * apart)
+                yield from self._descend_from(i, radius=BASIN * apart)
                 yield from self._follow_funnels()
 
     def _look_far(self) -> Evaluations[None]:
@@ -228,13 +231,14 @@ class _Plan:
         minima = self._record.minima
         if fun >= minima.best and self._is_flat(u, fun):
             return
-        before, _, _ = minima.sorted()
+        before, fun_before, _ = minima.sorted()
         minima.add(u, fun)
-        places, values, _ = minima.sorted()
-        elsewhere = not len(before) or np.abs(places[0] - before[0]).max() > self._settings.same_point
+        after, values, _ = minima.sorted()
         margin = self._settings.tie * (self._usual - minima.best)
-        ties = int((values <= minima.best + margin).sum())
-        self._stop.found(minima.best, ties, margin=margin if elsewhere else np.inf, nfev=self._record.nfev)
+        lower = not len(before) or (
+            minima.best < fun_before[0] - margin and np.abs(after[0] - before[0]).max() > self._settings.same_point
+        )
+        self._stop.found(lower=bool(lower), ties=int((values <= minima.best + margin).sum()), nfev=self._record.nfev)
 
     def _is_flat(self, u: Array, fun: float) -> bool:
         """Return whether points not quite at `u` have exactly its value."""

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 AGREEING = 3  # descents, if they all lead to one minimum
+SHARED = 3  # minima with one value: more say no more about a lower one
 
 
 @dataclass(slots=True, kw_only=True)
@@ -11,8 +12,8 @@ class NaturalStop:
 
     A function all of whose descents end in one place is settled by three of them. Each further minimum asks for more,
     up to a limit. From then on it counts whether looking on was lately of use: the search ends when the calls since the
-    last find, a lower value or another minimum as low, exceed `patience` times those until then; with m minima sharing
-    the best value an m-th of that, for a value met in several places is seldom undercut in yet another.
+    last find, a lower minimum or another as low, exceed `patience` times those until then, or `idle`. The former is
+    half or a third when two or more minima share the best value, which is seldom undercut in yet another place.
     """
 
     patience: float
@@ -21,14 +22,13 @@ class NaturalStop:
     most: int  # descents that are enough for any number of minima
     descents: int = 0
     last_find: int = 0  # calls until then
-    _best: float = float("inf")
     _ties: int = 1
 
-    def found(self, best: float, ties: int, *, margin: float, nfev: int) -> None:
-        """Take note of the lowest minimum, of how many are as low but for `margin`, and of the calls until now."""
-        if best < self._best - margin or ties > self._ties:
+    def found(self, *, lower: bool, ties: int, nfev: int) -> None:
+        """Take note of a minimum: whether it is the lowest yet, how many are as low now, and the calls until now."""
+        if lower or ties > self._ties:
             self.last_find = nfev
-        self._best, self._ties = best, ties
+        self._ties = ties
 
     def too_few(self, minima: int) -> bool:
         """Return whether this many minima ask for more descents than there have been."""
@@ -36,5 +36,5 @@ class NaturalStop:
 
     def reached(self, minima: int, nfev: int) -> bool:
         """Return whether a search with this many minima and calls may end."""
-        wanted = min(self.patience * (1 - 1 / max(minima, 1)) * self.last_find, self.idle)
-        return not self.too_few(minima) and nfev - self.last_find >= wanted / self._ties
+        patience = self.patience * (1 - 1 / max(minima, 1)) / min(self._ties, SHARED)
+        return not self.too_few(minima) and nfev - self.last_find >= min(patience * self.last_find, self.idle)
