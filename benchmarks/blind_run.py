@@ -1,6 +1,6 @@
 """A sweep of the blind plant in this process: no wire, no file, otherwise what a rig would record."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, steps
@@ -13,10 +13,19 @@ from rotorrig.sims.plant.truth import FaultSpec, Noise, draw
 
 
 def record(
-    rig: RigConfig, *, seed: int, faults: tuple[FaultSpec, ...] = (), noise: Noise | None = None
+    rig: RigConfig,
+    *,
+    seed: int,
+    faults: tuple[FaultSpec, ...] = (),
+    noise: Noise | None = None,
+    trial: Mapping[str, tuple[float, float]] | None = None,
+    run: int = 0,
 ) -> RawRecording:
-    """Drive the plant of that seed through the config's default plan; `noise` other than a good rig's if given."""
-    truth = draw(rig, seed=seed, faults=faults)
+    """Drive the plant of that seed through the config's default plan; `noise` other than a good rig's if given.
+
+    `trial` masses, disk -> (kg m, rad), and the number of the `run` as in `truth.draw`: the same rig, other noise.
+    """
+    truth = draw(rig, seed=seed, faults=faults, trial=trial, run=run)
     plant = Plant(rig, replace(truth, noise=noise) if noise else truth)
     events: list[Event] = []
     blocks: list[Block] = []
@@ -48,7 +57,7 @@ def record(
         volts_per_count=plant.volts_per_count,
         full_scale_counts=plant.full_scale_counts,
     )
-    source = Provenance(config_hash=rig.hash, code_version=code_version(), source=f"plant of seed {seed}")
+    source = Provenance(config_hash=rig.hash, code_version=code_version(), source=f"plant of seed {seed}, run {run}")
     return RawRecording(
         rig=rig, daq=info, blocks=tuple(blocks), events=tuple(events), motor=(), source=source, complete=True
     )

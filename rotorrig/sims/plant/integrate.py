@@ -1,8 +1,8 @@
 """The shaft's motion in time: Newmark's average acceleration, the linear part factored once.
 
 Unconditionally stable and without numerical damping; a mode of frequency w has its period too long by (w h)^2 / 12
-(Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67). Gyroscopic, rotating-damping and fault forces depend on the end of the
-step and are iterated to `TOLERANCE`.
+(Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67). Gyroscopic and rotating-damping forces and the force laws depend on
+the end of the step and are iterated to `TOLERANCE`.
 """
 
 import math
@@ -14,7 +14,7 @@ from numba.typed import List
 from numpy.typing import NDArray
 
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.plant.faults.base import LAW, PointForce
+from rotorrig.sims.plant.force_laws import LAW, Force, Motion, Turn
 from rotorrig.sims.plant.shaft import Rotor
 
 TOLERANCE = 1e-4  # of the largest acceleration; 1e-9 moves a probe by 1e-11 m in 10 s at the critical speed
@@ -38,8 +38,15 @@ class _Loads(NamedTuple):
     unbalance_at: NDArray[np.intp]  # (disk,)
     unbalance: NDArray[np.float64]  # (disk, 2) kg m and signed angle
     random_at: NDArray[np.intp]  # (bearing,)
-    fault_at: NDArray[np.intp]  # (fault,)
-    fault: NDArray[np.float64]  # (fault, constant)
+
+
+class _Forces(NamedTuple):
+    """Where each force law acts, what it counts from, and its constants; rows filled up with zeros."""
+
+    at: NDArray[np.intp]  # (force, coordinate)
+    weight: NDArray[np.float64]  # (force, coordinate)
+    rest: NDArray[np.float64]  # (force, 2) taken from its x and y
+    constants: NDArray[np.float64]  # (force, constant)
 
 
 class ShaftMotion:
@@ -53,10 +60,10 @@ class ShaftMotion:
         gravity: tuple[float, float] = (0.0, 0.0),
         unbalances: tuple[tuple[float, float, float], ...] = (),
         random_at: tuple[float, ...] = (),
-        faults: tuple[PointForce, ...] = (),
+        forces: tuple[Force, ...] = (),
         watched: tuple[float, ...] = (),
     ) -> None:
-        """Set up forces and outputs; all places in m must be stations of `rotor`, `step` in s.
+        """Set up forces and outputs; all places in m must be coordinates of `rotor`, `step` in s.
 
         `unbalances` are (place, kg m, rad in signed shaft angle), `random_at` the places of the forces handed to
         `run`, `watched` the places whose deflection it returns.
@@ -67,19 +74,20 @@ class ShaftMotion:
         parts = (np.linalg.inv(A), rotor.C, rotor.K, rotor.G, rotor.D)
         self._matrices = _Matrices(*(np.ascontiguousarray(part.T) for part in parts))
         self._laws = List.empty_list(types.FunctionType(LAW))
-        for fault in faults:
-            self._laws.append(fault.law)
+        for force in forces:
+            self._laws.append(force.law)
         self._loads = _Loads(
             constant=np.concatenate([rotor.weight * g for g in gravity]),
             unbalance_at=_indices(rotor, tuple(u[0] for u in unbalances)),
             unbalance=np.array([u[1:] for u in unbalances]).reshape(-1, 2),
             random_at=_indices(rotor, random_at),
-            fault_at=_indices(rotor, tuple(f.position for f in faults)),
-            fault=_table([f.constants for f in faults]),
         )
         self._watched = _indices(rotor, watched)
         self._state = np.zeros((3, 2 * n))
         self._state[0] = rotor.static_sag(gravity)
+        self._forces = _placed(rotor, forces, self._state[0])
+        self._memory = np.zeros((2, len(forces), max((f.memory for f in forces), default=0)))
+        self._steps = 0
 
     @property
     def state(self) -> NDArray[np.float64]:
@@ -101,9 +109,21 @@ class ShaftMotion:
         if random is None:
             random = np.zeros((len(angle), len(self._loads.random_at), 2))
         seen = np.empty((len(angle), len(self._watched), 2))
-        turning = np.stack([angle, omega, alpha], axis=1)
+        t = self._h * (self._steps + 1 + np.arange(len(angle)))
+        self._steps += len(angle)
+        turning = np.stack([t, angle, omega, alpha], axis=1)
         stuck = _march(
-            self._state, self._h, self._matrices, self._loads, self._laws, turning, random, self._watched, seen
+            self._state,
+            self._memory,
+            self._h,
+            self._matrices,
+            self._loads,
+            self._forces,
+            self._laws,
+            turning,
+            random,
+            self._watched,
+            seen,
         )
         if stuck >= 0:
             raise DataError(
@@ -115,6 +135,14 @@ class ShaftMotion:
 
 def _indices(rotor: Rotor, places: tuple[float, ...]) -> NDArray[np.intp]:
     return np.array([rotor.station(p) for p in places], dtype=np.intp)
+
+
+def _placed(rotor: Rotor, forces: tuple[Force, ...], q0: NDArray[np.float64]) -> _Forces:
+    at = _table([tuple(rotor.coordinate(c) for c, _ in f.on) for f in forces]).astype(np.intp)
+    weight = _table([tuple(w for _, w in f.on) for f in forces])
+    centred = np.array([f.from_rest for f in forces], dtype=float)
+    rest = np.stack([np.sum(weight * plane[at], axis=1) * centred for plane in q0.reshape(2, -1)], axis=1)
+    return _Forces(at=at, weight=weight, rest=rest, constants=_table([f.constants for f in forces]))
 
 
 def _table(rows: list[tuple[float, ...]]) -> NDArray[np.float64]:
@@ -138,7 +166,7 @@ def _add_product(columns: NDArray, x: NDArray, factor: float, out: NDArray) -> N
 def _add_driving(loads: _Loads, turning: NDArray, random: NDArray, f: NDArray) -> None:
     """Add the forces known before the step: unbalance, Re[(W^2 - j a) U e^{j psi} (1, -j)], and random ones."""
     n = len(f) // 2
-    angle, omega, alpha = turning
+    _, angle, omega, alpha = turning
     for k in range(len(loads.unbalance_at)):
         at, U, psi = loads.unbalance_at[k], loads.unbalance[k, 0], angle + loads.unbalance[k, 1]
         f[at] += U * (omega * omega * math.cos(psi) + alpha * math.sin(psi))
@@ -161,13 +189,21 @@ def _add_across(columns: NDArray, x: NDArray, factor: float, out: NDArray) -> No
 
 
 @njit(cache=True)
-def _add_faults(loads: _Loads, laws: List, turning: NDArray, q: NDArray, v: NDArray, f: NDArray) -> None:
+def _add_forces(forces: _Forces, laws: List, turn: Turn, q: NDArray, v: NDArray, memory: NDArray, f: NDArray) -> None:
     n = len(f) // 2
     for k in range(len(laws)):
-        at = loads.fault_at[k]
-        fx, fy = laws[k](turning[0], turning[1], q[at], q[at + n], v[at], v[at + n], loads.fault[k])
-        f[at] += fx
-        f[at + n] += fy
+        x, y, vx, vy = -forces.rest[k, 0], -forces.rest[k, 1], 0.0, 0.0
+        for i in range(forces.at.shape[1]):
+            at, weight = forces.at[k, i], forces.weight[k, i]
+            x += weight * q[at]
+            y += weight * q[at + n]
+            vx += weight * v[at]
+            vy += weight * v[at + n]
+        fx, fy = laws[k](turn, Motion(x, y, vx, vy), forces.constants[k], memory[0, k], memory[1, k])
+        for i in range(forces.at.shape[1]):
+            at, weight = forces.at[k, i], forces.weight[k, i]
+            f[at] += weight * fx
+            f[at + n] += weight * fy
 
 
 @njit(cache=True)
@@ -189,9 +225,11 @@ def _settled(new: NDArray, a: NDArray) -> bool:
 @njit(cache=True)
 def _march(
     state: NDArray,
+    memory: NDArray,
     h: float,
     m: _Matrices,
     loads: _Loads,
+    forces: _Forces,
     laws: List,
     turning: NDArray,
     random: NDArray,
@@ -204,7 +242,8 @@ def _march(
     q0, v0, known, f, new = np.empty((5, 2 * n))
     E = np.empty((n, n))
     for i in range(len(turning)):
-        _, omega, alpha = turning[i]
+        t, angle, omega, alpha = turning[i]
+        turn = Turn(t, angle, omega, alpha, h)
         _end_of_step(q + h * v, v, a, h, q0, v0)  # what the step's own acceleration does not change
         known[:] = loads.constant
         _add_driving(loads, turning[i], random[i], known)
@@ -219,7 +258,7 @@ def _march(
             _add_across(E, a, 1.0, f)
             if len(laws):
                 _end_of_step(q0, v0, a, h, q, v)
-                _add_faults(loads, laws, turning[i], q, v, f)
+                _add_forces(forces, laws, turn, q, v, memory, f)
             new[:] = 0.0
             _add_product(m.inverse, f, 1.0, new)
             settled = _settled(new, a)
@@ -229,6 +268,7 @@ def _march(
         else:
             return i
         _end_of_step(q0, v0, a, h, q, v)
+        memory[0] = memory[1]
         for k in range(len(watched)):
             seen[i, k, 0], seen[i, k, 1] = q[watched[k]], q[watched[k] + n]
     return -1

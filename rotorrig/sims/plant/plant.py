@@ -4,7 +4,6 @@ Everything random comes from streams of the truth's seed that are drawn in the o
 depend on the seed and on when commands came, never on the size of the steps `advance` is called with.
 """
 
-import itertools
 import math
 
 import numpy as np
@@ -12,9 +11,11 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.plant.faults.base import forces
+from rotorrig.sims.plant.chain import make_chain
+from rotorrig.sims.plant.faults.base import deviated, forces, misread, restructured
 from rotorrig.sims.plant.integrate import ShaftMotion
 from rotorrig.sims.plant.motor import Motor
+from rotorrig.sims.plant.places import sense, sought_bearings
 from rotorrig.sims.plant.sensors import FULL_SCALE_COUNTS, VOLTS_PER_COUNT, Sensors
 from rotorrig.sims.plant.shaft import Rotor, build
 from rotorrig.sims.plant.streams import stream
@@ -36,27 +37,30 @@ class Plant:
         """
         _check_fits(rig, truth)
         self.sample_rate = sample_rate or (rig.daq.sample_rate if rig.daq else DEFAULT_RATE)
-        acting = tuple(force for spec in truth.faults for force in forces(rig, spec.name, spec.parameters))
-        rotor = build(rig, truth, extra=(force.position for force in acting))
+        truth = deviated(rig, truth)
+        acting = forces(rig, truth)
+        plain = build(rig, truth, extra=(coordinate for force in acting for coordinate, _ in force.on))
+        rotor = restructured(rig, truth, plain)
         self._substeps = _substeps(rotor, self.sample_rate)
         step = 1.0 / (self.sample_rate * self._substeps)
-        self._sense = 1.0 if rig.rotation == "x-to-y" else -1.0
-        shaken = _shaken(rig)
-        self._motor = Motor(step=step, hunting=truth.noise.hunting, rng=stream(truth.seed, "hunting"))
+        self._sense = sense(rig)
+        shaken = tuple(bearing.position for bearing in sought_bearings(rig))  # those whose balls rattle
+        hunting = stream(truth.seed, "hunting", run=truth.run)
+        self._motor = Motor(step=step, hunting=truth.noise.hunting, rng=hunting)
         self._shaft = ShaftMotion(
             rotor,
             step=step,
             gravity=_gravity(rig),
             unbalances=tuple(
-                (disk.position, u.amount, self._sense * u.angle)
-                for disk, u in zip(rig.disks, truth.unbalances, strict=True)
+                (rig.disk(u.disk).position, u.amount, self._sense * u.angle) for u in (*truth.unbalances, *truth.trial)
             ),
             random_at=shaken,
-            faults=acting,
+            forces=acting,
             watched=tuple(p.position for p in rig.probes),
         )
-        self._sensors = Sensors(rig, truth, sample_rate=self.sample_rate)
-        self._rattle = stream(truth.seed, "bearing force")
+        chain = misread(rig, truth, make_chain(rig, truth))
+        self._sensors = Sensors(rig, truth, chain, sample_rate=self.sample_rate)
+        self._rattle = stream(truth.seed, "bearing force", run=truth.run)
         # white noise held for a step h has the one-sided density 2 h sigma^2
         self._rattle_rms = truth.noise.bearing_force / math.sqrt(2.0 * step)
         self._shaken = len(shaken)
@@ -117,6 +121,8 @@ class Plant:
 def _check_fits(rig: RigConfig, truth: Truth) -> None:
     probes = {len(truth.probe_gain_factors), len(truth.probe_angle_errors), len(truth.probe_curvatures)}
     disks = [u.disk for u in truth.unbalances]
+    if stray := {u.disk for u in truth.trial}.difference(d.name for d in rig.disks):
+        raise DataError(f"truth of seed {truth.seed}: has a trial mass on '{min(stray)}', which '{rig.name}' has not")
     got = ([b.name for b in truth.bearings], disks, len(truth.disk_mass_factors), probes)
     want = ([b.name for b in rig.bearings], [d.name for d in rig.disks], len(rig.disks), {len(rig.probes)})
     if got != want:
@@ -132,9 +138,3 @@ def _substeps(rotor: Rotor, sample_rate: float) -> int:
 
 def _gravity(rig: RigConfig) -> tuple[float, float]:
     return {"-x": (-GRAVITY, 0.0), "-y": (0.0, -GRAVITY), "none": (0.0, 0.0)}[rig.gravity]
-
-
-def _shaken(rig: RigConfig) -> tuple[float, ...]:
-    """Return the places of the bearings whose balls rattle: the identified ones, else all."""
-    names = itertools.chain(*rig.identify.bearings) if rig.identify else (b.name for b in rig.bearings)
-    return tuple(rig.bearing(name).position for name in names)

@@ -1,29 +1,21 @@
-"""From shaft motion to ADC counts: run-out, gap, the probes' and the keyphasor's volts, noise, hum, converter.
-
-A probe sees the shaft come nearer, x cos a + y sin a, plus the track of the surface under it. Tracks belong to a plane:
-two probes at one place see the same one, shifted by their angle, plus a little electrical run-out of their own.
-"""
+"""From shaft motion to ADC counts: the probes' and the keyphasor's volts, noise, converter."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from rotorrig.rig.description import RigConfig
-from rotorrig.sims.plant.shaft import SAME_PLACE
+from rotorrig.sims.plant.chain import Chain
+from rotorrig.sims.plant.latency import Latency
 from rotorrig.sims.plant.streams import stream
 from rotorrig.sims.plant.truth import Truth
 
 FULL_SCALE_COUNTS = 32768  # 16 bit
 VOLTS_PER_COUNT = 24.0 / FULL_SCALE_COUNTS  # +-24 V covers a proximity probe's supply
 
-HARMONICS = 5  # of the run-out track
-FIRST_RUNOUT = (2e-6, 5e-6)  # m, 0-peak at 1X, ground steel; harmonic n has 1/n of it, give or take a half
-ELECTRICAL_RUNOUT = 2e-7  # m, 0-peak per harmonic and probe: magnetic spots seen by one probe alone
 BENT_AT = 3e-4  # m from the gap voltage, where the scale factor's curvature is stated
-MAINS = 50.0  # Hz
 IDLE_NOISE = 5e-4  # V rms of a channel with a shorting plug
 
 NOTCH = math.radians(20.0)  # angle of the keyphasor notch
@@ -31,38 +23,33 @@ NOTCH_EDGE = math.radians(2.0)  # the probe tip's width against the notch's edge
 SURFACE_VOLTS, NOTCH_VOLTS = -10.0, -16.0  # over the shaft, over the bottom of the notch
 
 
-class _Probes(NamedTuple):
-    """What the probes are, one row each, in the config's order."""
-
-    channel: NDArray[np.intp]  # (probe,)
-    direction: NDArray[np.float64]  # (probe, 2) cosine and sine of the true angle
-    track: NDArray[np.complex128]  # (probe, harmonic) m, run-out Re(track e^{j n theta})
-    curvature: NDArray[np.float64]  # (probe, 2) see `bent`
-    volts_per_metre: NDArray[np.float64]  # (probe,)
-    gap_voltage: NDArray[np.float64]  # (probe,)
-
-
 class Sensors:
     """All channels of the DAQ: fed the motion at the probes' places, it gives counts."""
 
-    def __init__(self, rig: RigConfig, truth: Truth, *, sample_rate: float) -> None:
-        self._probes = _make_probes(rig, truth)
+    def __init__(self, rig: RigConfig, truth: Truth, chain: Chain, *, sample_rate: float) -> None:
+        self._chain = chain
         self._keyphasor = _make_keyphasor(rig, truth)
         taken = [p.channel for p in rig.probes] + ([rig.keyphasor.channel] if rig.keyphasor else [])
         self.channels = max(taken) + 1
         self._rms = np.full(self.channels, IDLE_NOISE if truth.noise.probe else 0.0)
-        self._rms[self._probes.channel] = truth.noise.probe
+        self._rms[chain.channel] = truth.noise.probe
         if rig.keyphasor:
             self._rms[rig.keyphasor.channel] = truth.noise.keyphasor
-        self._rng = stream(truth.seed, "sensor noise")
-        phase = float(stream(truth.seed, "mains").uniform(0.0, math.tau))
-        self._hum = (truth.noise.hum, math.tau * MAINS / sample_rate, phase)
-        self._taken = 0  # samples so far: the mains' clock
+        self._rng = stream(truth.seed, "sensor noise", run=truth.run)
+        self._per_sample = math.tau / sample_rate
+        self._latency = Latency(chain.delay, sample_rate=sample_rate) if chain.delay.any() else None
+        self._mixed = not np.array_equal(chain.mixing, np.eye(len(chain.mixing)))
+        self._taken = 0  # samples so far: the tones' clock
 
     def counts(self, at_probes: NDArray[np.float64], theta: NDArray[np.float64]) -> NDArray[np.int32]:
         """Return counts (sample, channel) for deflections (sample, probe, 2) [m] and shaft angles (sample,) [rad]."""
         volts = self._rng.standard_normal((len(theta), self.channels)) * self._rms
-        _add_probes(at_probes, theta, self._taken, self._hum, self._probes, volts)
+        near = _approach(at_probes, theta, self._per_sample * (self._taken + np.arange(len(theta))), self._chain)
+        if self._mixed:
+            near = _mixed(near, self._chain.mixing)
+        if self._latency:
+            near = self._latency.through(near)
+        _add_probes(near, self._chain, volts)
         _add_keyphasor(theta, self._keyphasor, volts)
         self._taken += len(theta)
         return digitised(volts)
@@ -107,21 +94,41 @@ def digitised(volts: NDArray[np.float64]) -> NDArray[np.int32]:
 
 
 @njit(cache=True)
-def _add_probes(
-    at_probes: NDArray, theta: NDArray, taken: int, hum: tuple[float, float, float], probes: _Probes, volts: NDArray
-) -> None:
-    amplitude, turn_per_sample, phase = hum
+def _approach(at_probes: NDArray, theta: NDArray, clock: NDArray, chain: Chain) -> NDArray:
+    """Return how far the surface is towards each probe (sample, probe) [m]; `clock` in rad per hertz of a tone."""
+    near = np.empty((len(theta), len(chain.channel)))
     for i in range(len(theta)):
         turn = complex(math.cos(theta[i]), math.sin(theta[i]))
-        mains = amplitude * math.cos(turn_per_sample * (taken + i) + phase)
-        for p in range(len(probes.channel)):
-            near = at_probes[i, p, 0] * probes.direction[p, 0] + at_probes[i, p, 1] * probes.direction[p, 1] + mains
+        tones = 0.0
+        for k in range(len(chain.tones)):
+            tones += chain.tones[k, 0] * math.cos(chain.tones[k, 1] * clock[i] + chain.tones[k, 2])
+        for p in range(len(chain.channel)):
+            towards = at_probes[i, p, 0] * chain.direction[p, 0] + at_probes[i, p, 1] * chain.direction[p, 1] + tones
             power = turn
-            for n in range(probes.track.shape[1]):
-                near += (probes.track[p, n] * power).real
+            for n in range(chain.track.shape[1]):
+                towards += (chain.track[p, n] * power).real
                 power *= turn
-            seen = bent(near, probes.curvature[p, 0], probes.curvature[p, 1])
-            volts[i, probes.channel[p]] += probes.gap_voltage[p] + probes.volts_per_metre[p] * seen
+            near[i, p] = towards
+    return near
+
+
+@njit(cache=True)
+def _mixed(near: NDArray, mixing: NDArray) -> NDArray:
+    """Return what each channel shows of all probes; in loops, as a library's product would depend on the block size."""
+    shown = np.zeros_like(near)
+    for i in range(len(near)):
+        for p in range(near.shape[1]):
+            for other in range(near.shape[1]):
+                shown[i, p] += mixing[p, other] * near[i, other]
+    return shown
+
+
+@njit(cache=True)
+def _add_probes(near: NDArray, chain: Chain, volts: NDArray) -> None:
+    for i in range(len(near)):
+        for p in range(len(chain.channel)):
+            seen = bent(near[i, p], chain.curvature[p, 0], chain.curvature[p, 1])
+            volts[i, chain.channel[p]] += chain.gap_voltage[p] + chain.volts_per_metre[p] * seen
 
 
 @njit(cache=True)
@@ -132,18 +139,6 @@ def _add_keyphasor(theta: NDArray, keyphasor: tuple[int, float], volts: NDArray)
             volts[i, channel] += notch(theta[i] - edge)
 
 
-def _make_probes(rig: RigConfig, truth: Truth) -> _Probes:
-    angles = np.array([p.angle for p in rig.probes]) + truth.probe_angle_errors
-    return _Probes(
-        channel=np.array([p.channel for p in rig.probes]),
-        direction=np.stack([np.cos(angles), np.sin(angles)], axis=1),
-        track=_tracks(rig, truth, angles),
-        curvature=np.array(truth.probe_curvatures),
-        volts_per_metre=np.array([p.sensitivity for p in rig.probes]) * truth.probe_gain_factors,
-        gap_voltage=np.array([p.gap_voltage for p in rig.probes]),
-    )
-
-
 def _make_keyphasor(rig: RigConfig, truth: Truth) -> tuple[int, float]:
     """Return channel (-1: none) and the shaft angle [rad] of the notch's falling edge."""
     if rig.keyphasor is None:
@@ -151,25 +146,3 @@ def _make_keyphasor(rig: RigConfig, truth: Truth) -> tuple[int, float]:
     # the rising edge follows the falling one by the notch's width
     late = 0.0 if rig.keyphasor.edge == "falling" else NOTCH
     return rig.keyphasor.channel, truth.keyphasor_offset - late
-
-
-def _tracks(rig: RigConfig, truth: Truth, angles: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """Return each probe's run-out phasors (probe, harmonic) [m].
-
-    A pattern fixed to the surface reaches a probe at angle a, in the sense of rotation, that much later:
-    harmonic n turns by -n a.
-    """
-    if truth.runout_seed is None:
-        return np.zeros((len(angles), HARMONICS), complex)
-    n = np.arange(1, HARMONICS + 1)
-    sense = 1.0 if rig.rotation == "x-to-y" else -1.0
-    rows = []
-    for i, probe in enumerate(rig.probes):
-        plane = next(k for k, p in enumerate(rig.probes) if abs(p.position - probe.position) < SAME_PLACE)
-        surface = stream(truth.runout_seed, f"track {plane}")
-        first = surface.uniform(*FIRST_RUNOUT)
-        size = first / n * np.where(n == 1, 1.0, surface.uniform(0.5, 1.5, HARMONICS))
-        pattern = size * np.exp(1j * surface.uniform(0.0, math.tau, HARMONICS))
-        spots = stream(truth.runout_seed, f"electrical {i}").uniform(0.0, math.tau, HARMONICS)
-        rows.append(pattern * np.exp(-1j * sense * n * angles[i]) + ELECTRICAL_RUNOUT * np.exp(1j * spots))
-    return np.array(rows)

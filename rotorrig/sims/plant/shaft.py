@@ -8,17 +8,18 @@ station and the slope at every disk as coordinates, which forces may act on, plu
 
 import itertools
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
 
 from rotorrig.rig.description import RigConfig
+from rotorrig.sims.plant.force_laws import Coordinate, Deflection, Slope
+from rotorrig.sims.plant.places import SAME_PLACE
 from rotorrig.sims.plant.truth import Truth
 
 LONGEST_ELEMENT = 0.031  # m; the first critical speed is converged to 1e-8
-SAME_PLACE = 1e-6  # m; stations nearer than this are one
 FIXED_MODES = 4  # fixed-interface modes kept; the first critical speed is then 3e-6 too high
 MATERIAL_DAMPING = 3e-6  # s, stress = E (strain + this * strain rate): steel, damping ratio 0.03 % at 233 rad/s
 
@@ -36,8 +37,10 @@ class Rotor:
     K: NDArray[np.float64]  # (2n, 2n) bearings and shaft
     G: NDArray[np.float64]  # (n, n) polar inertia, one plane
     D: NDArray[np.float64]  # (n, n) material damping, one plane
+    shaft: NDArray[np.float64]  # (n, n) stiffness of the shaft alone, one plane
     weight: NDArray[np.float64]  # (n,) force of a unit acceleration of the ground, kg
     stations: tuple[float, ...]  # m, place of coordinate i for i < len(stations)
+    slopes: tuple[float, ...]  # m, places of the coordinates that follow
 
     @property
     def n(self) -> int:
@@ -49,6 +52,40 @@ class Rotor:
         nearest = _nearest(self.stations, position)
         assert abs(self.stations[nearest] - position) <= SAME_PLACE, f"no station at {position} m"
         return nearest
+
+    def slope(self, position: float) -> int:
+        """Return the coordinate of the slope at `position` [m], which must be kept."""
+        nearest = _nearest(self.slopes, position)
+        assert abs(self.slopes[nearest] - position) <= SAME_PLACE, f"no slope kept at {position} m"
+        return len(self.stations) + nearest
+
+    def coordinate(self, of: Coordinate) -> int:
+        """Return the coordinate of a deflection or slope, which must be kept."""
+        return self.station(of.position) if isinstance(of, Deflection) else self.slope(of.position)
+
+    def widened(self) -> "Rotor":
+        """Return a rotor with one more coordinate in each plane, behind the others, yet without mass or spring."""
+        n = self.n
+        old = np.r_[0:n, n + 1 : 2 * n + 1]
+
+        def both(A: NDArray[np.float64]) -> NDArray[np.float64]:
+            wide = np.zeros((2 * n + 2, 2 * n + 2))
+            wide[np.ix_(old, old)] = A
+            return wide
+
+        def one(A: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.pad(A, (0, 1))
+
+        return replace(
+            self,
+            M=both(self.M),
+            C=both(self.C),
+            K=both(self.K),
+            G=one(self.G),
+            D=one(self.D),
+            shaft=one(self.shaft),
+            weight=one(self.weight),
+        )
 
     def static_sag(self, gravity: tuple[float, float]) -> NDArray[np.float64]:
         """Return q (2n,) at rest under `gravity`, the acceleration (x, y) in m/s^2."""
@@ -67,14 +104,16 @@ class Rotor:
         return 1.0 / np.sqrt(inverse_squares)
 
 
-def build(rig: RigConfig, truth: Truth, *, extra: Iterable[float] = ()) -> Rotor:
-    """Return the rotor of `rig` with the deviations of `truth`; `extra` places [m] become stations too."""
+def build(rig: RigConfig, truth: Truth, *, extra: Iterable[Coordinate] = ()) -> Rotor:
+    """Return the rotor of `rig` with the deviations of `truth`; `extra` coordinates are kept too."""
+    extra = tuple(extra)
     disks = [d.position for d in rig.disks]
-    places = [0.0, *disks, *(b.position for b in rig.bearings), *(p.position for p in rig.probes), *extra]
-    stations = _merged(places)
-    z = _mesh([*stations, *(tube.start for tube in rig.shaft.tubes)], rig.shaft.length)
+    places = [0.0, *disks, *(b.position for b in rig.bearings), *(p.position for p in rig.probes)]
+    stations = _merged([*places, *(c.position for c in extra if isinstance(c, Deflection))])
+    slopes = _merged([*disks, *(c.position for c in extra if isinstance(c, Slope))])
+    z = _mesh([*stations, *slopes, *(tube.start for tube in rig.shaft.tubes)], rig.shaft.length)
     M, G, Ks = _free_rotor(rig, truth, z)
-    kept = [2 * _nearest(z, s) for s in stations] + [2 * _nearest(z, d) + 1 for d in _merged(disks)]
+    kept = [2 * _nearest(z, s) for s in stations] + [2 * _nearest(z, s) + 1 for s in slopes]
     T = _craig_bampton(M, Ks, kept)
     translation = np.zeros(len(M))
     translation[::2] = 1.0
@@ -87,8 +126,10 @@ def build(rig: RigConfig, truth: Truth, *, extra: Iterable[float] = ()) -> Rotor
         K=linalg.block_diag(K_r, K_r) + K_b,
         G=G_r,
         D=D,
+        shaft=K_r,
         weight=weight,
         stations=tuple(stations),
+        slopes=tuple(slopes),
     )
 
 

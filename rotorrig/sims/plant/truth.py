@@ -6,7 +6,7 @@ a scorer after a diagnosis has been written.
 
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
@@ -15,10 +15,10 @@ import numpy as np
 
 from rotorrig.rig.description import Bearing, Disk, RigConfig
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.sims.plant.faults.base import check
+from rotorrig.sims.plant.faults.base import check, deviated, fault
 from rotorrig.sims.plant.streams import stream
 
-SCHEMA = "rotorrig.plant.truth/1"
+SCHEMA = "rotorrig.plant.truth/2"
 
 # Uniform within +-, relative to the nameplate: what nobody knows of a bearing before a test.
 STIFFNESS_TOLERANCE = 0.05
@@ -102,11 +102,23 @@ class Truth:
     runout_seed: int | None  # None: shafts perfectly round
     noise: Noise
     faults: tuple[FaultSpec, ...] = ()
+    trial: tuple[UnbalanceTruth, ...] = ()  # put on for this run
+    run: int = 0  # tells the noise of one run of a rig from the next one's
 
 
-def draw(rig: RigConfig, *, seed: int, faults: Iterable[FaultSpec] = ()) -> Truth:
+def draw(
+    rig: RigConfig,
+    *,
+    seed: int,
+    faults: Iterable[FaultSpec] = (),
+    trial: Mapping[str, tuple[float, float]] | None = None,
+    run: int = 0,
+) -> Truth:
     """Return the rig of that seed: the nameplate within its tolerances. Raises DataError on an unknown fault.
 
+    `trial` masses, disk -> (kg m, rad), are put where the disk is marked: their angle is the shaft's, from angle zero
+    in the sense of rotation, and not from the keyphasor's edge, which is off by its hidden offset. Another `run` is
+    the same rig with another noise. Raises DataError too on a trial mass for no disk and on a negative run.
     Raises ConfigError on a rigid bearing, coefficients over speed, or shaft damping, which is the simulated rig's own.
     """
     _check_can_be_simulated(rig)
@@ -129,7 +141,19 @@ def draw(rig: RigConfig, *, seed: int, faults: Iterable[FaultSpec] = ()) -> Trut
         runout_seed=seed,
         noise=Noise(),
         faults=_checked(faults),
+        trial=_trial(rig, trial or {}),
+        run=_run_number(run),
     )
+
+
+def draw_fault(rig: RigConfig, name: str, *, seed: int) -> FaultSpec:
+    """Return fault `name` at the size a blind case of that seed has it. Raises DataError on an unknown fault.
+
+    Each parameter with a range comes from it, by its own stream; the others keep their default.
+    """
+    check(name, {})
+    spans = fault(name).RANGE
+    return FaultSpec(name=name, parameters={p: s.draw(rig, stream(seed, f"{name} {p}")) for p, s in spans.items()})
 
 
 def nameplate(rig: RigConfig, *, seed: int = 0, faults: Iterable[FaultSpec] = ()) -> Truth:
@@ -165,10 +189,12 @@ def identified_truth(rig: RigConfig, truth: Truth) -> dict[str, float]:
     """Return what a perfect fit of the config's [identify] table would find, SI: "kxx".. "u", "phase" by name.
 
     A phase [rad, -pi to pi] is the unbalance's angle from the emitted keyphasor edge, in the sense of rotation; a
-    plane that is no disk has no unbalance here. Raises DataError if the config has no [identify] table.
+    plane that is no disk has no unbalance here, and a trial mass, which is known, is left out. Raises DataError if the
+    config has no [identify] table.
     """
     if (sought := rig.identify) is None:
         raise DataError(f"config '{rig.name}': has no [identify] table, want one to know what is to be found")
+    truth = deviated(rig, truth)
     found = {}
     bearings = {bearing.name: bearing for bearing in truth.bearings}
     for group in sought.bearings:
@@ -224,6 +250,20 @@ def _check_can_be_simulated(rig: RigConfig) -> None:
         raise ConfigError(f"{rig.name}: the shaft has damping, want none to simulate the rig, which brings its own")
 
 
+def _trial(rig: RigConfig, masses: Mapping[str, tuple[float, float]]) -> tuple[UnbalanceTruth, ...]:
+    disks = [disk.name for disk in rig.disks]
+    for name in masses:
+        if name not in disks:
+            raise DataError(f"trial mass on '{name}': '{rig.name}' has no such disk, want one of {disks}")
+    return tuple(UnbalanceTruth(disk=name, amount=amount, angle=angle) for name, (amount, angle) in masses.items())
+
+
+def _run_number(run: int) -> int:
+    if run < 0:
+        raise DataError(f"run {run}: want a number from 0 on")
+    return run
+
+
 def _draw_bearings(rig: RigConfig, seed: int) -> tuple[BearingTruth, ...]:
     """Draw each bearing by itself, but those identified as one set with common factors: they are alike."""
     sets = rig.identify.bearings if rig.identify else ()
@@ -266,8 +306,8 @@ def _clipped(seed: int, name: str, sigma: float) -> float:
 
 def _checked(faults: Iterable[FaultSpec]) -> tuple[FaultSpec, ...]:
     kept = tuple(faults)
-    for fault in kept:
-        check(fault.name, fault.parameters)
+    for spec in kept:
+        check(spec.name, spec.parameters)
     return kept
 
 

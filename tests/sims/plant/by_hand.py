@@ -3,9 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.sims.plant.plant import Plant
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.plant.faults.base import deviated, forces, restructured
+from rotorrig.sims.plant.force_laws import Force, Motion, Turn
+from rotorrig.sims.plant.integrate import ShaftMotion
+from rotorrig.sims.plant.plant import GRAVITY, Plant
+from rotorrig.sims.plant.shaft import build
+from rotorrig.sims.plant.truth import FaultSpec, nameplate
 
 RPM = np.pi / 30  # rad/s
+H = 1e-4  # s, step of the motions below
 
 
 def falling_edges(volts: NDArray[np.float64], *, level: float = -13.0) -> NDArray[np.float64]:
@@ -34,3 +41,106 @@ def volts_of(plant: Plant, t: float) -> NDArray[np.float64]:
 def measured(plant: Plant, t: float, *, order: int = 1) -> NDArray[np.complex128]:
     """Return the order phasors (probe,) [m] of the next `t` seconds, sensitivities as on the nameplate."""
     return order_phasors(volts_of(plant, t), order=order) / 7874.0
+
+
+def run_to(plant: Plant, rpm: float, *, rate: float = 500.0, settle: float = 3.0) -> Plant:
+    """Bring `plant` from the speed it has to another at `rate` [rad/s^2] and let it settle."""
+    plant.command(rpm * RPM, rate, True)
+    plant.advance(plant.t + abs(rpm * RPM - plant.speed) / rate + settle)
+    return plant
+
+
+def steady(
+    rig: RigConfig,
+    name: str | None,
+    values: dict[str, float],
+    *,
+    rpm: float,
+    order: int = 1,
+    also: tuple[str, dict[str, float]] | None = None,
+) -> NDArray[np.complex128]:
+    """Return the order phasors (probe,) [m] of the nameplate rig with a fault, and `also` another, at one speed."""
+    chosen = [pair for pair in ((name, values), also) if pair and pair[0]]
+    faults = [FaultSpec(name=n, parameters=v) for n, v in chosen]
+    plant = run_to(Plant(rig, nameplate(rig, faults=faults)), rpm)
+    return measured(plant, max(1.0, 330 / rpm), order=order)
+
+
+def difference(
+    rig: RigConfig, name: str, values: dict[str, float], *, rpm: float, order: int = 1
+) -> NDArray[np.complex128]:
+    """Return by how much a fault moves the order phasors (probe,) [m] at a steady speed."""
+    return steady(rig, name, values, rpm=rpm, order=order) - steady(rig, None, {}, rpm=rpm, order=order)
+
+
+def felt(
+    force: Force, *, x: float = 0.0, y: float = 0.0, angle: float = 0.0, omega: float = 100.0
+) -> tuple[float, float]:
+    """Return fx, fy of a force law at a deflection, with nothing to remember yet."""
+    turn, motion = Turn(0.0, angle, omega, 0.0, H), Motion(x, y, 0.0, 0.0)
+    return force.law(turn, motion, np.array(force.constants), np.zeros(force.memory), np.zeros(force.memory))
+
+
+def free_motion(rig: RigConfig, name: str, values: dict[str, float], *, gravity: tuple[float, float]) -> ShaftMotion:
+    """Return the shaft of the nameplate rig with a fault, without unbalance, watched at its first disk."""
+    truth = deviated(rig, nameplate(rig, faults=[FaultSpec(name=name, parameters=values)]))
+    acting = forces(rig, truth)
+    plain = build(rig, truth, extra=[c for force in acting for c, _ in force.on])
+    rotor = restructured(rig, truth, plain)
+    return ShaftMotion(rotor, step=H, gravity=gravity, forces=acting, watched=(rig.disks[0].position,))
+
+
+def settled(rig: RigConfig, name: str, values: dict[str, float]) -> tuple[float, float]:
+    """Return where the disk of a shaft that does not turn comes to rest under its weight, x and y [m]."""
+    gravity = {"-x": (-GRAVITY, 0.0), "-y": (0.0, -GRAVITY), "none": (0.0, 0.0)}[rig.gravity]
+    still = np.zeros(15_000)
+    x, y = free_motion(rig, name, values, gravity=gravity).run(still, still, still)[-1, 0]
+    return float(x), float(y)
+
+
+def growth(rig: RigConfig, name: str, values: dict[str, float], *, omega: float, forward: bool) -> float:
+    """Return the rate [1/s] at which a forward or backward whirl of the disk grows at a steady speed.
+
+    It starts on a circle; of x + j y = z, the part that whirls forward is (z - j z' / w) / 2, backward with plus.
+    """
+    motion = free_motion(rig, name, values, gravity=(0.0, 0.0))
+    shape = 1e-5 * _first_shape(rig)
+    w = np.sqrt(73.631e3)
+    motion.state[0, : len(shape)] = shape
+    motion.state[1, len(shape) :] = (1.0 if forward else -1.0) * w * shape
+    motion.state[2, : len(shape)] = -(w**2) * shape
+    steps = np.arange(1, 2001)
+    seen = motion.run(omega * H * steps, np.full(2000, omega), np.zeros(2000))[:, 0]
+    z = seen[:, 0] + 1j * seen[:, 1]
+    r = np.abs(z - (1j if forward else -1j) * np.gradient(z, H) / w)[100:2000]
+    return float(np.polyfit(H * steps[100:2000], np.log(r), 1)[0])
+
+
+def ring_down(
+    rig: RigConfig, name: str, values: dict[str, float], *, amplitude: float, seconds: float
+) -> NDArray[np.float64]:
+    """Return x (step,) of the disk of a shaft without its damper, let go at `amplitude` [m]."""
+    damper = rig.bearings[2].model_copy(update={"cxx": 0.0, "cyy": 0.0})
+    rig = rig.model_copy(update={"bearings": (*rig.bearings[:2], damper)})
+    motion = free_motion(rig, name, values, gravity=(0.0, 0.0))
+    shape = _first_shape(rig)
+    motion.state[0, : len(shape)] = amplitude * shape
+    motion.state[2, : len(shape)] = -73.631e3 * amplitude * shape
+    steps = round(seconds / H)
+    return motion.run(np.zeros(steps), np.zeros(steps), np.zeros(steps))[:, 0, 0]
+
+
+def upward_crossings(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the times [s] at which x (step,) crosses zero upwards."""
+    up = np.flatnonzero((x[:-1] < 0) & (x[1:] >= 0))
+    return H * (up - x[up] / (x[up + 1] - x[up]))
+
+
+def _first_shape(rig: RigConfig) -> NDArray[np.float64]:
+    """Return the shaft's shape under a force at the disk, 1 at the disk, in the coordinates of one plane."""
+    rotor = build(rig, nameplate(rig))
+    force = np.zeros(2 * rotor.n)
+    disk = rotor.station(rig.disks[0].position)
+    force[disk] = 1.0
+    shape = np.linalg.solve(rotor.K, force)[: rotor.n]
+    return shape / shape[disk]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.plant.faults.base import PointForce, law
+from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.integrate import ShaftMotion
 from rotorrig.sims.plant.shaft import MATERIAL_DAMPING, Rotor, build
 from rotorrig.sims.plant.truth import nameplate
@@ -121,8 +121,8 @@ def test_gyroscopic_and_rotating_damping_terms_agree_with_the_frequency_domain(r
 
 
 @law
-def spring(angle: float, omega: float, x: float, y: float, vx: float, vy: float, p: NDArray) -> tuple[float, float]:
-    return -p[0] * x, -p[0] * y - p[1] * vy
+def spring(turn: Turn, motion: Motion, p: NDArray, before: NDArray, after: NDArray) -> tuple[float, float]:
+    return -p[0] * motion.x, -p[0] * motion.y - p[1] * motion.vy
 
 
 def test_a_spring_as_a_force_law_moves_the_shaft_as_a_bearing_of_that_stiffness(jeffcott: RigConfig) -> None:
@@ -131,17 +131,17 @@ def test_a_spring_as_a_force_law_moves_the_shaft_as_a_bearing_of_that_stiffness(
     rig = jeffcott.model_copy(update={"bearings": (*jeffcott.bearings[:2], sprung)})
     load = {"step": H, "unbalances": ((0.2, 20e-6, 0.0),), "watched": (0.2,)}
     as_bearing = ShaftMotion(build(rig, nameplate(rig)), **load)
-    force = PointForce(position=0.2, law=spring, constants=(2e4, 10.0))
-    as_law = ShaftMotion(build(jeffcott, nameplate(jeffcott)), faults=(force,), **load)
+    force = Force(on=at(0.2), law=spring, constants=(2e4, 10.0))
+    as_law = ShaftMotion(build(jeffcott, nameplate(jeffcott)), forces=(force,), **load)
     a, b = (motion.run(*turning(300.0, 5000)) for motion in (as_bearing, as_law))
     assert np.abs(a - b).max() < 1e-4 * np.abs(a).max()
 
 
 def test_a_force_too_stiff_for_the_step_is_refused_rather_than_wrong(jeffcott: RigConfig) -> None:
     """Iterating a spring k on mass m converges while (h / 2)^2 k / m < 1: here it is 25."""
-    wall = PointForce(position=0.2, law=spring, constants=(1e10, 0.0))
+    wall = Force(on=at(0.2), law=spring, constants=(1e10, 0.0))
     unbalance = ((0.2, 20e-6, 0.0),)
-    motion = ShaftMotion(build(jeffcott, nameplate(jeffcott)), step=H, unbalances=unbalance, faults=(wall,))
+    motion = ShaftMotion(build(jeffcott, nameplate(jeffcott)), step=H, unbalances=unbalance, forces=(wall,))
     with pytest.raises(DataError, match="did not settle in 50 iterations of a 100 us step, want a softer fault"):
         motion.run(*turning(300.0, 100))
 

@@ -111,6 +111,28 @@ def test_doubling_the_unbalance_doubles_the_vibration(rk4: RigConfig) -> None:
     assert two == pytest.approx(2 * one, rel=2e-3)
 
 
+def test_a_trial_mass_adds_the_whirl_of_its_own_unbalance(rk4: RigConfig) -> None:
+    """Twice the disk's own unbalance at its own angle is three times the vibration."""
+    bare = replace(draw(rk4, seed=8), noise=Noise.none(), runout_seed=None)
+    own = bare.unbalances[0]
+    loaded = replace(bare, trial=(replace(own, amount=2 * own.amount),))
+    one, three = (measured(turning(Plant(rk4, truth), 1500), 2.0) for truth in (bare, loaded))
+    assert three == pytest.approx(3 * one, rel=5e-3)
+
+
+def test_another_run_is_the_same_rig_with_other_noise(rk4: RigConfig) -> None:
+    first, second = (turning(Plant(rk4, draw(rk4, seed=8, run=run)), 600) for run in (0, 1))
+    z = [measured(plant, 4.0) for plant in (first, second)]
+    assert z[0] == pytest.approx(z[1], abs=0.25e-6)
+    assert np.count_nonzero(first.advance(first.t + 0.1) != second.advance(second.t + 0.1)) > 1000
+
+
+def test_a_trial_mass_for_a_disk_of_another_rig_is_refused(rk4: RigConfig) -> None:
+    plain = nameplate(rk4)
+    with pytest.raises(DataError, match=r"has a trial mass on 'rim', which 'RK4 with spring bearing .* has not"):
+        Plant(rk4, replace(plain, trial=(replace(plain.unbalances[0], disk="rim"),)))
+
+
 def test_the_keyphasor_falls_once_per_turn_at_the_true_speed(rk4: RigConfig) -> None:
     plant = turning(Plant(rk4, nameplate(rk4)), 1200)
     edges = falling_edges(volts_of(plant, 2.0)[:, 4])

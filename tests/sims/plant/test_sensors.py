@@ -6,6 +6,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.rig.description import RigConfig
+from rotorrig.sims.plant.chain import make_chain
 from rotorrig.sims.plant.sensors import VOLTS_PER_COUNT, Sensors, bent
 from rotorrig.sims.plant.truth import Noise, Truth, nameplate
 
@@ -14,7 +15,7 @@ SENSITIVITY = 7874.0  # V/m
 
 
 def volts(rig: RigConfig, truth: Truth, motion: NDArray[np.float64], theta: NDArray[np.float64]) -> NDArray[np.float64]:
-    return Sensors(rig, truth, sample_rate=RATE).counts(motion, theta) * VOLTS_PER_COUNT
+    return Sensors(rig, truth, make_chain(rig, truth), sample_rate=RATE).counts(motion, theta) * VOLTS_PER_COUNT
 
 
 def still(rig: RigConfig, samples: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -117,6 +118,7 @@ def test_a_channel_without_a_probe_carries_a_little_noise_about_zero(jeffcott: R
 def test_a_gap_beyond_the_converter_is_clipped_at_its_last_count(rk4: RigConfig) -> None:
     motion, theta = still(rk4, 2)
     motion[0, 0, 0], motion[1, 0, 0] = 5e-3, -5e-3
-    counts = Sensors(rk4, nameplate(rk4), sample_rate=RATE).counts(motion, theta)
+    silent = nameplate(rk4)
+    counts = Sensors(rk4, silent, make_chain(rk4, silent), sample_rate=RATE).counts(motion, theta)
     assert counts[:, 0].tolist() == [32767, -32768]
     assert counts.dtype == np.int32

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.sims.plant.force_laws import Deflection
 from rotorrig.sims.plant.plant import GRAVITY
 from rotorrig.sims.plant.shaft import build
 from rotorrig.sims.plant.truth import nameplate
@@ -28,7 +29,7 @@ def test_a_force_at_midspan_bends_a_simply_supported_shaft_by_f_l3_over_48_e_i(j
 
 def test_a_force_off_midspan_bends_the_shaft_there_by_f_a2_b2_over_3_e_i_l(jeffcott: RigConfig) -> None:
     a, b = 0.13, 0.27
-    rotor = build(jeffcott, nameplate(jeffcott), extra=[a])
+    rotor = build(jeffcott, nameplate(jeffcott), extra=[Deflection(a)])
     force = np.zeros(2 * rotor.n)
     force[rotor.n + rotor.station(a)] = 10.0
     q = np.linalg.solve(rotor.K, force)

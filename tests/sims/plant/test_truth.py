@@ -57,6 +57,16 @@ def test_the_truth_is_named_as_the_estimates_are(rk4: RigConfig) -> None:
     assert list(found)[-2:] == ["u", "phase"]
 
 
+def test_what_a_fault_makes_of_a_bearing_s_coefficients_is_to_be_found_too(rk4: RigConfig) -> None:
+    assert rk4.identify is not None
+    rig = rk4.model_copy(update={"identify": rk4.identify.model_copy(update={"coefficients": "all"})})
+    turned = FaultSpec(name="cross_stiffness", parameters={"stiffness": 700.0})
+    found = identified_truth(rig, draw(rig, seed=3, faults=[turned]))
+    healthy = identified_truth(rig, draw(rig, seed=3))
+    assert (found["kxy"], found["kyx"]) == (700.0, 700.0)
+    assert found["kxx"] == healthy["kxx"]
+
+
 def test_identified_bearings_share_their_deviation_and_others_do_not(rk4: RigConfig) -> None:
     both = rk4.identify.model_copy(update={"bearings": (("left A", "left B"),)})
     a, b, _ = draw(rk4.model_copy(update={"identify": both}), seed=1).bearings
@@ -97,7 +107,7 @@ def test_a_sealed_truth_comes_back_as_it_was(rk4: RigConfig, tmp_path: Path) -> 
         assert unseal(tmp_path / "sealed.json") == truth
     table = json.loads((tmp_path / "sealed.json").read_text())
     assert table["config_hash"] == rk4.hash
-    assert table["schema"] == "rotorrig.plant.truth/1"
+    assert table["schema"] == "rotorrig.plant.truth/2"
 
 
 @pytest.mark.parametrize(
@@ -107,7 +117,7 @@ def test_a_sealed_truth_comes_back_as_it_was(rk4: RigConfig, tmp_path: Path) -> 
         ("[1, 2]", "holds a JSON list, want a sealed truth of schema"),
         ('{"schema": "rotorrig.fit/1"}', "holds rotorrig.fit/1, want a sealed truth of schema"),
         ("{}", "holds no schema, want"),
-        ('{"schema": "rotorrig.plant.truth/1"}', "is missing"),
+        ('{"schema": "rotorrig.plant.truth/2"}', "is missing"),
     ],
 )
 def test_a_file_that_holds_no_truth_is_refused_in_one_sentence(tmp_path: Path, text: str, said: str) -> None:
@@ -148,6 +158,22 @@ def test_a_file_that_is_not_there_or_cannot_be_written_is_told(rk4: RigConfig, t
         unseal(tmp_path / "none.json")
     with pytest.raises(DataError, match="cannot be written"):
         seal(nameplate(rk4), tmp_path / "none" / "sealed.json")
+
+
+def test_a_run_with_a_trial_mass_is_the_same_rig(rk4: RigConfig, tmp_path: Path) -> None:
+    bare, loaded = draw(rk4, seed=6), draw(rk4, seed=6, trial={"disk": (12e-6, 0.5)}, run=2)
+    assert replace(loaded, trial=(), run=0) == bare
+    (mass,) = loaded.trial
+    assert (mass.disk, mass.amount, mass.angle) == ("disk", 12e-6, 0.5)
+    seal(loaded, tmp_path / "sealed.json")
+    assert unseal(tmp_path / "sealed.json") == loaded
+
+
+def test_a_trial_mass_on_no_disk_or_a_run_before_the_first_is_refused(rk4: RigConfig) -> None:
+    with pytest.raises(DataError, match=r"trial mass on 'rim': .* has no such disk, want one of \['disk'\]"):
+        draw(rk4, seed=1, trial={"rim": (1e-6, 0.0)})
+    with pytest.raises(DataError, match="run -1: want a number from 0 on"):
+        draw(rk4, seed=1, run=-1)
 
 
 def test_an_unknown_fault_or_parameter_is_refused_with_a_hint(rk4: RigConfig) -> None:

@@ -1,49 +1,52 @@
-"""What a fault of the plant is: force laws at places on the shaft, one file per fault in this folder.
+"""What a fault of the plant is: one file in this folder, written from the physics of the fault alone.
 
-A fault's module holds `PARAMETERS` (name -> default, SI) and `forces(rig, values)`; dropping a file in here is all it
-takes. The laws come from the physics of the fault, never from the model a fit uses for it.
+A fault's module holds `PARAMETERS` (name -> default, SI), `SIZE` (those of them that are all zero if there is no
+fault), `RANGE` (where a blind case draws them from; the others keep their default) and any of the hooks of `Fault`.
+Dropping a file in here is all it takes. No hook knows of the model a fit uses for the same thing.
 """
 
 import difflib
 import importlib
 import pkgutil
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, Protocol, cast
-
-from numba import njit, types
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.plant import faults
+from rotorrig.sims.plant.force_laws import Force
+from rotorrig.sims.plant.sizes import Range
 
-#: fx, fy [N] from shaft angle [rad] and speed [rad/s], both signed (x to y positive), the place's deflection x, y [m]
-#: and velocity vx, vy [m/s], and the law's own constants
-LAW = types.UniTuple(types.float64, 2)(*[types.float64] * 6, types.float64[::1])
+if TYPE_CHECKING:  # these modules import this one
+    from rotorrig.sims.plant.chain import Chain
+    from rotorrig.sims.plant.shaft import Rotor
+    from rotorrig.sims.plant.truth import Truth
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PointForce:
-    """A force law acting on the shaft at one place."""
-
-    position: float  # m from the coupling
-    law: Callable[..., tuple[float, float]]  # made by `law`
-    constants: tuple[float, ...]
+Values = Mapping[str, float]  # every parameter of a fault
 
 
 class Fault(Protocol):
-    """What a module in this folder offers."""
+    """What a module in this folder offers; it leaves out the hooks it has no use for."""
 
     PARAMETERS: dict[str, float]
+    SIZE: tuple[str, ...]
+    RANGE: dict[str, Range]
 
-    def forces(self, rig: RigConfig, values: Mapping[str, float]) -> tuple[PointForce, ...]:
-        """Return the forces of the fault on `rig`; `values` holds every parameter."""
+    def deviations(self, rig: RigConfig, truth: "Truth", values: Values) -> "Truth":
+        """Return `truth` with the deviations a truth has words for: a bearing's coefficients, a probe's gain."""
         ...
 
+    def forces(self, rig: RigConfig, truth: "Truth", values: Values) -> tuple[Force, ...]:
+        """Return the fault's force laws; whatever they act on becomes a coordinate of the rotor."""
+        ...
 
-def law(function: Callable[..., tuple[float, float]]) -> Any:
-    """Compile a force law (decorator); the integrator calls it in every iteration of every step."""
-    return njit(LAW, cache=True)(function)
+    def structure(self, rig: RigConfig, truth: "Truth", rotor: "Rotor", values: Values) -> "Rotor":
+        """Return `rotor` with other matrices, or with more coordinates behind its own."""
+        ...
+
+    def sensors(self, rig: RigConfig, chain: "Chain", values: Values) -> "Chain":
+        """Return the sensor `chain` as the fault leaves it."""
+        ...
 
 
 def names() -> list[str]:
@@ -51,25 +54,65 @@ def names() -> list[str]:
     return sorted(m.name for m in pkgutil.iter_modules(faults.__path__) if m.name != "base")
 
 
-def forces(rig: RigConfig, name: str, parameters: Mapping[str, float]) -> tuple[PointForce, ...]:
-    """Return the forces of fault `name` on `rig`, defaults filled in. Raises DataError as `check` does."""
-    check(name, parameters)
-    module = _module(name)
-    return module.forces(rig, module.PARAMETERS | dict(parameters))
-
-
-def check(name: str, parameters: Mapping[str, float]) -> None:
+def check(name: str, parameters: Values) -> None:
     """Raise DataError unless there is a fault of that name with those parameters."""
     if name not in names():
         raise DataError(f"fault '{name}': the plant has none of that name, {_hint(name, names())}")
-    known = sorted(_module(name).PARAMETERS)
+    known = sorted(fault(name).PARAMETERS)
     for parameter in parameters:
         if parameter not in known:
             raise DataError(f"fault '{name}': has no parameter '{parameter}', {_hint(parameter, known)}")
 
 
-def _module(name: str) -> Fault:
+def fault(name: str) -> Fault:
+    """Return the module of that fault."""
     return cast(Fault, importlib.import_module(f"{faults.__name__}.{name}"))
+
+
+def deviated(rig: RigConfig, truth: "Truth") -> "Truth":
+    """Return `truth` with what its faults change of it. Raises DataError as `check` does."""
+    for _, hook, values in _hooks(truth, "deviations"):
+        truth = hook(rig, truth, values)
+    return truth
+
+
+def forces(rig: RigConfig, truth: "Truth") -> tuple[Force, ...]:
+    """Return the force laws of all faults of `truth`. Raises DataError as `check`, and on a place off the shaft."""
+    acting: list[Force] = []
+    for name, hook, values in _hooks(truth, "forces"):
+        own = hook(rig, truth, values)
+        for coordinate, _ in (pair for force in own for pair in force.on):
+            if not 0.0 <= coordinate.position <= rig.shaft.length:
+                raise DataError(
+                    f"fault '{name}': acts at {coordinate.position * 1e3:g} mm, "
+                    f"want it on the shaft, 0 to {rig.shaft.length * 1e3:g} mm"
+                )
+        acting += own
+    return tuple(acting)
+
+
+def restructured(rig: RigConfig, truth: "Truth", rotor: "Rotor") -> "Rotor":
+    """Return `rotor` with what the faults of `truth` change of its matrices."""
+    for _, hook, values in _hooks(truth, "structure"):
+        rotor = hook(rig, truth, rotor, values)
+    return rotor
+
+
+def misread(rig: RigConfig, truth: "Truth", chain: "Chain") -> "Chain":
+    """Return the sensor `chain` with what the faults of `truth` change of it."""
+    for _, hook, values in _hooks(truth, "sensors"):
+        chain = hook(rig, chain, values)
+    return chain
+
+
+def _hooks(truth: "Truth", hook: str) -> Iterator[tuple[str, Any, dict[str, float]]]:
+    """Yield name, hook and values of every fault that is there and has that hook."""
+    for spec in truth.faults:
+        check(spec.name, spec.parameters)
+        module = fault(spec.name)
+        values = module.PARAMETERS | spec.parameters
+        if hasattr(module, hook) and any(values[size] for size in module.SIZE):
+            yield spec.name, getattr(module, hook), values
 
 
 def _hint(name: str, known: list[str]) -> str:

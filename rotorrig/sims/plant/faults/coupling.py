@@ -9,12 +9,15 @@ of no nameplate and is left out.
 """
 
 import math
-from collections.abc import Mapping
 
 from numpy.typing import NDArray
 
 from rotorrig.rig.description import RigConfig
-from rotorrig.sims.plant.faults.base import PointForce, law
+from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
+from rotorrig.sims.plant.places import sense
+from rotorrig.sims.plant.sizes import ANY_PHASE, LogUniform, Uniform
+from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {
     "bore_force": 0.3,  # N, eccentricity of the bore times stiffness of the coupling: 60 um at 5 kN/m
@@ -24,29 +27,37 @@ PARAMETERS: dict[str, float] = {
     "stiffness_variation": 3000.0,  # N/m; with the offset 0.3 N at twice per turn
     "stiff_diameter": 0.0,  # rad from shaft angle zero
 }
+SIZE = ("bore_force", "stiffness_variation")
+RANGE = {
+    "bore_force": LogUniform(0.01, 0.6),
+    "bore_angle": ANY_PHASE,
+    "offset": Uniform(5e-5, 2e-4),
+    "offset_angle": ANY_PHASE,
+    "stiffness_variation": LogUniform(100.0, 5000.0),
+    "stiff_diameter": ANY_PHASE,
+}
 
 
-def forces(rig: RigConfig, values: Mapping[str, float]) -> tuple[PointForce, ...]:
+def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
     """Return the coupling's force on the driven end of the shaft."""
-    sense = 1.0 if rig.rotation == "x-to-y" else -1.0
     constants = (
         values["bore_force"],
-        sense * values["bore_angle"],
+        sense(rig) * values["bore_angle"],
         values["offset"] * math.cos(values["offset_angle"]),
         values["offset"] * math.sin(values["offset_angle"]),
         values["stiffness_variation"],
-        sense * values["stiff_diameter"],
+        sense(rig) * values["stiff_diameter"],
     )
-    return (PointForce(position=0.0, law=force, constants=constants),)
+    return (Force(on=at(0.0), law=force, constants=constants),)
 
 
 @law
-def force(angle: float, omega: float, x: float, y: float, vx: float, vy: float, p: NDArray) -> tuple[float, float]:
+def force(turn: Turn, motion: Motion, p: NDArray, before: NDArray, after: NDArray) -> tuple[float, float]:
     """Return (fx, fy) [N]; p = bore force, bore angle, offset x, y, stiffness variation, stiff diameter."""
-    bore_force, bore_angle = p[0], p[1]
-    bend_x, bend_y = p[2] - x, p[3] - y
-    variation, stiff = p[4], p[5]
-    c, s = math.cos(2.0 * (angle + stiff)), math.sin(2.0 * (angle + stiff))
-    fx = bore_force * math.cos(angle + bore_angle) + variation * (c * bend_x + s * bend_y)
-    fy = bore_force * math.sin(angle + bore_angle) + variation * (s * bend_x - c * bend_y)
+    bore_force, bore = p[0], turn.angle + p[1]
+    bend_x, bend_y = p[2] - motion.x, p[3] - motion.y
+    variation, stiff = p[4], turn.angle + p[5]
+    c, s = math.cos(2.0 * stiff), math.sin(2.0 * stiff)
+    fx = bore_force * math.cos(bore) + variation * (c * bend_x + s * bend_y)
+    fy = bore_force * math.sin(bore) + variation * (s * bend_x - c * bend_y)
     return fx, fy

@@ -1,0 +1,77 @@
+"""What the sensor chain of a rig is, from the surface under the probes to the converter's input.
+
+A probe sees the shaft come nearer, x cos a + y sin a, plus the track of the surface under it. Tracks belong to a plane:
+two probes at one place see the same one, shifted by their angle, plus a little electrical run-out of their own.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.plant.places import same_plane, sense
+from rotorrig.sims.plant.streams import stream
+from rotorrig.sims.plant.truth import Truth
+
+HARMONICS = 5  # of the run-out track
+FIRST_RUNOUT = (2e-6, 5e-6)  # m, 0-peak at 1X, ground steel; harmonic n has 1/n of it, give or take a half
+ELECTRICAL_RUNOUT = 2e-7  # m, 0-peak per harmonic and probe: magnetic spots seen by one probe alone
+MAINS = 50.0  # Hz
+
+
+class Chain(NamedTuple):
+    """What the probes are, one row each, in the config's order, and what they all pick up."""
+
+    channel: NDArray[np.intp]  # (probe,)
+    direction: NDArray[np.float64]  # (probe, 2) cosine and sine of the true angle
+    track: NDArray[np.complex128]  # (probe, harmonic) m, run-out Re(track e^{j n theta})
+    curvature: NDArray[np.float64]  # (probe, 2) see `sensors.bent`
+    volts_per_metre: NDArray[np.float64]  # (probe,)
+    gap_voltage: NDArray[np.float64]  # (probe,)
+    mixing: NDArray[np.float64]  # (probe, probe) what each channel shows of every probe; the identity if all is well
+    delay: NDArray[np.float64]  # (probe,) s, after the keyphasor's channel
+    tones: NDArray[np.float64]  # (tone, 3) m, Hz and rad: the same in all probes, whatever the shaft does
+
+
+def make_chain(rig: RigConfig, truth: Truth) -> Chain:
+    """Return the sensor chain of `rig` with the deviations of `truth`."""
+    angles = np.array([p.angle for p in rig.probes]) + truth.probe_angle_errors
+    phase = float(stream(truth.seed, "mains", run=truth.run).uniform(0.0, math.tau))
+    return Chain(
+        channel=np.array([p.channel for p in rig.probes]),
+        direction=np.stack([np.cos(angles), np.sin(angles)], axis=1),
+        track=_tracks(rig, truth, angles),
+        curvature=np.array(truth.probe_curvatures),
+        volts_per_metre=np.array([p.sensitivity for p in rig.probes]) * truth.probe_gain_factors,
+        gap_voltage=np.array([p.gap_voltage for p in rig.probes]),
+        mixing=np.eye(len(angles)),
+        delay=np.zeros(len(angles)),
+        tones=np.array([[truth.noise.hum, MAINS, phase]]),
+    )
+
+
+def seen_at(pattern: NDArray[np.complex128], angle: float, rig: RigConfig) -> NDArray[np.complex128]:
+    """Return the phasors (harmonic,) a probe at `angle` [rad] sees of a `pattern` fixed to the surface.
+
+    The pattern reaches it that much later, in the sense of rotation: harmonic n turns by -n angle.
+    """
+    n = np.arange(1, len(pattern) + 1)
+    return pattern * np.exp(-1j * sense(rig) * n * angle)
+
+
+def _tracks(rig: RigConfig, truth: Truth, angles: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Return each probe's run-out phasors (probe, harmonic) [m]."""
+    if truth.runout_seed is None:
+        return np.zeros((len(angles), HARMONICS), complex)
+    n = np.arange(1, HARMONICS + 1)
+    rows = []
+    for i, angle in enumerate(angles):
+        surface = stream(truth.runout_seed, f"track {same_plane(rig, i)[0]}")
+        first = surface.uniform(*FIRST_RUNOUT)
+        size = first / n * np.where(n == 1, 1.0, surface.uniform(0.5, 1.5, HARMONICS))
+        pattern = size * np.exp(1j * surface.uniform(0.0, math.tau, HARMONICS))
+        spots = stream(truth.runout_seed, f"electrical {i}").uniform(0.0, math.tau, HARMONICS)
+        rows.append(seen_at(pattern, angle, rig) + ELECTRICAL_RUNOUT * np.exp(1j * spots))
+    return np.array(rows)
