@@ -1,4 +1,4 @@
-"""What the response to a moving speed costs, and its derivatives against differences of it.
+"""What the response to a moving speed costs, its derivatives against differences of it, other orders and force laws.
 
     python benchmarks/swept.py
     python benchmarks/swept.py --json           (one JSON object on the last line)
@@ -16,6 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
@@ -24,8 +25,11 @@ from rotorrig.rig.description import load
 from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.directions import Direction, along_bearing, along_disk_mass, along_modulus
+from rotorrig.sims.rotor.force_law import ForceLaw
+from rotorrig.sims.rotor.loads import Load, unbalance_loads
 from rotorrig.sims.rotor.reduction import reduce
 from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
+from rotorrig.sims.rotor.swept_law import law_columns, swept_with_law
 from rotorrig.sims.rotor.timeline import Timeline
 from rotorrig.sims.rotor.tracking import TrackedRows, tracked_rows
 
@@ -33,6 +37,7 @@ ROOT = Path(__file__).parents[1]
 STEP = 1e-4  # relative, of the differences
 UP, DOWN = (480, 3600, 30), (3600, 480, -45)  # rpm, rpm, rpm/s
 TURNS_PER_ROW = 8
+UNBALANCE, CUBIC = 15e-6, 1e10  # kg m, N/m^3
 
 Change = Callable[[float], RotorModel]
 
@@ -60,6 +65,9 @@ NAMES = {
     "response": "response",
     "response and derivatives": "derivatives",
     "response and forward differences": "differences",
+    "second order, constant force": "second",
+    "response with a cubic spring": "law",
+    "column of a small cubic spring": "column",
 }
 
 
@@ -81,11 +89,17 @@ def measure(rounds: int) -> dict[str, float]:
         for change in (lambda p: model, *changes):
             swept_columns(change(STEP), rows, unbalance=["disk"])
 
+    loads = unbalance_loads(model, ["disk"])
+    twice = [Load(model.disk("disk").rows[0].astype(complex), "constant", 2)]
+    spring = ForceLaw(rows=model.bearing("spring").rows, force=cubic, constants=np.array([CUBIC]))
     parts = {
         "layout": layout,
         "response": lambda: swept_columns(model, rows, unbalance=["disk"]),
         "derivatives": derivatives,
         "differences": differences,
+        "second": lambda: swept_columns(model, rows, loads=twice, order=2),
+        "law": lambda: swept_with_law(model, rows, loads, [UNBALANCE], [spring]),
+        "column": lambda: law_columns(model, rows, loads, [UNBALANCE], [spring]),
     }
     times: dict[str, list[float]] = {name: [] for name in parts}
     for _ in range(rounds + 1):
@@ -101,6 +115,13 @@ def measure(rounds: int) -> dict[str, float]:
         "turns": len(timeline.t),
         "directions": len(directions),
     }
+
+
+@njit(cache=True)
+def cubic(x: float, y: float, vx: float, vy: float, constants: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the force of a cubic spring."""
+    k = -constants[0] * (x * x + y * y)
+    return k * x, k * y
 
 
 def rotor() -> RotorModel:

@@ -46,6 +46,22 @@ class Matrices(NamedTuple):
     K: NDArray[np.float64]
 
 
+class Added(NamedTuple):
+    """What stands beside the nameplate's matrices, (dof, dof) each, in fixed axes; None: nothing.
+
+    In a motion Re(q e^{j n theta}) it adds K + Omega H + Omega^2 S - n^2 Omega^2 M + j n Omega (C + Omega G) to the
+    dynamic stiffness. The sense of rotation is already in G and H. A complex K has a loss factor: its imaginary part is
+    that of n > 0, and changes sign with n.
+    """
+
+    M: NDArray[np.float64] | None = None
+    C: NDArray[np.float64] | None = None
+    G: NDArray[np.float64] | None = None
+    K: NDArray[np.float64 | np.complex128] | None = None
+    H: NDArray[np.float64] | None = None
+    S: NDArray[np.float64] | None = None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotorModel:
     """A linear rotor: shaft, disks, bearings and probes, on physical or reduced coordinates q (dof,)."""
@@ -63,6 +79,8 @@ class RotorModel:
     z: NDArray[np.float64]  # (node,) m from the coupling, for drawing
     centreline: NDArray[np.float64]  # (2, node, dof): x and y of every node
     weight: NDArray[np.float64]  # (2, dof) kg: the shaft's load per unit of gravity along x and along y
+    appended: NDArray[np.float64]  # (coordinate, dof): reads the coordinates of with_coordinates
+    added: Added
 
     @property
     def dof(self) -> int:
@@ -119,14 +137,16 @@ def assemble(rig: RigConfig, *, element: Element = "timoshenko", max_element: fl
         z=z,
         centreline=np.stack([x, y]),
         weight=np.stack([whole.M[axis::NODE_DOF, free].sum(0) for axis in (0, 1)]),
+        appended=np.zeros((0, len(free))),
+        added=Added(),
     )
 
 
 def matrices(model: RotorModel, omega: float | None = None) -> Matrices:
     """Return the assembled M, C, G, K of eq. (8); at shaft speed Omega, Z = K - Omega^2 M + j Omega (C + Omega G).
 
-    Structural damping is not among them: see `hysteretic`. Bearings whose coefficients depend on speed want `omega`
-    [rad/s]: raises ConfigError without.
+    Structural damping is not among them, see `hysteretic`, nor what `speed_stiffness` tells. Bearings whose
+    coefficients depend on speed want `omega` [rad/s]: raises ConfigError without.
     """
     M, C, G, K = model.shaft
     C = C + model.rayleigh.mass * M + model.rayleigh.stiffness * K
@@ -136,16 +156,66 @@ def matrices(model: RotorModel, omega: float | None = None) -> Matrices:
     for bearing in model.bearings:
         C = C + bearing_damping(bearing, omega)
         K = K + bearing_stiffness(bearing, omega)
-    return Matrices(M, C, model.rotation * G, K)
+    more = model.added
+    stiffness = None if more.K is None else more.K.real
+    return Matrices(_plus(M, more.M), _plus(C, more.C), _plus(model.rotation * G, more.G), _plus(K, stiffness))
+
+
+def speed_stiffness(model: RotorModel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return H and S, (dof, dof) N s/m and N s^2/m: at the shaft speed Omega the stiffness has Omega H + Omega^2 S."""
+    zero = np.zeros_like(model.shaft.K)
+    return _plus(zero, model.added.H), _plus(zero, model.added.S)
 
 
 def hysteretic(model: RotorModel) -> NDArray[np.float64]:
-    """Return H of the shaft's structural damping, (dof, dof) N/m: K becomes K + j H in a motion Re(q e^{j w t}), w > 0.
+    """Return the structural damping D, (dof, dof) N/m: K becomes K + j D in a motion Re(q e^{j w t}), w > 0.
 
     The loss per cycle does not depend on frequency. It does not turn with the shaft, so it never drives a whirl. For
     w < 0 the sign turns; without meaning for a motion that is not harmonic.
     """
-    return model.structural_damping * model.shaft.K
+    D = model.structural_damping * model.shaft.K
+    return D if model.added.K is None else D + model.added.K.imag
+
+
+def with_added(model: RotorModel, added: Added) -> RotorModel:
+    """Return the model with these matrices beside those it has. Raises ValueError on another shape."""
+    want = (model.dof, model.dof)
+    for name, A in zip(Added._fields, added, strict=True):
+        if A is not None and np.shape(A) != want:
+            raise ValueError(f"added {name} has shape {np.shape(A)}, want (dof, dof) = {want}")
+    sums = [B if A is None else _plus(A, B) for A, B in zip(model.added, added, strict=True)]
+    return replace(model, added=Added._make(sums))
+
+
+def with_coordinates(model: RotorModel, count: int) -> RotorModel:
+    """Return the model with `count` new coordinates after its own, on which nothing acts yet.
+
+    A pedestal's x and y, say: `added` brings its mass, damping and stiffness, and its bearing then reads the shaft's
+    motion less the pedestal's. Until it has a mass the model has no equations of motion. `model.appended` reads these.
+    """
+    dof = model.dof + count
+    larger = mapped(model, np.eye(model.dof, dof))
+    return replace(larger, appended=np.vstack([larger.appended, np.eye(dof)[model.dof :]]))
+
+
+def mapped(model: RotorModel, V: NDArray[np.float64]) -> RotorModel:
+    """Return the model on the coordinates p of q = V p, V (dof, new)."""
+
+    def project(A: NDArray) -> NDArray:
+        return V.T @ A @ V
+
+    return replace(
+        model,
+        shaft=Matrices(*(project(A) for A in model.shaft)),
+        disks=tuple(replace(d, rows=d.rows @ V) for d in model.disks),
+        planes=tuple(replace(p, rows=p.rows @ V) for p in model.planes),
+        bearings=tuple(replace(b, rows=b.rows @ V) for b in model.bearings),
+        probes=model.probes @ V,
+        centreline=model.centreline @ V,
+        weight=model.weight @ V,
+        added=Added(*(None if A is None else project(A) for A in model.added)),
+        appended=model.appended @ V,
+    )
 
 
 def with_bearing(model: RotorModel, names: str | Collection[str], K: ArrayLike, C: ArrayLike) -> RotorModel:
@@ -212,6 +282,10 @@ def _shaft_matrices(tubes: Sequence[Tube], z: NDArray[np.float64], element: Elem
 
 def _tube_at(tubes: Sequence[Tube], position: float) -> Tube:
     return next((tube for tube in tubes if position < tube.end), tubes[-1])
+
+
+def _plus(A: NDArray, B: NDArray | None) -> NDArray:
+    return A if B is None else A + B
 
 
 def _named(parts: tuple[T, ...], name: str, kind: str) -> T:

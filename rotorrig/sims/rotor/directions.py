@@ -7,28 +7,31 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.sims.rotor.assembly import RotorModel, hysteretic
+from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, speed_stiffness
 from rotorrig.sims.rotor.disk import disk_gyroscopic, disk_mass
-from rotorrig.sims.rotor.harmonic import columns, dynamic_stiffness
+from rotorrig.sims.rotor.harmonic import dynamic_stiffness, load_columns
+from rotorrig.sims.rotor.loads import Load, patterns, unbalance_loads
 
 Complex = NDArray[np.complex128]
 NOTHING = np.zeros((2, 2))
 
 
 class Direction(NamedTuple):
-    """Derivatives by one parameter of the matrices of assembly.matrices, (dof, dof) each."""
+    """Derivatives by one parameter of the matrices of assembly.matrices and speed_stiffness, (dof, dof) each."""
 
     M: NDArray[np.float64]
     C: NDArray[np.float64]
     G: NDArray[np.float64]
-    K: NDArray[np.float64 | np.complex128]  # of K + j H under structural damping
+    K: NDArray[np.float64 | np.complex128]  # of K + j D under structural damping
+    H: NDArray[np.float64] | float = 0.0
+    S: NDArray[np.float64] | float = 0.0
 
 
 class Derivatives(NamedTuple):
-    """The response to 1 kg m at each place, and what a unit of each direction adds."""
+    """The response to each load, and what a unit of each direction adds."""
 
-    z: Complex  # (row, probe, place) m per kg m
-    by: Complex  # (direction, row, probe, place)
+    z: Complex  # (row, probe, load) m, or m per kg m
+    by: Complex  # (direction, row, probe, load)
 
 
 def along_bearing(
@@ -72,17 +75,39 @@ def along_disk_mass(model: RotorModel) -> Direction:
     )
 
 
-def steady_derivatives(
-    model: RotorModel, omega: ArrayLike, *, unbalance: Sequence[str], directions: Sequence[Direction]
-) -> Derivatives:
-    """Return the steady response to 1 kg m at each place at the speeds `omega` [rad/s], and its derivatives.
+def between(before: RotorModel, after: RotorModel, step: float) -> Direction:
+    """Return the direction from one model's matrices to another's of the same coordinates, per `step`."""
+    a, b = matrices(before), matrices(after)
+    M, C, G, K = ((y - x) / step for x, y in zip(a, b, strict=True))
+    loss = (hysteretic(after) - hysteretic(before)) / step
+    H, S = ((y - x) / step for x, y in zip(speed_stiffness(before), speed_stiffness(after), strict=True))
+    return Direction(M=M, C=C, G=G, K=K + 1j * loss if loss.any() else K, H=H, S=S)
 
-    dz = -P Z^-1 dZ Z^-1 F. Raises as harmonic.columns.
+
+def steady_derivatives(
+    model: RotorModel,
+    omega: ArrayLike,
+    *,
+    unbalance: Sequence[str] = (),
+    loads: Sequence[Load] = (),
+    directions: Sequence[Direction],
+    order: float = 1.0,
+) -> Derivatives:
+    """Return the steady response at `order` to 1 kg m at each place of `unbalance`, then to each load, by directions.
+
+    At the speeds `omega` [rad/s]. dz = -P Z^-1 dZ Z^-1 F. Raises as harmonic.load_columns, ValueError on a load of
+    another order.
     """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
-    q = columns(replace(model, probes=np.eye(model.dof)), omega, unbalance=unbalance)  # (speed, dof, place)
-    transposed = dynamic_stiffness(model, omega).swapaxes(1, 2)
+    every = (*unbalance_loads(model, unbalance, order=order), *loads)
+    patterns(model, every, order=order)  # asked for its checks
+    q = load_columns(replace(model, probes=np.eye(model.dof)), omega, every)  # (speed, dof, load)
+    transposed = dynamic_stiffness(model, omega, order=order).swapaxes(1, 2)
     left = np.linalg.solve(transposed, np.broadcast_to(model.probes.T, (len(omega), *model.probes.T.shape)))
     O = omega[:, None, None]  # noqa: E741
-    by = [-left.swapaxes(1, 2) @ ((dK - O**2 * dM + 1j * O * (dC + O * dG)) @ q) for dM, dC, dG, dK in directions]
+    w = order * O
+    by = [
+        -left.swapaxes(1, 2) @ ((d.K + O * d.H + O**2 * d.S - w**2 * d.M + 1j * w * (d.C + O * d.G)) @ q)
+        for d in directions
+    ]
     return Derivatives(model.probes @ q, np.array(by).reshape(len(directions), *(model.probes @ q).shape))

@@ -13,15 +13,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.units import RPM
-from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices
+from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, speed_stiffness
 from rotorrig.sims.rotor.loads import (
     NO_FORCE,
     NOTHING,
     Amounts,
     Forces,
+    Load,
     bow_force,
     force_rows,
+    law_of,
     load,
+    patterns,
     unbalance_force,
 )
 
@@ -96,17 +99,36 @@ def columns(
     return model.probes @ _solved(model, omega, right, order)
 
 
+def load_columns(
+    model: RotorModel, omega: ArrayLike, loads: Sequence[Load], *, alpha: ArrayLike = 0.0
+) -> NDArray[np.complex128]:
+    """Return the steady response to each load, each at its own order, (speed, probe, load) m.
+
+    Raises as steady_response, ValueError on a pattern of another size too.
+    """
+    omega = np.atleast_1d(np.asarray(omega, dtype=float))
+    at_probes = np.zeros((len(omega), len(model.probes), len(loads)), dtype=complex)
+    pattern = patterns(model, loads)
+    for order in {each.order for each in loads}:
+        which = [i for i, each in enumerate(loads) if each.order == order]
+        law = np.stack([law_of(loads[i], omega, np.asarray(alpha)) for i in which], axis=-1)
+        at_probes[..., which] = model.probes @ _solved(model, omega, law[:, None] * pattern[:, which], order)
+    return at_probes
+
+
 def dynamic_stiffness(model: RotorModel, omega: ArrayLike, *, order: float = 1.0) -> NDArray[np.complex128]:
     """Return Z = K - n^2 Omega^2 M + j n Omega (C + Omega G) for order n, (speed, dof, dof) N/m: eq. (11).
 
-    Structural damping adds j sign(n Omega) H, bearings are as at each speed.
+    Structural damping D adds j sign(n Omega) D, bearings are as at each speed; what else may stand beside: Added.
     """
     constant = tuple(b for b in model.bearings if b.constant)
     M, C, G, K = matrices(replace(model, bearings=constant))
     O = np.atleast_1d(np.asarray(omega, dtype=float))[:, None, None]  # noqa: E741
-    Z = K - (order * O) ** 2 * M + 1j * order * O * (C + O * G)
-    if model.structural_damping:
-        Z = Z + 1j * np.sign(order * O) * hysteretic(model)
+    H, S = speed_stiffness(model)
+    Z = K + O * H + O**2 * S - (order * O) ** 2 * M + 1j * order * O * (C + O * G)
+    D = hysteretic(model)
+    if D.any():
+        Z = Z + 1j * np.sign(order * O) * D
     for bearing in model.bearings:
         if not bearing.constant:
             k, c = bearing.at(O[:, 0, 0])

@@ -4,8 +4,11 @@ A force is Re(F e^{j n theta}); one that turns with the shaft has (Fx, Fy) propo
 Each is linear in its amount, so the response to a unit of it is also its derivative: harmonic.columns.
 """
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +23,52 @@ Forces = Mapping[str, tuple[ArrayLike, ArrayLike]]  # disk, plane or elastic bea
 NOTHING: Mapping[str, complex] = MappingProxyType({})
 NO_FORCE: Forces = MappingProxyType({})
 
+Law = Literal["unbalance", "constant"]
+
 HELD = 1e-3  # of the least flexibility a free place has: less is rounding, at a place that is pinned
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Load:
+    """A force of fixed pattern, Re(pattern law e^{j order theta}) from the time `since` on.
+
+    The law of an "unbalance" is n^2 Omega^2 - j n alpha at order n, of "constant" 1. One that began before the first
+    keyphasor pulse has long been acting; without a timeline there is no time, and every load acts.
+    """
+
+    pattern: NDArray[np.complex128]  # (dof,) kg m or N
+    law: Law
+    order: float = 1
+    since: float = -math.inf  # s
+
+    def __post_init__(self) -> None:
+        """Raise ValueError on an unknown law."""
+        if self.law not in ("unbalance", "constant"):
+            raise ValueError(f"law of a load is {self.law!r}, want 'unbalance' or 'constant'")
+
+
+def unbalance_loads(model: RotorModel, places: Sequence[str], *, order: float = 1) -> tuple[Load, ...]:
+    """Return the loads of 1 kg m at each of these disks or planes. Raises ValueError on an unknown name."""
+    return tuple(Load(unbalance_pattern(model, {place: 1.0}), "unbalance", order) for place in places)
+
+
+def law_of(load: Load, omega: NDArray[np.float64], alpha: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Return a load's law at the shaft's speeds [rad/s] and accelerations [rad/s^2], `since` aside."""
+    if load.law == "constant":
+        return np.ones(len(omega), dtype=complex)
+    return (load.order * omega) ** 2 - 1j * load.order * alpha
+
+
+def patterns(model: RotorModel, loads: Sequence[Load], *, order: float | None = None) -> NDArray[np.complex128]:
+    """Return the patterns side by side, (dof, load). Raises ValueError on another size, or an order unlike `order`."""
+    for i, each in enumerate(loads):
+        if np.shape(each.pattern) != (model.dof,):
+            raise ValueError(f"load {i}: its pattern has shape {np.shape(each.pattern)}, want (dof,) = ({model.dof},)")
+        if order is not None and each.order != order:
+            raise ValueError(
+                f"load {i} is of order {each.order:g}, want {order:g}, as of all loads asked about at once"
+            )
+    return np.array([each.pattern for each in loads], dtype=complex).reshape(len(loads), model.dof).T
 
 
 def load(
@@ -82,8 +130,7 @@ def bow_force(model: RotorModel, place: str) -> NDArray[np.complex128]:
 def bow_shape(model: RotorModel, place: str) -> NDArray[np.float64]:
     """Return q_b for a bow of one metre at `place` towards x and towards y, (2, dof). Raises as bow_force."""
     push = model.plane(place).rows[:2]
-    pins = [b.rows for b in model.bearings]
-    held = np.vstack([*pins, np.zeros((0, model.dof))])
+    held = np.vstack([*(b.rows for b in model.bearings), model.appended])
     size = len(held)
     # K_s q + held^T r = push, held q = 0: the pins by Lagrange's multipliers
     scale = np.abs(model.shaft.K).max()

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, optimize
 
-from rotorrig.sims.rotor.assembly import Matrices, RotorModel, hysteretic, matrices
+from rotorrig.sims.rotor.assembly import Matrices, RotorModel, hysteretic, matrices, speed_stiffness
 from rotorrig.sims.rotor.reduction import reduce
 
 LARGE = 60  # coordinates; what scans over speeds reduces a larger model first, to half as many modes
@@ -127,8 +127,8 @@ def weight(model: RotorModel, gravity: str) -> NDArray[np.float64]:
     return down @ model.weight + sum(disk.mass * down @ disk.rows[:2] for disk in model.disks)
 
 
-def state_matrix(system: Matrices, omega: float) -> NDArray[np.float64]:
-    """Return A(Omega) of (q, q')' = A (q, q') without force, (2 dof, 2 dof)."""
+def state_matrix(system: Matrices, omega: float) -> NDArray:
+    """Return A(Omega) of (q, q')' = A (q, q') without force, (2 dof, 2 dof); complex where K is."""
     M, C, G, K = system
     lower = linalg.solve(M, -np.hstack([K, C + omega * G]), assume_a="pos")
     return np.vstack([np.hstack([np.zeros_like(M), np.eye(len(M))]), lower])
@@ -153,9 +153,9 @@ def oscillating(model: RotorModel, values: NDArray[np.complex128]) -> NDArray[np
 def still(model: RotorModel) -> float:
     """Return the part of |lambda| that Im lambda may be of a mode that does not vibrate.
 
-    It is rounding, or what structural damping eta makes of an overdamped mode: eta at the most.
+    It is rounding, or what structural damping makes of an overdamped mode: the loss factor at the most.
     """
-    return ROUNDING + 2 * model.structural_damping
+    return ROUNDING + 2 * (model.structural_damping + _loss(model))
 
 
 def mode_of(model: RotorModel, omega: float, value: complex, vector: NDArray[np.complex128]) -> Mode:
@@ -166,11 +166,17 @@ def mode_of(model: RotorModel, omega: float, value: complex, vector: NDArray[np.
 
 def _state(model: RotorModel, omega: float) -> NDArray:
     system = matrices(model, omega)
-    A = state_matrix(system, omega)
-    if not model.structural_damping:
-        return A
-    lower = linalg.solve(system.M, hysteretic(model), assume_a="pos")
-    return A - 1j * np.block([[np.zeros_like(lower), np.zeros_like(lower)], [lower, np.zeros_like(lower)]])
+    H, S = speed_stiffness(model)
+    K, D = system.K + omega * H + omega**2 * S, hysteretic(model)
+    return state_matrix(system._replace(K=K + 1j * D if D.any() else K), omega)
+
+
+def _loss(model: RotorModel) -> float:
+    """Return the largest part of a coordinate's stiffness that an added loss comes to."""
+    if model.added.K is None or not np.iscomplexobj(model.added.K):
+        return 0.0
+    loss, K = np.abs(model.added.K.imag.diagonal()), matrices(model, 0.0).K.diagonal()
+    return float(np.max(loss[loss > 0] / K[loss > 0], initial=0.0))
 
 
 def _crossing(model: RotorModel, branch: int, order: float, low: float, high: float) -> Mode:

@@ -1,10 +1,12 @@
 """The few modes a moving speed passes near, as polynomials in the speed.
 
-With q = Re(A e^{j theta}) and y the state (A, its velocity), y' = (S(Omega) - j Omega) y + b (Omega^2 - j alpha),
-where S is the state matrix. Its invariant parts are treated apart:
+With q = Re(A e^{j theta}) and y the state (A, its velocity), y' = (S(Omega) - j Omega) y + b law,
+where S is the state matrix; for order n of the shaft's rotation, theta is n times its angle and Omega n times its
+speed, here and throughout. The law of an unbalance is Omega^2 - j alpha, of a constant force 1. The invariant parts of
+S are treated apart:
 
 - passed modes, whose poles lie near j Omega: y = Phi(Omega) a with
-  a' = (L - j Omega - alpha T) a + g (Omega^2 - j alpha), stepped from turn to turn (march.py);
+  a' = (L - j Omega - alpha T) a + g law, stepped from turn to turn (march.py);
 - the others, which follow at once: an error of about 2 alpha / (Omega d) of their part for a pole at distance d.
 
 Phi spans the passed modes together and is held to a fixed gauge, so that nothing jumps where two of them, x and y of
@@ -18,8 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.rig.errors import ConfigError
-from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices
-from rotorrig.sims.rotor.modes import state_matrix
+from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, speed_stiffness
 from rotorrig.sims.rotor.timeline import MOST_POWERS, SpeedRange
 
 Reals = NDArray[np.float64]
@@ -42,7 +43,7 @@ class Passage:
     T: Complex  # (power, mode, mode) s
     g: Complex  # (power, mode, load)
     shape: Complex  # (power, mode, probe)
-    others: Complex  # (power, probe, load) m s^2 per unit of load
+    others: Complex  # (power, probe, load) m per unit of load
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +52,8 @@ class Spectra:
 
     probes: Reals  # (probe, dof)
     M: Reals  # (dof, dof)
-    omega: Reals  # (speed,) rad/s
+    order: float
+    omega: Reals  # (speed,) rad/s, of the vibration: `order` times the shaft's
     passed: int
     values: Complex  # (speed, pole) rad/s
     vectors: Complex  # (speed, 2 dof, pole)
@@ -95,30 +97,29 @@ class Spectra:
         return 1 / (1j * self.omega[:, None] - self.values[:, self.passed :])
 
 
-def spectra(model: RotorModel, speeds: SpeedRange) -> Spectra:
-    """Return the spectra at a few speeds of the range. Raises ConfigError on a bearing that depends on speed."""
+def spectra(model: RotorModel, speeds: SpeedRange, *, order: float = 1.0) -> Spectra:
+    """Return the spectra at a few speeds of the range. Raises ConfigError on a bearing that depends on speed.
+
+    The speeds are those of the vibration's phase, `order` times the shaft's.
+    """
     for bearing in model.bearings:
         if not bearing.constant:
             raise ConfigError(
                 f"bearing '{bearing.name}': its coefficients depend on speed, want constants while the speed moves"
             )
-    system = matrices(model)
-    at_rest = state_matrix(system, 0.0)
-    gyroscopic = state_matrix(system, 1.0) - at_rest  # S(Omega) is linear in Omega
-    if model.structural_damping:  # A e^{j theta} turns forwards, so K + j H is its stiffness at every speed
-        at_rest = state_matrix(system._replace(K=system.K + 1j * hysteretic(model)), 0.0)
-
-    middle, distance = _poles(at_rest + speeds.centre * gyroscopic, speeds)
+    state = _state_powers(model, order)
+    middle, distance = _poles(_at(state, speeds.centre), speeds)
     passed = _passed(distance, far=FAR * speeds.fastest)
     x = _points(middle[0][passed:] / 1j, speeds)
     omega = speeds.centre + speeds.half * x
-    poles = [middle if at == speeds.centre else _poles(at_rest + at * gyroscopic, speeds)[0] for at in omega]
+    poles = [middle if at == speeds.centre else _poles(_at(state, at), speeds)[0] for at in omega]
     values, vectors = (np.array(part) for part in zip(*poles, strict=True))
     power = np.vander(x, increasing=True)
     fit = np.linalg.inv(power)
     return Spectra(
         probes=model.probes,
-        M=system.M,
+        M=matrices(model).M,
+        order=order,
         omega=omega,
         passed=passed,
         values=values,
@@ -131,7 +132,7 @@ def spectra(model: RotorModel, speeds: SpeedRange) -> Spectra:
 
 
 def passage(found: Spectra, loads: Complex) -> Passage:
-    """Return the passed modes and the others' response to loads per Omega^2, (dof, load) kg m."""
+    """Return the passed modes and the others' response to loads per unit of their law, (dof, load)."""
     m, dof = found.passed, len(found.M)
     W, Phi = found.weights, found.basis
     left = W @ found.dual[:, :m]
@@ -144,6 +145,26 @@ def passage(found: Spectra, loads: Complex) -> Passage:
         shape=found.fitted(Phi[:, :dof].swapaxes(1, 2) @ found.probes.T),
         others=found.fitted(found.probes @ others),
     )
+
+
+def _state_powers(model: RotorModel, order: float) -> NDArray:
+    """Return S as a polynomial in the speed of the vibration, (power, 2 dof, 2 dof), powers 0 to 2."""
+    M, C, G, K = matrices(model)
+    H, S = speed_stiffness(model)
+    D = hysteretic(model)
+    if D.any():  # A e^{j theta} turns forwards, so K + j D is its stiffness at every speed
+        K = K + 1j * D
+    zero = np.zeros_like(M)
+    lower = -np.linalg.solve(
+        M, np.array([np.hstack([K, C]), np.hstack([H, G]) / order, np.hstack([S, zero]) / order**2])
+    )
+    upper = np.zeros_like(lower)
+    upper[0] = np.hstack([zero, np.eye(len(M))])
+    return np.concatenate([upper, lower], axis=1)
+
+
+def _at(powers: NDArray, omega: float) -> NDArray:
+    return powers[0] + omega * powers[1] + omega**2 * powers[2]
 
 
 def _poles(S: NDArray, speeds: SpeedRange) -> tuple[tuple[Complex, Complex], Reals]:

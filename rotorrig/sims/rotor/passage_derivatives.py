@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rotorrig.sims.rotor.directions import Direction
 from rotorrig.sims.rotor.passage import Complex, Passage, Spectra
@@ -55,14 +56,16 @@ def passage_derivatives(found: Spectra, loads: Complex, directions: Sequence[Dir
 def _changes(found: Spectra, directions: Sequence[Direction], loads: Complex, others: Complex) -> _Changes:
     """Return what the directions change; `others` (speed, other, load) is the others' response in their vectors.
 
-    dS = -M^-1 (dK, dC + Omega dG) - M^-1 dM M^-1 (-K, -C - Omega G) takes positions, velocities and accelerations.
+    Of S, whose change is -M^-1 (dK, dC + Omega dG) - M^-1 dM M^-1 (-K, -C - Omega G), on positions, velocities and
+    accelerations.
     """
     m, dof = found.passed, len(found.M)
     V, values = found.vectors, found.values[:, None]
     motion = np.concatenate([V, values * V[:, dof:]], axis=1)  # (speed, 3 dof, pole): position, velocity, acceleration
-    dM, dC, dG, dK = (np.array([d[i] for d in directions]).reshape(-1, 1, dof, dof) for i in range(4))
+    dM, dC, dG, dK, dH, dS = (_stacked([d[i] for d in directions], dof) for i in range(6))
+    shaft = found.omega[:, None, None] / found.order  # rad/s
     by_motion = np.concatenate(  # (direction, speed, dof, 3 dof)
-        np.broadcast_arrays(dK, dC + found.omega[:, None, None] * dG, dM), axis=-1
+        np.broadcast_arrays(dK + shaft * dH + shaft**2 * dS, dC + shaft * dG, dM), axis=-1
     )
     seen = np.concatenate([motion[..., :m], motion[..., m:] @ others], axis=-1)
     change = -found.by_force @ (by_motion @ seen)  # (direction, speed, pole, mode and load)
@@ -72,3 +75,10 @@ def _changes(found: Spectra, directions: Sequence[Direction], loads: Complex, ot
         others=change[..., m:, m:],
         load=-found.by_force @ (dM @ np.linalg.solve(found.M, loads)),
     )
+
+
+def _stacked(changes: Sequence[NDArray | float], dof: int) -> NDArray:
+    """Return one matrix of every direction, (direction, 1, dof, dof), or zero for all where none has any."""
+    if changes and not any(map(np.ndim, changes)):
+        return np.zeros((1, 1, 1, 1))
+    return np.array([np.broadcast_to(change, (dof, dof)) for change in changes]).reshape(-1, 1, dof, dof)

@@ -21,7 +21,7 @@ from scipy import linalg
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor import receptance_kernels as kernels
-from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, with_bearing
+from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, speed_stiffness, with_bearing
 from rotorrig.sims.rotor.disk import unbalance_direction
 
 Real = NDArray[np.float64]
@@ -245,7 +245,8 @@ def _at_reference(bare: RotorModel, rows: Real, reference: complex, omega: Real,
 def _powers(model: RotorModel, speed: float, added: NDArray[np.complexfloating]) -> Powers:
     """Return the coefficients of the dynamic stiffness as a polynomial in Omega, (dof, dof) each, power 0 first."""
     M, C, G, K = matrices(model, speed)
-    return K + 1j * hysteretic(model) + added, 1j * C, 1j * G - M
+    H, S = speed_stiffness(model)
+    return K + 1j * hysteretic(model) + added, 1j * C + H, 1j * G + S - M
 
 
 def _banded(powers: Powers) -> tuple[Powers, int]:

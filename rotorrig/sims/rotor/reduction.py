@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from rotorrig.sims.rotor.assembly import Matrices, RotorModel, matrices
+from rotorrig.sims.rotor.assembly import RotorModel, mapped, matrices
 from rotorrig.sims.rotor.bearing import BearingAttachment, with_coefficients
 
 HOLDING = 1e3  # N/m: a bearing of less (0: to be identified) still holds the shaft while the basis is made
@@ -26,21 +26,7 @@ def reduce(model: RotorModel, *, modes: int = 10) -> RotorModel:
     Young's modulus and disk mass 5 % off. The rotor of Lalanne and Ferraris to 15 000 rpm, past its fourth critical
     speed: 2e-5 with 10 modes.
     """
-    V = _basis(model, modes)
-
-    def project(A: NDArray[np.float64]) -> NDArray[np.float64]:
-        return V.T @ A @ V
-
-    return replace(
-        model,
-        shaft=Matrices(*(project(A) for A in model.shaft)),
-        disks=tuple(replace(d, rows=d.rows @ V) for d in model.disks),
-        planes=tuple(replace(p, rows=p.rows @ V) for p in model.planes),
-        bearings=tuple(replace(b, rows=b.rows @ V) for b in model.bearings),
-        probes=model.probes @ V,
-        centreline=model.centreline @ V,
-        weight=model.weight @ V,
-    )
+    return mapped(model, _basis(model, modes))
 
 
 def _basis(model: RotorModel, modes: int) -> NDArray[np.float64]:
@@ -48,7 +34,7 @@ def _basis(model: RotorModel, modes: int) -> NDArray[np.float64]:
     held = [with_coefficients(b, _holding(b), np.zeros((2, 2))) for b in model.bearings]
     system = matrices(replace(model, bearings=tuple(held)))
     rows = [part.rows for kind in (model.bearings, model.disks, model.planes) for part in kind]
-    loads = np.vstack([*rows, model.probes, model.weight])
+    loads = np.vstack([*rows, model.probes, model.weight, model.appended])
     loads = loads[np.any(loads, axis=1)]  # a part on a rigid bearing has no row but tilt
     static = linalg.solve(system.K, loads.T, assume_a="pos")
     _, shapes = linalg.eigh(system.K, system.M, subset_by_index=[0, min(modes, model.dof) - 1])

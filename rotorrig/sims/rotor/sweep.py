@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.directions import Derivatives, Direction
-from rotorrig.sims.rotor.envelope import Envelope, Motion
-from rotorrig.sims.rotor.loads import unbalance_pattern
+from rotorrig.sims.rotor.drive import Drive, drive
+from rotorrig.sims.rotor.envelope import Envelope
+from rotorrig.sims.rotor.loads import Load, patterns, unbalance_loads
 from rotorrig.sims.rotor.passage import Passage, passage, spectra
 from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
 from rotorrig.sims.rotor.timeline import Timeline
@@ -45,53 +46,66 @@ def swept_response(
     return swept_columns(model, rows, unbalance=list(unbalance)) @ np.array(list(unbalance.values()), dtype=complex)
 
 
-def swept_columns(model: RotorModel, rows: TrackedRows, *, unbalance: Sequence[str]) -> Complex:
-    """Return the response to 1 kg m at each place of `unbalance`, (row, probe, place) m per kg m."""
-    modes = passage(spectra(model, rows.speeds), _loads(model, unbalance))
-    return _at_probes(modes, rows, Envelope(modes, rows).response())
+def swept_columns(
+    model: RotorModel,
+    rows: TrackedRows,
+    *,
+    unbalance: Sequence[str] = (),
+    loads: Sequence[Load] = (),
+    order: float = 1.0,
+) -> Complex:
+    """Return the response at `order` to 1 kg m at each place of `unbalance`, then to each load, (row, probe, column).
+
+    In m per kg m, and m. At order n the windows are those of the same rows, and z that of x = Re(z e^{j n theta}).
+    Raises as swept_response, ValueError on a load of another order.
+    """
+    every = (*unbalance_loads(model, unbalance, order=order), *loads)
+    rows = rows.of_order(order)
+    modes = passage(spectra(model, rows.speeds, order=order), patterns(model, every, order=order))
+    driven = drive(every, rows)
+    return _at_probes(modes, driven, Envelope(modes, rows).response(driven).average)
 
 
 def swept_derivatives(
-    model: RotorModel, rows: TrackedRows, *, unbalance: Sequence[str], directions: Sequence[Direction]
+    model: RotorModel,
+    rows: TrackedRows,
+    *,
+    unbalance: Sequence[str] = (),
+    loads: Sequence[Load] = (),
+    directions: Sequence[Direction],
+    order: float = 1.0,
 ) -> Derivatives:
-    """Return the response to 1 kg m at each place of `unbalance`, and its derivative along each of the directions.
+    """Return the response as swept_columns does, and its derivative along each of the directions.
 
-    A direction is what a unit of a parameter adds to the model's matrices: directions.py. The derivatives of the modes
-    are exact; those of their motion take the force that a changed mode exerts as quadratic in time over a turn.
-    Against central differences on configs/rk4.toml: 4e-6 of the derivative's peak at a damping ratio of 0.02, 2e-5 at
-    0.0014. Raises as swept_response.
+    A direction is what a unit of a parameter adds to the model's matrices: directions.py. The loads stay as they are:
+    where a parameter changes one, add the response to its derivative. The derivatives of the modes are exact; those of
+    their motion take the force that a changed mode exerts as quadratic in time over a turn. Against central differences
+    on configs/rk4.toml: 4e-6 of the derivative's peak at a damping ratio of 0.02, 2e-5 at 0.0014. Raises likewise.
     """
-    found, loads = spectra(model, rows.speeds), _loads(model, unbalance)
-    modes, change = passage(found, loads), passage_derivatives(found, loads, directions)
+    every = (*unbalance_loads(model, unbalance, order=order), *loads)
+    rows = rows.of_order(order)
+    found, pattern = spectra(model, rows.speeds, order=order), patterns(model, every, order=order)
+    modes, change = passage(found, pattern), passage_derivatives(found, pattern, directions)
+    driven = drive(every, rows)
     envelope = Envelope(modes, rows)
-    motion = envelope.response()
-    moved = envelope.derivatives(change, motion)
-    z = _at_probes(modes, rows, motion)
-    moved_z = _projected(modes.shape, moved.average).reshape(*z.shape[:2], len(directions), len(unbalance))
+    motion = envelope.response(driven)
+    moved = envelope.derivatives(change, motion, driven)
+    z = _at_probes(modes, driven, motion.average)
+    moved_z = projected(modes.shape, moved.average).reshape(*z.shape[:2], len(directions), len(every))
     by = (
         np.moveaxis(moved_z, 2, 0)
         + np.einsum("rqml,qdmp->drpl", motion.average, change.shape, optimize=True)
-        + np.einsum("rq,qdpl->drpl", _force_moments(rows, modes), change.others, optimize=True)
+        + driven.averaged(change.others)
     )
     return Derivatives(z, by)
 
 
-def _loads(model: RotorModel, places: Sequence[str]) -> Complex:
-    """Return the loads of 1 kg m at the places per Omega^2, (dof, place)."""
-    patterns = [unbalance_pattern(model, {place: 1.0}) for place in places]
-    return np.stack(patterns, axis=1) if patterns else np.zeros((model.dof, 0), dtype=complex)
-
-
-def _at_probes(modes: Passage, rows: TrackedRows, motion: Motion) -> Complex:
+def _at_probes(modes: Passage, driven: Drive, average: Complex) -> Complex:
     """Return what the probes see of the passed modes and of the others, (row, probe, load)."""
-    return _projected(modes.shape, motion.average) + np.tensordot(_force_moments(rows, modes), modes.others, 1)
+    return projected(modes.shape, average) + driven.averaged(modes.others)
 
 
-def _projected(shape: Complex, average: Complex) -> Complex:
+def projected(shape: Complex, average: Complex) -> Complex:
     """Return the sum over powers and modes of `shape` (power, mode, probe) and averages: (row, probe, column)."""
     powers, modes, probes = shape.shape
     return shape.reshape(-1, probes).T @ average.reshape(len(average), powers * modes, -1)
-
-
-def _force_moments(rows: TrackedRows, modes: Passage) -> Complex:
-    return rows.force_moments[:, : len(modes.others)]

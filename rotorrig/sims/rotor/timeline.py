@@ -1,6 +1,5 @@
 """Shaft angle, speed and acceleration from the keyphasor's pulse times."""
 
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -12,10 +11,14 @@ from rotorrig.rig.errors import DataError
 
 TURN = 2 * np.pi
 MOST_POWERS = 13  # of a polynomial in the speed
+ROUNDING = 1e-9  # of the last turn's number
 
 
 class Turns(NamedTuple):
-    """The speed at every whole turn and halfway in time between: what the integrator steps over."""
+    """The speed at every whole turn and halfway in time between: what the integrator steps over.
+
+    Of the shaft, or of a phase that runs `order` times as fast: all angles and speeds are then the phase's.
+    """
 
     t: NDArray[np.float64]  # (turn,) s
     omega: NDArray[np.float64]  # (turn,) rad/s
@@ -68,7 +71,8 @@ class Timeline:
         usual = np.median(sliding_window_view(np.pad(interval, 2, mode="edge"), 5), axis=1)
         turn = np.append(0.0, np.cumsum(np.maximum(1, np.rint(interval / usual))))
         self._turn_of = CubicSpline(pulse_t, turn)
-        self.t = CubicSpline(turn, pulse_t)(np.arange(turn[-1] + 1))  # (turn,) s, the missed ones too
+        self._time_of = CubicSpline(turn, pulse_t)
+        self.t = self._time_of(np.arange(turn[-1] + 1))  # (turn,) s, the missed ones too
 
     def theta(self, t: ArrayLike) -> NDArray[np.float64]:
         """Return the shaft angle [rad] since the first pulse."""
@@ -82,15 +86,16 @@ class Timeline:
         """Return the angular acceleration [rad/s^2]."""
         return TURN * self._turn_of(np.asarray(t, dtype=float), 2)
 
-    @cached_property
-    def turns(self) -> Turns:
-        """The speed turn by turn."""
-        mid = (self.t[:-1] + self.t[1:]) / 2
+    def turns(self, order: float = 1.0) -> Turns:
+        """Return the speed of the phase `order` theta, turn by turn."""
+        last = self._turn_of(self.t[-1]) * order
+        t = self.t if order == 1 else self._time_of(np.arange(int(last * (1 + ROUNDING)) + 1) / order)
+        mid = (t[:-1] + t[1:]) / 2
         return Turns(
-            t=self.t,
-            omega=self.omega(self.t),
-            alpha=self.alpha(self.t),
-            omega_mid=self.omega(mid),
-            alpha_mid=self.alpha(mid),
-            theta_mid=self.theta(mid) - self.theta(self.t[:-1]),
+            t=t,
+            omega=order * self.omega(t),
+            alpha=order * self.alpha(t),
+            omega_mid=order * self.omega(mid),
+            alpha_mid=order * self.alpha(mid),
+            theta_mid=order * (self.theta(mid) - self.theta(t[:-1])),
         )

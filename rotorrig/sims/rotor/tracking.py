@@ -1,7 +1,11 @@
-"""Where a tracking filter looks: rows of windows on a timeline, laid out once for all models asked about it."""
+"""Where a tracking filter looks: rows of windows on a timeline, laid out once for all models asked about it.
 
-from dataclasses import dataclass
-from typing import Literal
+An order n of the shaft's rotation is a phase that turns n times as fast: to it the same window is n times as many
+turns. All of its turns, speeds and powers are that phase's.
+"""
+
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -18,6 +22,15 @@ POINTS = 16  # Gauss points per window; enough for two beats of a free vibration
 SPILL = 0.5  # turns a window may reach over either end of the pulses: rounding of the row's time
 
 
+class Points(NamedTuple):
+    """Where a row looks, and the weights by which it averages there."""
+
+    omega: Reals  # (row, point) rad/s
+    alpha: Reals  # (row, point) rad/s^2
+    edges: Reals  # (row, point + 1) turns between which each point stands
+    weighted: Reals  # (row, point, power) weight times x^power
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackedRows:
     """Rows on a timeline, ready for sweep.py: all of their averages that does not depend on the rotor.
@@ -25,13 +38,29 @@ class TrackedRows:
     Powers are those of x, see SpeedRange.
     """
 
+    timeline: Timeline
+    t: Reals  # (row,) s
+    revolutions: Reals  # (row,) of the shaft
+    window: Window
+    order: float
     turns: Turns
     speeds: SpeedRange
     power: Reals  # (turn, power)
     power_mid: Reals  # (turn - 1, power) halfway in time
     seen: NDArray[np.intp]  # (row, span) the whole turns a row looks at
     moments: Reals  # (row, power, 2 span) takes values and slopes d/dt at those turns to the averages of x^power a
-    force_moments: Complex  # (row, power) averages of x^power (Omega^2 - j alpha)
+    points: Points
+    _other_orders: "dict[float, TrackedRows]" = field(default_factory=dict, repr=False, compare=False)
+
+    def of_order(self, order: float) -> "TrackedRows":
+        """Return the same rows for another order, laid out when first asked for. Raises ValueError unless positive."""
+        if order == self.order:
+            return self
+        if order not in self._other_orders:
+            self._other_orders[order] = tracked_rows(
+                self.timeline, t=self.t, revolutions=self.revolutions, window=self.window, order=order
+            )
+        return self._other_orders[order]
 
     def averages(self, a: Complex, rate: Complex, *, powers: int) -> Complex:
         """Return the averages of x^power a over every row's window, (row, power, ...), from a and a', (turn, ...)."""
@@ -40,40 +69,54 @@ class TrackedRows:
         return found.reshape(*found.shape[:2], *a.shape[1:])
 
 
-def tracked_rows(timeline: Timeline, *, t: ArrayLike, revolutions: ArrayLike, window: Window) -> TrackedRows:
+def tracked_rows(
+    timeline: Timeline, *, t: ArrayLike, revolutions: ArrayLike, window: Window, order: float = 1.0
+) -> TrackedRows:
     """Return the rows around the times `t` [s], each an average over `revolutions` turns, weighted by `window`.
 
     A window is centred, in shaft angle, on its row's time; it weighs evenly ("rectangular") or by 1 + cos(psi / turns),
-    |psi| <= pi turns ("hann"). Raises DataError on a row that is not within the pulses, ValueError on another window.
+    |psi| <= pi turns ("hann"). Raises DataError on a row that is not within the pulses, ValueError on another window
+    or an order that is not above zero.
     """
-    turn, weight = _points(timeline, np.asarray(t, dtype=float), revolutions, window)
-    turns = timeline.turns
+    if not order > 0:
+        raise ValueError(f"order is {order:g}, want one above zero")
+    t = np.asarray(t, dtype=float)
+    revolutions = np.broadcast_to(np.asarray(revolutions, dtype=float), t.shape)
+    turn, edges, weight = _points(timeline, t, revolutions, window)
+    turn, edges, turns = order * turn, order * edges, timeline.turns(order)
     omega = np.append(turns.omega, turns.omega_mid)
     speeds = SpeedRange(float(omega.min()), float(omega.max()))
     seen, values, slopes = _hermite(turns, turn)
     omega, alpha = _at_points(turns, turn, seen, values, slopes)
     weighted = weight[:, None] * speeds.powers(omega)  # (row, point, power)
     return TrackedRows(
+        timeline=timeline,
+        t=t,
+        revolutions=revolutions,
+        window=window,
+        order=order,
         turns=turns,
         speeds=speeds,
         power=speeds.powers(turns.omega),
         power_mid=speeds.powers(turns.omega_mid),
         seen=seen,
         moments=weighted.swapaxes(1, 2) @ np.concatenate([values, slopes], axis=-1),
-        force_moments=np.einsum("rp,rpq->rq", omega**2 - 1j * alpha, weighted),
+        points=Points(omega=omega, alpha=alpha, edges=edges, weighted=weighted),
     )
 
 
-def _points(
-    timeline: Timeline, t: Reals, revolutions: ArrayLike, window: Window
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return where each row looks, in turns since the first pulse (row, point), and the weights (point,)."""
+def _points(timeline: Timeline, t: Reals, revolutions: Reals, window: Window) -> tuple[Reals, Reals, Reals]:
+    """Return where each row looks, in turns since the first pulse, and the weights (point,).
+
+    The points (row, point) stand for the turns between edges (row, point + 1).
+    """
     x, weight = np.polynomial.legendre.leggauss(POINTS)
+    edge = np.append(-1.0, np.cumsum(weight) - 1)
     if window == "hann":
         weight = weight * (1 + np.cos(np.pi * x))
     elif window != "rectangular":
         raise ValueError(f"window is {window!r}, want 'hann' or 'rectangular'")
-    half = np.broadcast_to(np.asarray(revolutions, dtype=float), t.shape) / 2
+    half = revolutions / 2
     middle = timeline.theta(t) / TURN
     last = len(timeline.t) - 1
     inside = (middle - half > -SPILL) & (middle + half < last + SPILL)  # False for NaN
@@ -83,7 +126,8 @@ def _points(
             f"row {row}: its window of {2 * half[row]:g} turns about {t[row]:g} s is not within the keyphasor pulses, "
             f"{timeline.t[0]:g} to {timeline.t[-1]:g} s"
         )
-    return np.clip(middle[:, None] + half[:, None] * x, 0, last), weight / weight.sum()
+    turn, edges = (np.clip(middle[:, None] + half[:, None] * at, 0, last) for at in (x, edge))
+    return turn, edges, weight / weight.sum()
 
 
 def _hermite(turns: Turns, turn: Reals) -> tuple[NDArray[np.intp], Reals, Reals]:

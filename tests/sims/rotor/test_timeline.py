@@ -34,7 +34,7 @@ def test_missed_pulses_are_counted(missing):
 
 
 def test_turns_hold_the_speed_halfway_in_time():
-    turns = Timeline(run_up(50.0, 3.0, 100)).turns
+    turns = Timeline(run_up(50.0, 3.0, 100)).turns()
     mid = (turns.t[1:] + turns.t[:-1]) / 2
     np.testing.assert_allclose(turns.omega_mid, 50 + 3 * mid, rtol=1e-4)
     assert np.all(np.abs(turns.theta_mid - np.pi) < 0.2)
@@ -52,3 +52,12 @@ def test_turns_hold_the_speed_halfway_in_time():
 def test_pulses_that_make_no_timeline_are_refused(pulses, message):
     with pytest.raises(DataError, match=message):
         Timeline(pulses)
+
+
+def test_a_phase_of_order_three_turns_three_times_as_often():
+    timeline = Timeline(run_up(50.0, 3.0, 100))
+    once, thrice = timeline.turns(), timeline.turns(3)
+    np.testing.assert_allclose(thrice.t[::3], once.t, rtol=1e-9)
+    np.testing.assert_allclose(thrice.omega[::3], 3 * once.omega, rtol=1e-9)
+    np.testing.assert_allclose(thrice.omega_mid[1::3], 3 * once.omega_mid, rtol=1e-4)
+    assert np.all(np.abs(thrice.theta_mid - np.pi) < 0.2)

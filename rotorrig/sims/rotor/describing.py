@@ -1,0 +1,211 @@
+"""The harmonics of a force law on a harmonic motion, and the motion that goes with them.
+
+A place moves as x = mean + Re(Q e^{j psi}); its force is evaluated at POINTS angles and its mean, first and higher
+harmonics taken (alternating frequency and time: Cameron, Griffin, J. Appl. Mech. 56 (1989) 149). What the force does
+to the place is linear: u = known + A F(u), solved by Broyden's method (Math. Comp. 19 (1965) 577) from a Jacobian of
+differences, which serves on where the problem changes little from one turn or speed to the next.
+
+u and F are (3 place,), place being x and y of every law in turn: all means, all real parts, all imaginary ones.
+"""
+
+import warnings
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numba import njit, types
+from numba.core.errors import NumbaExperimentalFeatureWarning
+from numpy.typing import NDArray
+
+from rotorrig.sims.rotor.force_law import POINTER, ForceLaw
+
+Reals = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+POINTS = 32  # a turn
+ACCURACY = 1e-8  # of the motion
+MOST_STEPS = 40
+SLOW = 0.5  # a step that leaves more of the residual wants a new Jacobian
+STEP = 1e-6  # of the motion, of the differences
+TINY = 1e-18  # m
+COSINE, SINE = (f(2 * np.pi * np.arange(POINTS) / POINTS) for f in (np.cos, np.sin))
+
+REALS = {n: types.Array(types.float64, n, "C") for n in (1, 2)}  # by number of axes
+COMPLEX = {n: types.Array(types.complex128, n, "C") for n in (2, 3, 4)}
+OVERTONE = (REALS[2], REALS[1], REALS[2], types.int64)  # the types of overtone's arguments after the functions
+
+
+def pointers(laws: Sequence[ForceLaw]) -> tuple[tuple[Any, ...], Reals]:
+    """Return the laws' functions, and their constants padded to one length, (law, n)."""
+    constants = np.zeros((len(laws), max(len(law.constants) for law in laws)))
+    for row, law in zip(constants, laws, strict=True):
+        row[: len(law.constants)] = law.constants
+    return tuple(law.force for law in laws), constants
+
+
+def called(kernel: Any, arguments: Sequence[Any], functions: tuple[Any, ...], *values: Any) -> Any:
+    """Call a kernel, compiled once for so many pointers to functions and `arguments` of those types."""
+    kernel.compile((types.UniTuple(POINTER, len(functions)), *arguments))
+    with warnings.catch_warnings():  # that pointers to functions are new to numba
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        return kernel(functions, *values)
+
+
+@njit(cache=True)
+def settle(
+    functions: tuple[Callable, ...],
+    constants: Reals,
+    omega: float,
+    known: Reals,
+    A: Complex,
+    mean: Reals,
+    u: Reals,
+    F: Reals,
+    inverse: Reals,
+) -> bool:
+    """Solve u = known + A F(u) from the u given, in place; return whether it has been solved.
+
+    A (place, place) is what the first harmonic does, `mean` (place, place) what the mean does. `inverse` is a guess of
+    the inverse Jacobian of u - known - A F(u), and left as the last one found.
+    """
+    size = len(u)
+    r, new_r, new_u, new_F = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
+    fresh = False
+    left = _residual(functions, constants, omega, known, A, mean, u, F, r)
+    for _ in range(MOST_STEPS):
+        if left <= ACCURACY * _largest(u):
+            return True
+        step = -(inverse @ r)
+        new_u[:] = u + step
+        new_left = _residual(functions, constants, omega, known, A, mean, new_u, new_F, new_r)
+        if not new_left < SLOW * left:
+            if not fresh:
+                _jacobian(functions, constants, omega, known, A, mean, u, r, inverse)
+                fresh = True
+                continue
+            part = 1.0
+            while not new_left < left and part > 1e-3:
+                part /= 2
+                new_u[:] = u + part * step
+                new_left = _residual(functions, constants, omega, known, A, mean, new_u, new_F, new_r)
+            fresh = False
+        _learn(inverse, new_u - u, new_r - r)
+        u[:], F[:], r[:] = new_u, new_F, new_r
+        left = new_left
+    return False
+
+
+@njit(cache=True)
+def overtone(functions: tuple[Callable, ...], constants: Reals, omega: Reals, u: Reals, order: int) -> Complex:
+    """Return a harmonic of the force on the motions u (n, 3 place) at speeds (n,), 2 mean(f e^{-j order psi}).
+
+    (n, place); of order 0 it is the mean.
+    """
+    count = u.shape[1] // 3
+    found = np.zeros((len(u), count), dtype=np.complex128)
+    for k in range(len(u)):
+        for law in range(len(functions)):
+            for p in range(POINTS):
+                fx, fy = _force(functions[law], constants[law], omega[k], u[k], count, law, p)
+                q = order * p % POINTS
+                turn = complex(COSINE[q], -SINE[q]) * (2 if order else 1) / POINTS
+                found[k, 2 * law] += fx * turn
+                found[k, 2 * law + 1] += fy * turn
+    return found
+
+
+@njit(cache=True)
+def _residual(
+    functions: tuple[Callable, ...],
+    constants: Reals,
+    omega: float,
+    known: Reals,
+    A: Complex,
+    mean: Reals,
+    u: Reals,
+    F: Reals,
+    r: Reals,
+) -> float:
+    """Put F(u) into F and u - known - A F into r; return the largest component of r."""
+    count = len(A)
+    for law in range(len(functions)):
+        m, n = 2 * law, 2 * law + 1
+        F[m] = F[n] = F[count + m] = F[count + n] = F[2 * count + m] = F[2 * count + n] = 0
+        for p in range(POINTS):
+            fx, fy = _force(functions[law], constants[law], omega, u, count, law, p)
+            F[m] += fx
+            F[n] += fy
+            F[count + m] += fx * COSINE[p]
+            F[count + n] += fy * COSINE[p]
+            F[2 * count + m] -= fx * SINE[p]
+            F[2 * count + n] -= fy * SINE[p]
+    for i in range(len(F)):
+        F[i] *= (1 if i < count else 2) / POINTS
+        r[i] = u[i] - known[i]
+    for i in range(count):
+        for k in range(count):
+            moved = A[i, k] * complex(F[count + k], F[2 * count + k])
+            r[i] -= mean[i, k] * F[k]
+            r[count + i] -= moved.real
+            r[2 * count + i] -= moved.imag
+    return _largest(r)
+
+
+@njit(cache=True)
+def _largest(values: Reals) -> float:
+    largest = 0.0
+    for value in values:
+        largest = max(largest, abs(value))
+    return largest
+
+
+@njit(cache=True)
+def _force(
+    function: Callable, constants: Reals, omega: float, u: Reals, count: int, law: int, p: int
+) -> tuple[float, float]:
+    """Return the force at one of the points of a turn; the velocity is Re(j Omega Q e^{j psi})."""
+    m, n, c, s = 2 * law, 2 * law + 1, COSINE[p], SINE[p]
+    xr, yr, xi, yi = u[count + m], u[count + n], u[2 * count + m], u[2 * count + n]
+    return function(
+        u[m] + xr * c - xi * s,
+        u[n] + yr * c - yi * s,
+        -omega * (xr * s + xi * c),
+        -omega * (yr * s + yi * c),
+        constants,
+    )
+
+
+@njit(cache=True)
+def _jacobian(
+    functions: tuple[Callable, ...],
+    constants: Reals,
+    omega: float,
+    known: Reals,
+    A: Complex,
+    mean: Reals,
+    u: Reals,
+    r: Reals,
+    inverse: Reals,
+) -> None:
+    """Put the inverse Jacobian at u, where the residual is r, by differences, into `inverse`."""
+    size = len(u)
+    by, moved, F, found = np.empty((size, size)), u.copy(), np.empty(size), np.empty(size)
+    step = STEP * max(_largest(u), STEP * _largest(known)) + TINY
+    for i in range(size):
+        moved[i] = u[i] + step
+        _residual(functions, constants, omega, known, A, mean, moved, F, found)
+        for k in range(size):
+            by[k, i] = (found[k] - r[k]) / step
+        moved[i] = u[i]
+    inverse[:] = np.linalg.inv(by)
+
+
+@njit(cache=True)
+def _learn(inverse: Reals, step: Reals, change: Reals) -> None:
+    """Let the inverse Jacobian take `change` to `step`: Broyden's update, by Sherman and Morrison."""
+    taken, back = inverse @ change, step @ inverse
+    weight = step @ taken
+    if abs(weight) > 1e-3 * (step @ step):
+        for i in range(len(step)):
+            for k in range(len(step)):
+                inverse[i, k] += (step[i] - taken[i]) / weight * back[k]

@@ -1,0 +1,41 @@
+"""A force at one place of the shaft that depends on its motion there, in whatever way: a stop, a rub, dry friction.
+
+The force is a small numba function of the place's position and velocity, so that what evaluates it a million times is
+compiled once for all of them: it takes a pointer to the function.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from rotorrig.rig.errors import ConfigError
+
+Force = Callable[[float, float, float, float, NDArray[np.float64]], tuple[float, float]]
+
+_F8 = types.float64
+SIGNATURE = types.UniTuple(_F8, 2)(_F8, _F8, _F8, _F8, types.Array(_F8, 1, "C"))
+POINTER = types.FunctionType(SIGNATURE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ForceLaw:
+    """The force (fx, fy) [N] on the shaft at x, y [m] of a place moving at vx, vy [m/s].
+
+    `static` is where the place lies at rest without this force: its sag, say, in the clearance of a stop. The mean of
+    the force shifts it from there.
+    """
+
+    rows: NDArray[np.float64]  # (2, dof) read x and y of the place, or of its motion relative to another
+    force: Force  # (x, y, vx, vy, constants) -> (fx, fy), decorated with numba.njit(cache=True)
+    constants: NDArray[np.float64]  # (n,) handed to it
+    static: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2))  # (2,) m
+
+    def __post_init__(self) -> None:
+        """Compile the force for its one signature. Raises ConfigError if it is not a numba function."""
+        compiled = getattr(self.force, "compile", None)
+        if compiled is None:
+            raise ConfigError(f"force of a law is {self.force!r}, want a function decorated with numba.njit")
+        compiled(SIGNATURE)
