@@ -1,0 +1,185 @@
+"""What an effect is: one way in which a real rig departs from its nameplate's model, with its unknowns.
+
+A file in this folder holds classes derived from `Effect` and `effects(rig)`, which returns one object for every place
+it could act at; dropping a file in is all it takes (one without `effects` is a helper). An effect overrides only those
+of its verbs it needs:
+
+- `changed`: other matrices (stiffness, damping, mass, a pedestal's coordinates);
+- `loads`: forces that do not depend on the motion, per order of rotation, from the start or from some time on;
+- `laws`: forces at a place that do, nonlinearly;
+- `seen`: what the probes make of the motion, and what they add.
+
+All unknowns are real, in SI; a phasor is a pair named "... re" and "... im". Every effect is nothing at `nothing`.
+Angles are from the keyphasor mark in the sense of rotation.
+"""
+
+import importlib
+import math
+import pkgutil
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims import effects as folder
+from rotorrig.sims.rotor.assembly import RotorModel
+from rotorrig.sims.rotor.force_law import ForceLaw
+from rotorrig.sims.rotor.loads import Load
+
+Complex = NDArray[np.complex128]
+Theta = Mapping[str, float]
+
+EVERY = (1, 2, 3)  # the orders that a change of matrices or of a probe may show in, where there is something to change
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter:
+    """One unknown of an effect, SI.
+
+    Where several parameters of an effect have starts, their first ones go together, their second ones, and so on; the
+    last of a shorter list stands for the rest.
+    """
+
+    name: str  # "bow re"; pairs "re", "im" are one phasor
+    unit: str  # SI, "" for a ratio
+    low: float  # beyond these it is no longer plausible
+    high: float
+    size: float  # typical of an RK4 rotor kit: the unit a fit counts in
+    nothing: float = 0.0  # where the effect vanishes
+    starts: tuple[float, ...] = ()  # where a fit begins, one after the other; empty: at `nothing`
+    prior: float = math.inf  # one standard deviation, where it is a nuisance of the base and no discovery
+    order: int = 0  # the one order of the vectors it changes; 0: all those of its effect
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """What a probe-side effect may know of the rows; the slow roll is the last one."""
+
+    probes: tuple[str, ...]
+    angle: NDArray[np.float64]  # (probe,) rad, of the nameplate
+    position: NDArray[np.float64]  # (probe,) m
+    order: int
+    omega: NDArray[np.float64]  # (row + 1,) rad/s; 0: no slow roll
+    t: NDArray[np.float64]  # (row,) s; NaN: unknown
+    revolutions: NDArray[np.float64]  # (row,) turns of a row's window
+    window: str
+    keyphasor_t: NDArray[np.float64]  # (pulse,) s; empty: unknown
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effect:
+    """One effect at one place; without `parameters` set it does nothing. Frozen, and cheap to make."""
+
+    name: ClassVar[str]  # the file's
+    title: ClassVar[str]  # "residual shaft bow"
+    orders: ClassVar[tuple[int, ...]] = (1,)  # of the vectors it may change
+    linear: ClassVar[bool] = False  # the response is linear in the parameters with everything else fixed
+    per_recording: ClassVar[bool] = False  # its unknowns are others in every recording
+    where: str = ""  # "plane 1", "probe 2y", "at 381 mm"; empty where there is one place only
+    parameters: tuple[Parameter, ...] = ()
+    places: Mapping[str, float] = field(default_factory=dict)  # planes it needs in the model: name -> m
+    recording: int | None = None  # where it acts alone; None: in all
+
+    @property
+    def label(self) -> str:
+        """Name and place: "runout, plane 2"."""
+        return f"{self.name}, {self.where}" if self.where else self.name
+
+    @property
+    def at_nothing(self) -> dict[str, float]:
+        """The parameters at which it vanishes."""
+        return {p.name: p.nothing for p in self.parameters}
+
+    def starting(self, **starts: tuple[float, ...]) -> Self:
+        """Return the effect with other starts for the parameters of those names: times, say, that a recording tells."""
+        changed = (replace(p, starts=tuple(starts.get(p.name, p.starts))) for p in self.parameters)
+        return replace(self, parameters=tuple(changed))
+
+    def within(self, orders: Collection[float]) -> Self:
+        """Return the effect without the parameters that vectors of these orders cannot show."""
+        return replace(self, parameters=tuple(p for p in self.parameters if not p.order or p.order in orders))
+
+    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+        """Return the model with other matrices, coordinates or bearings."""
+        return model
+
+    def loads(self, model: RotorModel, theta: Theta) -> tuple[Load, ...]:
+        """Return forces on `model`, which `changed` has been through."""
+        return ()
+
+    def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
+        """Return nonlinear forces on `model`: as many at nothing, where they are zero."""
+        return ()
+
+    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
+        """Return what becomes of the vectors z (row + 1, probe) [m] of one order, the slow roll last."""
+        return z
+
+    def words(self, theta: Theta) -> str:
+        """Say the cause with its size: "the shaft is bowed by 18 um at 110 deg"; the default lists its figures."""
+        return f"{self.title}{' ' + self.where if self.where else ''}: {described(self.parameters, theta)}"
+
+
+def catalogue(rig: RigConfig) -> tuple[Effect, ...]:
+    """Return every effect of every file in this folder at every place of `rig` it could act at."""
+    return tuple(effect for effects in _files() for effect in effects(rig))
+
+
+def find(rig: RigConfig, label: str) -> Effect:
+    """Return the effect of that label. Raises ValueError naming those there are."""
+    known = catalogue(rig)
+    for effect in known:
+        if effect.label == label:
+            return effect
+    raise ValueError(f"effect '{label}': there is none, want one of {', '.join(e.label for e in known)}")
+
+
+def phasor(theta: Theta, name: str) -> complex:
+    """Return the phasor of the pair "name re", "name im"; zero of a pair that was left out."""
+    return complex(theta.get(f"{name} re", 0.0), theta.get(f"{name} im", 0.0))
+
+
+def pair(name: str, unit: str, *, most: float, size: float, order: int = 0) -> tuple[Parameter, Parameter]:
+    """Return the two parameters of a phasor, either no larger than `most`."""
+    re, im = (
+        Parameter(name=f"{name} {part}", unit=unit, low=-most, high=most, size=size, order=order)
+        for part in ("re", "im")
+    )
+    return re, im
+
+
+def polar(theta: Theta, name: str) -> tuple[float, float]:
+    """Return magnitude and angle [deg, 0 to 360] of the pair "name re", "name im"."""
+    z = phasor(theta, name)
+    return abs(z), math.degrees(np.angle(z)) % 360
+
+
+def magnitudes(parameters: tuple[Parameter, ...], theta: Theta) -> Iterator[tuple[str, float, str]]:
+    """Yield name, value and unit of every unknown, phasors as magnitude and angle ("bow", "bow angle" in rad)."""
+    for p in parameters:
+        stem = p.name.removesuffix(" re")
+        if stem != p.name:
+            z = phasor(theta, stem)
+            yield stem, abs(z), p.unit
+            yield f"{stem} angle", float(np.angle(z)), "rad"
+        elif not p.name.endswith(" im"):
+            yield p.name, theta[p.name], p.unit
+
+
+def described(parameters: tuple[Parameter, ...], theta: Theta) -> str:
+    """Return the unknowns in words: "bow 1.8e-05 m, bow angle 110 deg"."""
+    return ", ".join(
+        f"{name} {np.degrees(value):.0f} deg" if unit == "rad" else f"{name} {value:.3g} {unit}".rstrip()
+        for name, value, unit in magnitudes(parameters, theta)
+    )
+
+
+def _files() -> Iterator[Callable[[RigConfig], tuple[Effect, ...]]]:
+    """Yield `effects` of every file in the folder that has it."""
+    for name in sorted(m.name for m in pkgutil.iter_modules(folder.__path__)):
+        module = importlib.import_module(f"{folder.__name__}.{name}")
+        if hasattr(module, "effects"):
+            yield module.effects

@@ -1,0 +1,58 @@
+"""A bearing whose stiffness grows with the deflection: a stop, a preloaded or bottoming spring.
+
+f = -k3 (x^2 + y^2) (x, y) about the centred journal: the resonance leans to higher speeds, up and down alike, and jumps
+where it leans over. Source: Yamamoto, Ishida, Linear and Nonlinear Rotordynamics (2012), ch. 6; Nayfeh, Mook, Nonlinear
+Oscillations (1979), section 4.1.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
+from rotorrig.sims.effects.places import bearing_groups, bearing_words
+from rotorrig.sims.rotor.assembly import RotorModel
+from rotorrig.sims.rotor.force_law import ForceLaw
+
+
+@dataclass(frozen=True, kw_only=True)
+class CubicSpring(Effect):
+    """The stiffness "k3" [N/m^3] of the bearings of one group; below zero they soften."""
+
+    name = "cubic_spring"
+    title = "bearing stiffness that grows with deflection"
+    orders = EVERY
+    bearings: tuple[str, ...]
+
+    def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
+        """Return its force at every bearing."""
+        constants = np.array([theta["k3"]])
+        return tuple(
+            ForceLaw(rows=model.bearing(name).rows, force=cubic, constants=constants) for name in self.bearings
+        )
+
+    def words(self, theta: Theta) -> str:
+        """Say how steep it is, at a deflection that one can picture."""
+        more = theta["k3"] * 100e-6**2
+        return (
+            f"the stiffness of {bearing_words(self.bearings)} changes with deflection: {theta['k3']:.2g} N/m^3, "
+            f"{more / 1e3:+.2f} kN/m at 100 um"
+        )
+
+
+@njit(cache=True)
+def cubic(x: float, y: float, vx: float, vy: float, constants: NDArray[np.float64]) -> tuple[float, float]:
+    """Return -k3 |r|^2 r."""
+    k = -constants[0] * (x * x + y * y)
+    return k * x, k * y
+
+
+def effects(rig: RigConfig) -> tuple[CubicSpring, ...]:
+    """Return one for every group of bearings sought."""
+    unknown = (Parameter(name="k3", unit="N/m^3", low=-5e11, high=5e11, size=5e10, starts=(2e10, 1e11, -2e10)),)
+    return tuple(
+        CubicSpring(where=where, bearings=names, parameters=unknown) for where, names in bearing_groups(rig).items()
+    )

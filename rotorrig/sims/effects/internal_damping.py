@@ -1,0 +1,40 @@
+"""Damping that turns with the shaft: of its material, or of a disk that rubs on its seat.
+
+In the rotor's axes it resists the change of shape; in ours that is C = beta K_s and a circulatory beta Omega K_s J. A
+forward circular orbit is at rest in the rotor and does not feel it. Source: Genta, Dynamics of Rotating Systems (2005),
+section 2.4; Kimball, Internal friction theory of shaft whirling, Gen. Electr. Rev. 27 (1924) 244.
+"""
+
+from dataclasses import dataclass
+
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
+from rotorrig.sims.effects.shaft_motion import pairwise_map
+from rotorrig.sims.rotor.assembly import Added, RotorModel, with_added
+
+J = ((0.0, 1.0), (-1.0, 0.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class InternalDamping(Effect):
+    """The time "beta" [s]: rotating damping beta K_s of the whole shaft."""
+
+    name = "internal_damping"
+    title = "internal damping of the shaft"
+    orders = EVERY
+
+    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+        """Return the model with it."""
+        C = theta["beta"] * model.shaft.K
+        circulatory = C @ pairwise_map(model, J)
+        skew = (circulatory - circulatory.T) / 2  # exactly so, but for rounding and what a reduction leaves out
+        return with_added(model, Added(C=C, H=model.rotation * skew))
+
+    def words(self, theta: Theta) -> str:
+        """Say how large it is."""
+        return f"the shaft has rotating damping of {1e6 * theta['beta']:.0f} us times its stiffness"
+
+
+def effects(rig: RigConfig) -> tuple[InternalDamping, ...]:
+    """Return the one of the shaft."""
+    return (InternalDamping(parameters=(Parameter(name="beta", unit="s", low=0.0, high=5e-4, size=5e-5),)),)

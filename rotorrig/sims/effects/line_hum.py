@@ -1,0 +1,67 @@
+"""Mains hum in the probes' signals, and how much of it a row's window lets through at each order.
+
+The hum is common to all probes and does not turn with the shaft; where n Omega passes its frequency it falls into the
+tracking filter for a moment. From the keyphasor's times the leak follows exactly, phase and all, as long as the mains
+keep their frequency. Source: Harris, On the use of windows for harmonic analysis, Proc. IEEE 66 (1978) 51-83.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import EVERY, Complex, Effect, Seen, Theta, pair, phasor
+from rotorrig.sims.rotor.timeline import TURN, Timeline
+
+MAINS = (50.0, 60.0)  # Hz
+HARMONICS = (1, 2)  # of the mains
+POINTS = 24  # of the average, per turn: the beat of hum and order turns far less
+LEAST_PULSES = 4  # that a time line needs
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineHum(Effect):
+    """The phasor "hum" [m] of Re(a e^{j 2 pi f t}), t as in the recording."""
+
+    name = "line_hum"
+    title = "mains hum"
+    orders = EVERY
+    linear = True
+    per_recording = True
+    frequency: float  # Hz
+
+    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
+        """Return the vectors with its leak, alike at all probes; unchanged where a row's time is not known."""
+        hum = phasor(theta, "hum")
+        if not hum or len(view.keyphasor_t) < LEAST_PULSES:
+            return z
+        known = np.flatnonzero(np.isfinite(view.t))
+        result = z.copy()
+        result[known] += hum * leak(view, known, self.frequency)[:, None]
+        return result
+
+    def words(self, theta: Theta) -> str:
+        """Say how large it is and at which frequency."""
+        return f"the probes pick up mains hum of {1e6 * abs(phasor(theta, 'hum')):.2f} um 0-peak at {self.where}"
+
+
+def leak(view: Seen, rows: NDArray[np.intp], frequency: float) -> Complex:
+    """Return the vectors (row,) that a hum e^{j 2 pi f t} leaves: 2 mean(Re(e^{j 2 pi f t}) e^{-j n theta})."""
+    timeline = Timeline(view.keyphasor_t)
+    count = int(np.ceil(POINTS * view.revolutions[rows].max(initial=1.0)))
+    x = (np.arange(count) + 0.5) / count - 0.5  # of the window, in shaft angle
+    weight = 1 + np.cos(2 * np.pi * x) if view.window == "hann" else np.ones(count)
+    turn = timeline.theta(view.t[rows])[:, None] / TURN + view.revolutions[rows, None] * x
+    t = CubicSpline(np.arange(len(timeline.t)), timeline.t)(turn)
+    signal = 2 * np.cos(TURN * frequency * t)
+    return (signal * np.exp(-1j * TURN * view.order * turn)) @ (weight / weight.sum())
+
+
+def effects(rig: RigConfig) -> tuple[LineHum, ...]:
+    """Return one for every usual mains frequency and its double."""
+    unknown = pair("hum", "m", most=10e-6, size=1e-6)
+    return tuple(
+        LineHum(where=f"{n * f:.0f} Hz", frequency=n * f, parameters=unknown) for n in HARMONICS for f in MAINS
+    )
