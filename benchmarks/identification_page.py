@@ -12,7 +12,9 @@ from rotorrig.rig.provenance import code_version
 _TABLE7 = """
 The rotor of Lalanne and Ferraris, 75 speeds from 200 to 15,000 rpm, amplitudes at nodes 2 and 12, the box of eq. (20).
 The data are another program's. A call is one response, with its derivatives where they are used; finite differences
-count as the calls they are. {seeds} runs of every search."""
+count as the calls they are. {seeds} runs of every search. f1, f2 and f3 alone are black boxes, shown values of the
+objective and no more: rounds of CHEA and a descent along the valley its best point lies in, until a fit is exact to
+1e-6 of the amplitudes. "vector": the search that is given residuals and their derivatives."""
 
 _TABLE8 = """
 Each amplitude of Table 7's data times 1 + 0.1 N(0, 1), anew for every draw. Errors are |error| of the minimum found

@@ -1,20 +1,29 @@
 """Two other ways to the minimum of an objective on amplitudes: CHEA that is shown its value alone, and brute force."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from rotorrig.identify.chea import valley_search
 from rotorrig.identify.chea.chea import chea
 from rotorrig.identify.chea.least_absolute import descend_absolute
 from rotorrig.identify.chea.levenberg_marquardt import Residual
+from rotorrig.identify.chea.record import Record
 from rotorrig.identify.objective import Amplitudes, Name
 
 Real = NDArray[np.float64]
+Misfit = Callable[[Real], Real]  # points (n, dim) -> shares of the amplitudes (n,)
 
 BUDGET = 10_000  # calls of the black box
-_EXACT = {"f1": 1e-6, "f2": 1e-6, "f3": 1e-10}  # of an amplitude; off resonance damping is 1e-6 of f3's
+_EXACT = 1e-6  # of the amplitudes
+_STINT = 200  # calls of CHEA in a round of the black box: after 500 its best point leads to a true minimum no oftener
+_NIL = 1e-12  # of the amplitudes: has a logarithm
+_SLOW = (20, 0.05)  # steps that gain less than this share of the squared misfit end the descent of a round
+_AGREED = 0.01  # of the value: rounds that end so close ended, but for what `_SLOW` leaves, in one minimum
+_ENOUGH = 6  # rounds that agree: two in five end in a wide basin of f1
 _RADIUS = 0.05  # of the cube: first step of a descent in sums of absolute values
 _DESCENT = 300  # calls of one
 _FIT = 100  # of a least-squares fit
@@ -31,24 +40,96 @@ def box(amplitudes: Amplitudes) -> Real:
 
 
 def black_box(amplitudes: Amplitudes, *, objective: Name, seed: int) -> tuple[Real, float, int]:
-    """Return where CHEA (profile modern) ends, (5,) in SI, the objective there, and the calls that took.
+    """Return where rounds of CHEA (profile modern) end, (5,) in SI, the objective there, and the calls that took.
 
-    CHEA is shown the value alone. It searches stiffness and damping by their mobility (`Steady.starts`), the amount
-    being the best for each: over the logarithms of all five, most of the box is a plateau on which the rotor is free or
-    held and no search is told anything, and it ended elsewhere in five runs of six. A fit within `_EXACT` of the
-    amplitudes ends the search: no objective here can be less than nothing.
+    CHEA is shown the logarithm of the value alone: that makes wide funnels of deep and narrow minima. It searches
+    coefficients on the scale of `_coefficients`, the amount being the best for each. A round is a stint of it
+    and a descent with `valley_search` from its best point, for damping has 1e-4 to 1e-6 of the curvature stiffness has;
+    it is given up where it slows down, for another round costs less than the end of a descent. Rounds follow until one
+    fits within `_EXACT` of the amplitudes (no objective here can be less than nothing), `_ENOUGH` agree, or `BUDGET` is
+    spent. The best end is then descended from once more, to the last.
     """
-    steady = amplitudes.steady
+    size, power = amplitudes.size(objective), 0.5 if objective == "f1" else 1.0
 
-    def value(points: Real) -> Real:
-        return np.array([amplitudes.least_cost(u, objective=objective)[0] for u in steady.starts(points)])
+    def misfit(points: Real) -> Real:
+        candidates = _coefficients(amplitudes, points)
+        return np.array([(amplitudes.least_cost(u, objective=objective)[0] / size) ** power for u in candidates])
 
-    box = [(0.0, 1.0)] * steady.dim
-    target = amplitudes.size(objective) * _EXACT[objective] ** (2 if objective == "f1" else 1)
-    found = chea(value, box, rng=np.random.default_rng(seed), vectorized=True, max_nfev=BUDGET, f_target=target)
-    u = steady.starts(found.x[None])[0]
+    rng = np.random.default_rng(seed)
+    ends: list[_End] = []
+    calls = 0
+    while calls < BUDGET and not _settled(sorted(end.misfit for end in ends)):
+        ends.append(_round(misfit, amplitudes.steady.dim, budget=BUDGET - calls, rng=rng))
+        calls += ends[-1].calls
+    best = _descend(misfit, min(ends, key=lambda end: end.misfit), budget=BUDGET - calls, rng=rng)
+    u = _coefficients(amplitudes, best.point[None])[0]
     least, amount = amplitudes.least_cost(u, objective=objective)
-    return np.array(amplitudes.theta(np.append(u, amount))), least, found.nfev
+    return np.array(amplitudes.theta(np.append(u, amount))), least, calls + best.calls
+
+
+class _End(NamedTuple):
+    """Where a part of the search ended: the point (dim,) of the cube, its misfit, and the calls it took."""
+
+    point: Real
+    misfit: float
+    calls: int
+
+
+def _coefficients(amplitudes: Amplitudes, points: Real) -> Real:
+    """Return coefficients (n, dim), as `Steady` has them, for points (n, dim) of the cube that is searched.
+
+    Stiffness by its mobility (`Steady.starts`): over its logarithm most of the box is a plateau on which the rotor is
+    free or held and no search is told anything. Damping by the cube root of its ratio to the typical: what rules the
+    peaks is far below what rules the motion off resonance, and where there is none next to nothing depends on it.
+    """
+    space = amplitudes.steady.space
+    damping = np.array([name[0] == "c" for name in space.coefficients * len(space.groups)])
+    ratio = points / np.maximum(1 - points, _INSIDE)
+    return amplitudes.steady.starts(np.where(damping, ratio**3 / (1 + ratio**3), points))
+
+
+def _settled(ends: list[float]) -> bool:
+    """Return whether the least of the misfits, in ascending order, is as good as nothing or was met often enough."""
+    if not ends:
+        return False
+    return ends[0] <= _EXACT or (len(ends) >= _ENOUGH and ends[_ENOUGH - 1] - ends[0] <= _AGREED * ends[0])
+
+
+def _round(misfit: Misfit, dim: int, *, budget: int, rng: np.random.Generator) -> _End:
+    """Return the end of a stint of CHEA and a descent from its best point, with the calls of both, at most `budget`."""
+
+    def logarithm(points: Real) -> Real:
+        return np.log(np.maximum(misfit(points), _NIL))
+
+    cube, target = [(0.0, 1.0)] * dim, float(np.log(_EXACT))
+    found = chea(logarithm, cube, rng=rng, vectorized=True, max_nfev=min(_STINT, budget), f_target=target)
+    best = _End(found.x, float(np.exp(found.fun)), found.nfev)
+    end = _descend(misfit, best, budget=budget - found.nfev, rng=rng, stalled=_SLOW)
+    return end._replace(calls=found.nfev + end.calls)
+
+
+def _descend(
+    misfit: Misfit,
+    start: _End,
+    *,
+    budget: int,
+    rng: np.random.Generator,
+    stalled: tuple[int, float] = valley_search.STALLED,
+) -> _End:
+    """Descend on the misfit's square to the end, an exact fit or the budget; return where, with the calls of this."""
+    record = Record(len(start.point), same_point=0.0)
+    part = valley_search.descend(record, start.point, start.misfit**2, rng=rng, max_calls=budget, stalled=stalled)
+    asked = next(part, None)
+    while asked is not None and record.nfev < budget and min(start.misfit, record.best[1] ** 0.5) > _EXACT:
+        values = misfit(asked[: budget - record.nfev]) ** 2
+        record.add(asked[: len(values)], values)
+        try:
+            asked = part.send(values)
+        except StopIteration:
+            break
+    lower = record.best[1] < start.misfit**2
+    point, least = (record.best[0], record.best[1] ** 0.5) if lower else (start.point, start.misfit)
+    return _End(point, least, record.nfev)
 
 
 def least_of_many(

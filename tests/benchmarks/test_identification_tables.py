@@ -18,6 +18,7 @@ from benchmarks.identification_page import page
 from benchmarks.identification_searches import black_box, box, least_of_many
 from benchmarks.identification_table7 import oracle_response, steady
 from rotorrig.identify.objective import Amplitudes
+from rotorrig.identify.search import search_amplitudes
 from rotorrig.processing.response import OrderTrackedResponse
 
 
@@ -56,6 +57,23 @@ def test_a_black_box_keeps_to_the_budget_and_the_bounds(monkeypatch, exact: Ampl
     assert calls <= 60
     assert ((box(exact)[:, 0] <= theta) & (theta <= box(exact)[:, 1])).all()
     assert cost == pytest.approx(float(exact.cost(theta[None], objective="f2")[0]))
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_a_black_box_finds_the_true_values_in_as_many_calls_as_the_chapter(objective, exact: Amplitudes) -> None:
+    theta, _, calls = black_box(exact, objective=objective, seed=1)
+    assert theta == pytest.approx(TABLE8_REFERENCE, rel=1e-3)
+    assert calls <= 3000
+
+
+def test_a_black_box_on_noise_ends_where_rounds_agree_and_at_the_end_of_a_descent(monkeypatch) -> None:
+    monkeypatch.setattr("benchmarks.identification_searches._ENOUGH", 2)
+    amplitudes = table8.noisy(2)
+    optima, _, _ = search_amplitudes(amplitudes, objective="f2", rng=np.random.default_rng(1))
+    theta, cost, calls = black_box(amplitudes, objective="f2", seed=2)
+    assert cost == pytest.approx(optima[0].cost, rel=1e-3)
+    assert theta == pytest.approx(optima[0].theta, rel=0.1)
+    assert calls < 2500
 
 
 def test_the_bound_of_table_8_is_that_of_differences_of_the_response() -> None:
