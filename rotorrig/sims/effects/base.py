@@ -67,6 +67,7 @@ class Seen:
     revolutions: NDArray[np.float64]  # (row,) turns of a row's window
     window: str
     keyphasor_t: NDArray[np.float64]  # (pulse,) s; empty: unknown
+    leaks: dict[float, Complex] = field(default_factory=dict, repr=False, compare=False)  # line_hum.leak, by Hz, once
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -39,7 +39,9 @@ class LineHum(Effect):
             return z
         known = np.flatnonzero(np.isfinite(view.t))
         result = z.copy()
-        result[known] += hum * leak(view, known, self.frequency)[:, None]
+        if self.frequency not in view.leaks:
+            view.leaks[self.frequency] = leak(view, known, self.frequency)
+        result[known] += hum * view.leaks[self.frequency][:, None]
         return result
 
     def words(self, theta: Theta) -> str:

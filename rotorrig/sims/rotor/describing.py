@@ -4,6 +4,8 @@ A place moves as x = mean + Re(Q e^{j psi}); its force is evaluated at POINTS an
 harmonics taken (alternating frequency and time: Cameron, Griffin, J. Appl. Mech. 56 (1989) 149). What the force does
 to the place is linear: u = known + A F(u), solved by Broyden's method (Math. Comp. 19 (1965) 577) from a Jacobian of
 differences, which serves on where the problem changes little from one turn or speed to the next.
+The kernels are loops throughout: numba takes ten times as long to compile expressions of whole arrays, and on so few
+numbers they are slower too.
 
 u and F are (3 place,), place being x and y of every law in turn: all means, all real parts, all imaginary ones.
 """
@@ -18,10 +20,12 @@ from numba.core.errors import NumbaExperimentalFeatureWarning
 from numpy.typing import NDArray
 
 from rotorrig.sims.rotor.force_law import POINTER, ForceLaw
+from rotorrig.sims.rotor.march import invert
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
+LAWS = 4  # the kernels are compiled for that many, or a multiple
 POINTS = 32  # a turn
 ACCURACY = 1e-8  # of the motion
 MOST_STEPS = 40
@@ -36,15 +40,16 @@ OVERTONE = (REALS[2], REALS[1], REALS[2], types.int64)  # the types of overtone'
 
 
 def pointers(laws: Sequence[ForceLaw]) -> tuple[tuple[Any, ...], Reals]:
-    """Return the laws' functions, and their constants padded to one length, (law, n)."""
+    """Return the laws' functions, a multiple of `LAWS` of them, and their constants padded to one length, (law, n)."""
     constants = np.zeros((len(laws), max(len(law.constants) for law in laws)))
     for row, law in zip(constants, laws, strict=True):
         row[: len(law.constants)] = law.constants
-    return tuple(law.force for law in laws), constants
+    unused = (laws[0].force,) * (-len(laws) % LAWS)
+    return (*(law.force for law in laws), *unused), constants
 
 
 def called(kernel: Any, arguments: Sequence[Any], functions: tuple[Any, ...], *values: Any) -> Any:
-    """Call a kernel, compiled once for so many pointers to functions and `arguments` of those types."""
+    """Call a kernel, compiled once for pointers to functions and `arguments` of those types."""
     kernel.compile((types.UniTuple(POINTER, len(functions)), *arguments))
     with warnings.catch_warnings():  # that pointers to functions are new to numba
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
@@ -69,14 +74,17 @@ def settle(
     the inverse Jacobian of u - known - A F(u), and left as the last one found.
     """
     size = len(u)
-    r, new_r, new_u, new_F = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
+    r, new_r, new_u, new_F, step, change = np.empty((6, size))
     fresh = False
     left = _residual(functions, constants, omega, known, A, mean, u, F, r)
     for _ in range(MOST_STEPS):
         if left <= ACCURACY * _largest(u):
             return True
-        step = -(inverse @ r)
-        new_u[:] = u + step
+        for i in range(size):
+            step[i] = 0
+            for k in range(size):
+                step[i] -= inverse[i, k] * r[k]
+            new_u[i] = u[i] + step[i]
         new_left = _residual(functions, constants, omega, known, A, mean, new_u, new_F, new_r)
         if not new_left < SLOW * left:
             if not fresh:
@@ -86,11 +94,14 @@ def settle(
             part = 1.0
             while not new_left < left and part > 1e-3:
                 part /= 2
-                new_u[:] = u + part * step
+                for i in range(size):
+                    new_u[i] = u[i] + part * step[i]
                 new_left = _residual(functions, constants, omega, known, A, mean, new_u, new_F, new_r)
             fresh = False
-        _learn(inverse, new_u - u, new_r - r)
-        u[:], F[:], r[:] = new_u, new_F, new_r
+        for i in range(size):
+            step[i], change[i] = new_u[i] - u[i], new_r[i] - r[i]
+            u[i], F[i], r[i] = new_u[i], new_F[i], new_r[i]
+        _learn(inverse, step, change)
         left = new_left
     return False
 
@@ -104,7 +115,7 @@ def overtone(functions: tuple[Callable, ...], constants: Reals, omega: Reals, u:
     count = u.shape[1] // 3
     found = np.zeros((len(u), count), dtype=np.complex128)
     for k in range(len(u)):
-        for law in range(len(functions)):
+        for law in range(len(constants)):
             for p in range(POINTS):
                 fx, fy = _force(functions[law], constants[law], omega[k], u[k], count, law, p)
                 q = order * p % POINTS
@@ -128,7 +139,7 @@ def _residual(
 ) -> float:
     """Put F(u) into F and u - known - A F into r; return the largest component of r."""
     count = len(A)
-    for law in range(len(functions)):
+    for law in range(len(constants)):
         m, n = 2 * law, 2 * law + 1
         F[m] = F[n] = F[count + m] = F[count + n] = F[2 * count + m] = F[2 * count + n] = 0
         for p in range(POINTS):
@@ -189,7 +200,10 @@ def _jacobian(
 ) -> None:
     """Put the inverse Jacobian at u, where the residual is r, by differences, into `inverse`."""
     size = len(u)
-    by, moved, F, found = np.empty((size, size)), u.copy(), np.empty(size), np.empty(size)
+    by, work = np.empty((2, size, size))
+    moved, F, found = np.empty((3, size))
+    for i in range(size):
+        moved[i] = u[i]
     step = STEP * max(_largest(u), STEP * _largest(known)) + TINY
     for i in range(size):
         moved[i] = u[i] + step
@@ -197,15 +211,22 @@ def _jacobian(
         for k in range(size):
             by[k, i] = (found[k] - r[k]) / step
         moved[i] = u[i]
-    inverse[:] = np.linalg.inv(by)
+    invert(by, inverse, work)
 
 
 @njit(cache=True)
 def _learn(inverse: Reals, step: Reals, change: Reals) -> None:
     """Let the inverse Jacobian take `change` to `step`: Broyden's update, by Sherman and Morrison."""
-    taken, back = inverse @ change, step @ inverse
-    weight = step @ taken
-    if abs(weight) > 1e-3 * (step @ step):
-        for i in range(len(step)):
-            for k in range(len(step)):
+    size = len(step)
+    taken, back = np.zeros((2, size))
+    weight, squared = 0.0, 0.0
+    for i in range(size):
+        for k in range(size):
+            taken[i] += inverse[i, k] * change[k]
+            back[k] += step[i] * inverse[i, k]
+        weight += step[i] * taken[i]
+        squared += step[i] * step[i]
+    if abs(weight) > 1e-3 * squared:
+        for i in range(size):
+            for k in range(size):
                 inverse[i, k] += (step[i] - taken[i]) / weight * back[k]

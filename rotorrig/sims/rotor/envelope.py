@@ -27,23 +27,23 @@ class Motion:
 class Envelope:
     """a' = (L - j Omega - alpha T) a + g law on one timeline; the propagators serve all columns."""
 
-    def __init__(self, modes: Passage, rows: TrackedRows) -> None:
-        """Work out what every step does."""
+    def __init__(self, L: Complex, T: Complex, rows: TrackedRows) -> None:
+        """Work out what every step does; `L` and `T` are those of a Passage."""
         turns = rows.turns
-        self._modes, self._rows = modes, rows
+        self._powers, self._rows = len(L), rows
         self._h = np.diff(turns.t)
-        self.operator = _still(modes, rows.power, turns.alpha)
+        self.operator = _still(L, T, rows.power, turns.alpha)
         _turn(self.operator, turns.omega)
-        middle = _still(modes, rows.power_mid, turns.alpha_mid)
+        middle = _still(L, T, rows.power_mid, turns.alpha_mid)
         _turn(middle, turns.omega_mid)
         self.steps = propagators(middle, self._h)
         # Within a step Omega moves on from omega_mid: that phase, known from the pulses, is put into the force.
         phase = np.stack([turns.theta_mid - turns.omega_mid * self._h / 2, TURN - turns.omega_mid * self._h], axis=1)
         self.turned = np.exp(1j * phase)
 
-    def response(self, loads: Drive) -> Motion:
-        """Return the motion under a unit of each load, steady at the first turn."""
-        return self.driven(*self.forces(self._modes.g, loads))
+    def response(self, g: Complex, loads: Drive) -> Motion:
+        """Return the motion under a unit of each load, steady at the first turn; `g` is that of a Passage."""
+        return self.driven(*self.forces(g, loads))
 
     def derivatives(self, change: Passage, motion: Motion, loads: Drive) -> Motion:
         """Return the derivative of the motion along directions, its columns (direction, load).
@@ -67,7 +67,7 @@ class Envelope:
         """Return the motion under a force at the turns and halfway in time, (turn, mode, column)."""
         start = np.linalg.solve(self.operator[0], -force[0])
         a, rate = advanced(self.operator, self.steps, self.turned, force, force_mid, start)
-        return Motion(a=a, rate=rate, average=self._rows.averages(a, rate, powers=len(self._modes.g)))
+        return Motion(a=a, rate=rate, average=self._rows.averages(a, rate, powers=self._powers))
 
 
 def polynomial(power: Reals, coefficients: Complex) -> Complex:
@@ -81,10 +81,10 @@ def _flat(coefficients: Complex) -> Reals:
     return np.ascontiguousarray(coefficients).reshape(len(coefficients), coefficients[0].size).view(float)
 
 
-def _still(modes: Passage, power: Reals, alpha: Reals) -> Complex:
+def _still(L: Complex, T: Complex, power: Reals, alpha: Reals) -> Complex:
     """Return L - alpha T, (turn, mode, mode)."""
-    found = polynomial(power, modes.L)
-    found -= polynomial(alpha[:, None] * power, modes.T)
+    found = polynomial(power, L)
+    found -= polynomial(alpha[:, None] * power, T)
     return found
 
 

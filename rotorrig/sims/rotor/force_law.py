@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numba import types
+from numba.core.dispatcher import Dispatcher
 from numpy.typing import NDArray
 
 from rotorrig.rig.errors import ConfigError
@@ -35,7 +36,8 @@ class ForceLaw:
 
     def __post_init__(self) -> None:
         """Compile the force for its one signature. Raises ConfigError if it is not a numba function."""
-        compiled = getattr(self.force, "compile", None)
-        if compiled is None:
+        if not isinstance(self.force, Dispatcher):
             raise ConfigError(f"force of a law is {self.force!r}, want a function decorated with numba.njit")
-        compiled(SIGNATURE)
+        if SIGNATURE.args not in self.force.overloads:
+            self.force.compile(SIGNATURE)
+        self.force.disable_compile()  # numba then passes it as a pointer, instead of compiling the caller for it anew

@@ -13,6 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rotorrig.sims.rotor.describing import COMPLEX, REALS, settle
+from rotorrig.sims.rotor.march import invert
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -55,16 +56,22 @@ def march(
     a, rate = np.zeros((turns, modes), dtype=np.complex128), np.zeros((turns, modes), dtype=np.complex128)
     u, F, Q = np.zeros((turns, 3 * places)), np.zeros((turns, 3 * places)), np.empty(places, dtype=np.complex128)
     now, last, before = np.zeros((3, places), dtype=np.complex128)  # the force at the turn and at those before it
-    moved, A = np.empty((modes, places), dtype=np.complex128), np.empty((places, places), dtype=np.complex128)
+    moved, A = np.zeros((modes, places), dtype=np.complex128), np.empty((places, places), dtype=np.complex128)
     inverse, known, failed = np.eye(3 * places), np.empty(3 * places), 0
-    known[:places] = static
+    free, pushed = np.zeros((2, modes), dtype=np.complex128)
+    for i in range(places):
+        known[i] = static[i]
 
-    at_rest = -np.linalg.inv(L[0])
-    free = at_rest @ force[0]
-    moved[:] = at_rest @ push[0]
+    at_rest, work = np.empty((2, modes, modes), dtype=np.complex128)
+    invert(L[0], at_rest, work)
+    _add(at_rest, force[0], -1.0, free)
+    for i in range(places):
+        _add(at_rest, push[0, :, i], -1.0, moved[:, i])
     for k in range(turns):
-        A[:] = flexibility[k]
-        Q[:] = base[k]
+        for i in range(places):
+            Q[i] = base[k, i]
+            for j in range(places):
+                A[i, j] = flexibility[k, i, j]
         _add(seen[k], free, 1.0, Q)
         for i in range(places):
             _add(seen[k], moved[:, i], 1.0, A[:, i])
@@ -75,24 +82,26 @@ def march(
             failed += 1
         for i in range(places):
             before[i], last[i], now[i] = last[i], now[i], complex(F[k, places + i], F[k, 2 * places + i])
-        a[k] = free
+        for i in range(modes):
+            a[k, i], rate[k, i] = free[i], force[k, i]
         _add(moved, now, 1.0, a[k])
-        rate[k] = force[k]
         _add(push[k], now, 1.0, rate[k])  # so far all that pushes
         if k + 1 < turns:
             middle, end = turned[k]
             weights = SMOOTH if k > 1 and not _is_stiff(A, F[k - 1 : k + 1], u[k - 1 : k + 1]) else STRAIGHT
-            pushed = force_mid[k].copy()  # halfway, where `push` is the mean of both turns
+            for i in range(modes):
+                pushed[i] = force_mid[k, i]  # halfway, where `push` is the mean of both turns
+                free[i] = 0
+                for j in range(places):
+                    moved[i, j] = 0
             for i in range(places):
                 Q[i] = (weights[1] * now[i] + weights[2] * last[i] + weights[3] * before[i]) / 2
             _add(push[k], Q, 1.0, pushed)
             _add(push[k + 1], Q, 1.0, pushed)
-            free[:] = 0
             _add(steps[k, 0], a[k], end.conjugate(), free)
             _add(steps[k, 1], rate[k], end.conjugate(), free)
             _add(steps[k, 2], pushed, end.conjugate() * middle, free)
             _add(steps[k, 3], force[k + 1], 1.0, free)
-            moved[:] = 0
             for i in range(places):
                 ahead = end.conjugate() * middle * weights[0] / 2
                 _add(steps[k, 2], push[k, :, i], ahead, moved[:, i])

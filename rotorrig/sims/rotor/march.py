@@ -5,6 +5,7 @@ columns (`advanced`): loads, and the derivatives of their responses.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -159,7 +160,7 @@ def _exponential_of_pair(A: Complex, flow: Complex) -> None:
 
 
 @njit(cache=True)
-def invert(A: Complex, inverse: Complex, work: Complex) -> None:
+def invert(A: NDArray[Any], inverse: NDArray[Any], work: NDArray[Any]) -> None:
     """Put A^-1 into `inverse`: Gauss and Jordan with row exchange; for so few rows faster than LAPACK."""
     size = len(A)
     _with_diagonal(A, 0.0, work)
@@ -187,7 +188,7 @@ def invert(A: Complex, inverse: Complex, work: Complex) -> None:
 
 
 @njit(cache=True)
-def _with_diagonal(A: Complex, added: float, B: Complex) -> None:
+def _with_diagonal(A: NDArray[Any], added: float, B: NDArray[Any]) -> None:
     """Put A + added into B."""
     for i in range(len(A)):
         for j in range(len(A)):

@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.directions import Derivatives, Direction
 from rotorrig.sims.rotor.drive import Drive, drive
-from rotorrig.sims.rotor.envelope import Envelope
 from rotorrig.sims.rotor.loads import Load, patterns, unbalance_loads
-from rotorrig.sims.rotor.passage import Passage, passage, spectra
+from rotorrig.sims.rotor.passage import Passage, passage
 from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
+from rotorrig.sims.rotor.passing import passing
 from rotorrig.sims.rotor.timeline import Timeline
 from rotorrig.sims.rotor.tracking import TrackedRows, Window, tracked_rows
 
@@ -61,9 +61,9 @@ def swept_columns(
     """
     every = (*unbalance_loads(model, unbalance, order=order), *loads)
     rows = rows.of_order(order)
-    modes = passage(spectra(model, rows.speeds, order=order), patterns(model, every, order=order))
-    driven = drive(every, rows)
-    return _at_probes(modes, driven, Envelope(modes, rows).response(driven).average)
+    pattern, passed = patterns(model, every, order=order), passing(model, rows)
+    modes, driven = passage(passed.spectra, pattern), drive(every, rows)
+    return _at_probes(modes, driven, passed.envelope.response(modes.g, driven).average)
 
 
 def swept_derivatives(
@@ -84,12 +84,11 @@ def swept_derivatives(
     """
     every = (*unbalance_loads(model, unbalance, order=order), *loads)
     rows = rows.of_order(order)
-    found, pattern = spectra(model, rows.speeds, order=order), patterns(model, every, order=order)
-    modes, change = passage(found, pattern), passage_derivatives(found, pattern, directions)
-    driven = drive(every, rows)
-    envelope = Envelope(modes, rows)
-    motion = envelope.response(driven)
-    moved = envelope.derivatives(change, motion, driven)
+    pattern, passed = patterns(model, every, order=order), passing(model, rows)
+    modes, driven = passage(passed.spectra, pattern), drive(every, rows)
+    change = passage_derivatives(passed.spectra, pattern, directions)
+    motion = passed.envelope.response(modes.g, driven)
+    moved = passed.envelope.derivatives(change, motion, driven)
     z = _at_probes(modes, driven, motion.average)
     moved_z = projected(modes.shape, moved.average).reshape(*z.shape[:2], len(directions), len(every))
     by = (

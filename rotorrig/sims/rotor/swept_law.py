@@ -20,11 +20,12 @@ from rotorrig.rig.errors import DataError
 from rotorrig.sims.rotor.assembly import RotorModel, matrices
 from rotorrig.sims.rotor.describing import OVERTONE, called, overtone, pointers
 from rotorrig.sims.rotor.drive import drive
-from rotorrig.sims.rotor.envelope import Envelope, polynomial
+from rotorrig.sims.rotor.envelope import polynomial
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.law_march import MARCH, march
 from rotorrig.sims.rotor.loads import Load, patterns
-from rotorrig.sims.rotor.passage import passage, spectra
+from rotorrig.sims.rotor.passage import passage
+from rotorrig.sims.rotor.passing import passing
 from rotorrig.sims.rotor.sweep import projected, swept_columns
 from rotorrig.sims.rotor.tracking import TrackedRows
 
@@ -89,12 +90,13 @@ class _Places:
         self, model: RotorModel, rows: TrackedRows, loads: Sequence[Load], amounts: Complex, laws: Sequence[ForceLaw]
     ) -> None:
         at = _rows(laws)
-        whole = replace(model, probes=np.concatenate([model.probes, at]))
+        passed = passing(model, rows)
+        whole = replace(passed.spectra, probes=np.concatenate([model.probes, at]))
         pattern = np.concatenate([patterns(model, loads, order=1), at.T], axis=1)
         self._rows, self._amounts, self._probes, self._loads = rows, amounts, len(model.probes), len(loads)
-        self._modes = passage(spectra(whole, rows.speeds), pattern)
+        self._modes = passage(whole, pattern)
         self._drive = drive(loads, rows)
-        self._envelope = Envelope(self._modes, rows)
+        self._envelope = passed.envelope
         self._functions, self._constants = pointers(laws)
         self._static = np.concatenate([law.static for law in laws]).astype(float)
         self._mean = at @ np.linalg.solve(matrices(model).K, at.T)
@@ -162,12 +164,13 @@ def _forced(model: RotorModel, rows: TrackedRows, laws: Sequence[ForceLaw], F: C
         flexibility = model.probes @ np.linalg.solve(matrices(model).K, at.T)
         return _of_laws(_at_once(rows, flexibility[None].astype(complex), F))
     over_time, rows = CubicSpline(rows.turns.t, F), rows.of_order(order)
-    modes = passage(spectra(model, rows.speeds, order=order), at.T.astype(complex))
+    passed = passing(model, rows)
+    modes = passage(passed.spectra, at.T.astype(complex))
     t = rows.turns.t
     there, halfway = over_time(t), over_time((t[1:] + t[:-1]) / 2)
     force = polynomial(rows.power, modes.g) * there[:, None]
     force_mid = polynomial(rows.power_mid, modes.g) * halfway[:, None]
-    motion = Envelope(modes, rows).driven(_of_laws(force), _of_laws(force_mid))
+    motion = passed.envelope.driven(_of_laws(force), _of_laws(force_mid))
     return projected(modes.shape, motion.average) + _of_laws(_at_once(rows, modes.others, there))
 
 

@@ -5,7 +5,7 @@ turns. All of its turns, speeds and powers are that phase's.
 """
 
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -50,6 +50,7 @@ class TrackedRows:
     seen: NDArray[np.intp]  # (row, span) the whole turns a row looks at
     moments: Reals  # (row, power, 2 span) takes values and slopes d/dt at those turns to the averages of x^power a
     points: Points
+    passings: list[tuple[Any, Any]] = field(default_factory=list, repr=False, compare=False)  # of passing.passing
     _other_orders: "dict[float, TrackedRows]" = field(default_factory=dict, repr=False, compare=False)
 
     def of_order(self, order: float) -> "TrackedRows":
