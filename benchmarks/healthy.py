@@ -29,7 +29,7 @@ def case(arguments: tuple[Path, int]) -> dict[str, float]:
     rig = load(config)
     response = track(record(rig, seed=seed))
     found = fit(response, seed=seed)
-    adequacy = assess(response, found.fits[0])
+    adequacy = assess(response, {1: found.fits[0].prediction}, reduced_chi2=found.fits[0].chi2 / found.fits[0].dof)
     truth = identified_truth(rig, draw(rig, seed=seed))
     row = {"seed": seed, "chi2": adequacy.reduced_chi2, "worst": adequacy.worst_sigma}
     for name, value in truth.items():

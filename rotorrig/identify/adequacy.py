@@ -10,16 +10,17 @@ them), so chi2 tables do not give the false-alarm rate. The thresholds come from
 nameplate errors included: benchmarks/healthy.py, figures in docs/adequacy.md.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.identification import Fit
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import RPM
+
+Predicted = Mapping[int, NDArray[np.complex128]]  # order -> (speed, probe) m as measured, runout included
 
 STRETCH = 8  # rows
 GLOBAL_LIMIT = 1.0  # chi2 per degree of freedom
@@ -56,34 +57,38 @@ class Adequacy:
     noise_floor: float  # m
 
 
-def assess(response: OrderTrackedResponse, fit: Fit) -> Adequacy:
-    """Test the whole-sweep fit against the response it was made from."""
-    residual, sigmas = residual_maps(response, fit)
+def assess(response: OrderTrackedResponse, prediction: Predicted, *, reduced_chi2: float) -> Adequacy:
+    """Test a fit against a response by its `prediction` and its chi2 per degree of freedom at 1X."""
+    residual, sigmas = residual_maps(response, prediction)
     stretches = sorted(_stretches(response, sigmas), key=lambda s: -s.sigma)
     worst = stretches[0].sigma if stretches else float("nan")
-    reduced = fit.chi2 / fit.dof
     loud = _merged([s for s in stretches if s.sigma > FOCUSED_LIMIT]) or stretches[:1]
     return Adequacy(
-        adequate=bool(reduced <= GLOBAL_LIMIT and worst <= FOCUSED_LIMIT),
-        reduced_chi2=reduced,
+        adequate=bool(reduced_chi2 <= GLOBAL_LIMIT and worst <= FOCUSED_LIMIT),
+        reduced_chi2=reduced_chi2,
         worst_sigma=worst,
-        misfits=tuple(_misfit(response, fit, residual, sigmas, s) for s in loud),
+        misfits=tuple(_misfit(response, prediction, residual, sigmas, s) for s in loud),
         residual=residual,
         sigmas=sigmas,
         noise_floor=float(np.median(measure(response).sigma[:-1])),
     )
 
 
-def residual_maps(response: OrderTrackedResponse, fit: Fit) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Return measured less model (speed, probe, order) [m], and the same in sigmas (root mean square 1 if right)."""
+def residual_maps(
+    response: OrderTrackedResponse, prediction: Predicted
+) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """Return measured less model (speed, probe, order) [m], and the same in sigmas (root mean square 1 if right).
+
+    An order of which nothing is predicted is expected to be its slow-roll vector.
+    """
     residual = np.full(response.z.shape, np.nan + 0j)
     sigmas = np.full(response.z.shape, np.nan)
     for n, order in enumerate(response.orders):
         if order == 0:
             continue  # the gap: sag and thermal drift, not modelled
         measured = measure(response, order=order)
-        if order == 1:
-            model = fit.prediction[measured.rows]
+        if order in prediction:
+            model = prediction[int(order)][measured.rows]
         else:
             model = np.broadcast_to(np.nan_to_num(response.slow_roll[:, n]), measured.z[:-1].shape)
         off = np.where(measured.usable[:-1], measured.z[:-1] - model, np.nan)
@@ -133,7 +138,7 @@ def _merged(stretches: list[_Stretch]) -> list[_Stretch]:
 
 def _misfit(
     response: OrderTrackedResponse,
-    fit: Fit,
+    prediction: Predicted,
     residual: NDArray[np.complex128],
     sigmas: NDArray[np.float64],
     s: _Stretch,
@@ -147,7 +152,7 @@ def _misfit(
     order = response.orders[s.order]
     relative = phase = float("nan")
     if order == 1:
-        model = fit.prediction[s.rows, s.probe]
+        model = prediction[1][s.rows, s.probe]
         measured = response.z[s.rows, s.probe, s.order]
         relative = float(np.nanmean(np.abs(measured)) / np.nanmean(np.abs(model)) - 1)
         phase = float(np.angle(np.nansum(measured * np.conj(model))))

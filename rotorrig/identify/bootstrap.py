@@ -19,8 +19,9 @@ from threadpoolctl import threadpool_limits
 from rotorrig.identify.identification import Estimate, Fit
 from rotorrig.identify.intervals import LEVEL
 from rotorrig.identify.parameters import Reals
-from rotorrig.identify.polish import Polished, Problem
+from rotorrig.identify.polish import Problem
 from rotorrig.identify.quantities import quantities
+from rotorrig.identify.solving import Polished
 
 FEWEST = 40  # draws, of which one is beyond either end of a 95 % interval
 Progress = Callable[[int], None]  # is told how many draws are done

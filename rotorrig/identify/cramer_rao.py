@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.measurement import Measurement
-from rotorrig.identify.polish import inverse_information
+from rotorrig.identify.solving import inverse_information
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

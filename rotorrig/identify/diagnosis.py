@@ -1,30 +1,35 @@
-"""From a fit to a `Diagnosis`: is the model adequate, and if not, where does it part from the measurement.
+"""From responses to a `Diagnosis`: is the model adequate, where does it part from the measurement, and why.
 
-Naming the cause is not built yet: a model found wrong is `unexplained`, with no cause tried, and says so.
+The base model is fitted to all recordings together; what its residual calls for is looked for among the effects of
+sims/effects (selection.py), named or not (naming.py), and what the extended model buys is measured on data that no fit
+saw (held_out.py).
 """
 
-from dataclasses import dataclass, field
-from enum import StrEnum
-from typing import Any
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
+from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.adequacy import FALSE_ALARM_RATE, FOCUSED_LIMIT, GLOBAL_LIMIT, Adequacy, Misfit, assess
-from rotorrig.identify.identification import Identification
+from rotorrig.identify import base_fit, diagnosis_words, gain, naming, next_run
+from rotorrig.identify.adequacy import FALSE_ALARM_RATE, Adequacy, Misfit
+from rotorrig.identify.base_fit import Assessed
+from rotorrig.identify.candidates import candidates
+from rotorrig.identify.cause import Cause
+from rotorrig.identify.naming import Verdict
+from rotorrig.identify.recording import Recording
+from rotorrig.identify.selection import Selection, select
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.provenance import Provenance
+from rotorrig.rig.errors import ConfigError, DataError
+from rotorrig.rig.provenance import Provenance, code_version
+from rotorrig.sims.effects.base import Effect, find
 
+Progress = Callable[[str, float], None]
 
-class Verdict(StrEnum):
-    """What a diagnosis may conclude."""
-
-    ADEQUATE = "adequate"
-    NAMED = "named"
-    TIED = "tied"
-    UNEXPLAINED = "unexplained"
-    CANNOT_TELL = "cannot tell"
+_SHOWN = 12  # stretches listed, worst first
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,45 +46,118 @@ class Diagnosis:
     worst: tuple[Misfit, ...]  # most serious first
     residual: NDArray[np.complex128]  # (speed, probe, order) m, measured less model, orders as in the response
     sigmas: NDArray[np.float64]  # (speed, probe, order) the same in standard deviations
-    causes: tuple[dict[str, Any], ...] = ()
-    tied: tuple[tuple[str, ...], ...] = ()
-    next_run: dict[str, Any] = field(default_factory=dict)
-    gain: dict[str, Any] = field(default_factory=dict)
+    model: str = "swept"  # or "quasi-static": the base took every row for steady motion
+    causes: tuple[Cause, ...] = ()  # best first, the chosen ones before all others
+    tied: tuple[tuple[str, ...], ...] = ()  # sets of labels the data cannot separate
+    next_run: dict[str, Any] = field(default_factory=dict)  # the cheapest run that would separate them
+    gain: dict[str, Any] = field(default_factory=dict)  # what the extended model bought on data no fit saw
+    hidden: tuple[dict[str, Any], ...] = ()  # effects this data would not show, with the size that would
+    character: str = ""  # of the residual, where no known cause explains it
+    extended_residual: NDArray[np.complex128] | None = None  # as `residual`, of the extended model; None: there is none
+    responses: tuple[tuple[str, int], ...] = ()  # source hash and rows of each response, in the order of the rows
     source: Provenance
 
 
-_SHOWN = 12  # stretches listed, worst first
+def diagnose(
+    responses: Sequence[OrderTrackedResponse],
+    *,
+    holdout: OrderTrackedResponse | None = None,
+    model: Literal["swept", "quasi-static"] = "swept",
+    without: Collection[str] = (),
+    seed: int = 0,
+    progress: Progress = lambda stage, share: None,
+) -> Diagnosis:
+    """Judge the base model by recordings of one rig, with and without trial masses, and name what it lacks.
+
+    Effects in the rig's config are part of the base. `holdout` is a recording no fit may see; without one the gain is
+    measured across the recordings, or across blocks of speeds. Names in `without` are not tried. A "quasi-static" base
+    takes the speed of every row as steady. Raises ConfigError if the rig has no [identify] table or an unknown effect,
+    DataError if a recording holds too few rows or other probes or orders than the first.
+    """
+    _check(responses)
+    with threadpool_limits(1, user_api="blas"):
+        progress("base model", 0.0)
+        recordings = [Recording(r, swept=model == "swept", number=i) for i, r in enumerate(responses)]
+        known = candidates(recordings, without=without)
+        base = base_fit.fitted(recordings, _in_config(responses[0]), seed=seed)
+        progress("causes", 0.1)
+        selection = select(
+            base.problem,
+            base.polished,
+            known,
+            wrong=not base.adequacy.adequate,
+            progress=lambda stage, share: progress(stage, 0.1 + 0.6 * share),
+        )
+        extended = base
+        if selection.problem is not base.problem:
+            extended = base_fit.assessed(selection.problem, selection.polished)
+        progress("held-out data", 0.7)
+        unseen = Recording(holdout, swept=model == "swept") if holdout else None
+        predictions = gain.predictions(selection, holdout=unseen)
+        verdict = naming.verdict(
+            selection,
+            adequate_before=base.adequacy.adequate,
+            adequate_after=extended.adequacy.adequate,
+            visible=naming.visible_share(selection),
+        )
+        progress("next run", 0.9)
+        found = _report(responses, selection, base, extended, verdict, predictions)
+        found = replace(found, model=model, next_run=next_run.cheapest(selection) if verdict is Verdict.TIED else {})
+    progress("done", 1.0)
+    return found
 
 
-def diagnose(response: OrderTrackedResponse, found: Identification) -> Diagnosis:
-    """Judge the whole-sweep fit of `found` against the response it was made from."""
-    fit = found.fits[0]
-    adequacy = assess(response, fit)
+def _check(responses: Sequence[OrderTrackedResponse]) -> None:
+    if not responses:
+        raise DataError("no response was given, want at least one to diagnose")
+    first = responses[0]
+    for number, response in enumerate(responses[1:], start=2):
+        for what in ("probes", "orders"):
+            if (got := getattr(response, what)) != (want := getattr(first, what)):
+                raise DataError(f"response {number}: has the {what} {list(got)}, want those of the first, {list(want)}")
+
+
+def _in_config(response: OrderTrackedResponse) -> list[tuple[Effect, dict[str, float]]]:
+    """Return the effects that the rig's config brings, with their figures. Raises ConfigError on an unknown one."""
+    found = []
+    for extension in response.rig.effects:
+        try:
+            effect = find(response.rig, extension.label)
+        except ValueError as error:
+            raise ConfigError(f"{response.rig.name}: {error}") from error
+        found.append((effect, effect.at_nothing | extension.parameters))
+    return found
+
+
+def _report(
+    responses: Sequence[OrderTrackedResponse],
+    selection: Selection,
+    base: Assessed,
+    extended: Assessed,
+    verdict: Verdict,
+    predictions: gain.Predictions,
+) -> Diagnosis:
+    adequacy: Adequacy = base.adequacy
+    causes = naming.causes(selection, predictions.by_label)
+    tied = naming.ties(selection)
+    source = responses[0].source
     return Diagnosis(
-        verdict=Verdict.ADEQUATE if adequacy.adequate else Verdict.UNEXPLAINED,
-        sentence=_sentence(adequacy),
+        verdict=verdict,
+        sentence=diagnosis_words.sentence(verdict, adequacy, extended.adequacy, causes, tied, predictions),
         false_alarm_rate=FALSE_ALARM_RATE,
         noise_floor=adequacy.noise_floor,
-        chi2=fit.chi2,
-        dof=fit.dof,
-        p=float(chdtrc(fit.dof, fit.chi2)),  # as scipy.stats.chi2.sf, whose import takes half a second
+        chi2=base.polished.chi2,
+        dof=base.polished.dof,
+        p=float(chdtrc(base.polished.dof, base.polished.chi2)),  # as scipy.stats.chi2.sf, whose import takes 0.5 s
         worst=adequacy.misfits[:_SHOWN],
         residual=adequacy.residual,
         sigmas=adequacy.sigmas,
-        source=found.source,
-    )
-
-
-def _sentence(adequacy: Adequacy) -> str:
-    if adequacy.adequate:
-        return (
-            f"The model is adequate: 1X residuals at {adequacy.reduced_chi2:.2f} chi2 per degree of freedom "
-            f"(limit {GLOBAL_LIMIT:g}), the worst stretch of speeds at {adequacy.worst_sigma:.1f} sigma "
-            f"(limit {FOCUSED_LIMIT:g})."
-        )
-    worst = " ".join({m.order: m.sentence for m in reversed(adequacy.misfits)}.values())  # the loudest of each order
-    return (
-        f"The model is NOT adequate: 1X residuals at {adequacy.reduced_chi2:.3g} chi2 per degree of freedom "
-        f"(limit {GLOBAL_LIMIT:g}), the worst stretch of speeds at {adequacy.worst_sigma:.0f} sigma "
-        f"(limit {FOCUSED_LIMIT:g}). {worst} No cause was tried: naming causes is not built yet."
+        causes=causes,
+        tied=tied,
+        gain=gain.table(base, selection, predictions) if selection.problem.effects != base.problem.effects else {},
+        hidden=naming.hidden(selection),
+        character=diagnosis_words.character(extended.adequacy) if verdict is Verdict.UNEXPLAINED else "",
+        extended_residual=extended.adequacy.residual if extended is not base else None,
+        responses=tuple((r.source.source_hash, len(r.omega)) for r in responses),
+        source=replace(source, code_version=code_version()),
     )

@@ -6,7 +6,8 @@ import numpy as np
 
 from rotorrig.identify.identifiability import DETERMINED
 from rotorrig.identify.identification import Estimate
-from rotorrig.identify.polish import Polished, Problem
+from rotorrig.identify.polish import Problem
+from rotorrig.identify.solving import Polished
 from rotorrig.identify.space import Unknown
 from rotorrig.rig.description import RigConfig
 

@@ -21,9 +21,11 @@ from rotorrig.identify.intervals import with_intervals
 from rotorrig.identify.measurement import Measurement, measure
 from rotorrig.identify.objective import Name
 from rotorrig.identify.parameters import Reals
-from rotorrig.identify.polish import Polished, Problem
+from rotorrig.identify.polish import Problem
 from rotorrig.identify.search import Found, search
+from rotorrig.identify.solving import Polished
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.provenance import code_version
 
@@ -52,13 +54,7 @@ def fit(
     DataError if the whole sweep holds too few rows.
     """
     rig = response.rig
-    if rig.identify is None:
-        raise ConfigError(f"{rig.name}: the config has no [identify] section, want bearings and a disk to identify")
-    for bearing in rig.bearings:
-        if bearing.over_speed:
-            raise ConfigError(
-                f"{rig.name}: bearing '{bearing.name}' is given over speed, want constants to identify by"
-            )
+    _check(rig)
     began = time.perf_counter()
     options = _Options(objective=objective, seed=seed, profile=profile)
     left_out = []
@@ -67,7 +63,7 @@ def fit(
         whole = _band(response, WHOLE)
         found, best = _solved(response, whole, options)
         fits = [_fit(response, whole, whole, options, found, best)]
-        for name, limits in rig.identify.bands.items():
+        for name, limits in (rig.identify.bands if rig.identify else {}).items():
             progress(name)
             try:
                 part = _band(response, name, limits)
@@ -84,6 +80,23 @@ def fit(
         wall_s=time.perf_counter() - began,
         source=replace(response.source, code_version=code_version()),
     )
+
+
+def _check(rig: RigConfig) -> None:
+    if rig.identify is None:
+        raise ConfigError(f"{rig.name}: the config has no [identify] section, want bearings and a disk to identify")
+    for bearing in rig.bearings:
+        if bearing.over_speed:
+            raise ConfigError(
+                f"{rig.name}: bearing '{bearing.name}' is given over speed, want constants to identify by"
+            )
+
+
+def first_fit(response: OrderTrackedResponse, *, seed: int = 0) -> Polished:
+    """Return the refined fit of the whole sweep alone, in the vector of `Parameters`. Raises as `fit`."""
+    _check(response.rig)
+    with threadpool_limits(1, user_api="blas"):
+        return _solved(response, _band(response, WHOLE), _Options(objective="residual", seed=seed, profile=False))[1]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

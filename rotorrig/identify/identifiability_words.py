@@ -5,7 +5,8 @@ from collections.abc import Collection, Iterator
 
 from rotorrig.identify.identifiability import DETERMINED, Coordinate, Identifiability, Weakness
 from rotorrig.identify.parameters import Reals
-from rotorrig.identify.polish import Polished, Problem
+from rotorrig.identify.polish import Problem
+from rotorrig.identify.solving import Polished
 
 _INSEPARABLE = 0.99  # correlation from which two determined quantities are better known together
 _LIMITED = 0.9  # share of a variance that is the nameplate's, from which on less noise would not help

@@ -11,9 +11,10 @@ from dataclasses import replace
 import numpy as np
 
 from rotorrig.identify.identification import Estimate
-from rotorrig.identify.polish import Polished, Problem
+from rotorrig.identify.polish import Problem
 from rotorrig.identify.profile_likelihood import profile_interval
 from rotorrig.identify.quantities import Coefficient, Quantity, quantities
+from rotorrig.identify.solving import Polished
 
 LEVEL = 0.95
 HALF_WIDTH = 1.959964  # standard deviations: the normal distribution's for LEVEL

@@ -79,8 +79,10 @@ class _Model:
         length = np.linalg.norm(J, axis=0)
         self._moving = length > 0
         self._length = length[self._moving]
-        Q, self._root = np.linalg.qr(J[:, self._moving] / self._length)
-        self._aim = -Q.T @ r
+        columns = np.column_stack([J[:, self._moving] / self._length, r])
+        triangle: Reals = np.asarray(np.linalg.qr(columns, mode="r"))  # its last column is Q^T r, without Q itself
+        rows = slice(0, columns.shape[1] - 1)
+        self._root, self._aim = triangle[rows, :-1], -triangle[rows, -1]
         self._p = p
         self._bounds = tuple((bound - p)[self._moving] * self._length for bound in bounds)
 

@@ -9,8 +9,8 @@ every time.
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.forward import Structure
 from rotorrig.identify.space import Space
+from rotorrig.identify.structural import Structure
 from rotorrig.rig.description import RigConfig
 
 Reals = NDArray[np.float64]

@@ -2,39 +2,22 @@
 
 import copy
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from types import MappingProxyType
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.forward import Forward, UnitResponse
-from rotorrig.identify.least_squares import TOLERANCE, minimise
+from rotorrig.identify.least_squares import TOLERANCE
 from rotorrig.identify.measurement import Measurement
 from rotorrig.identify.parameters import Parameters, Reals
+from rotorrig.identify.solving import NONE_FIXED, Polished, solve
 from rotorrig.identify.trial_masses import trial_unbalance
 from rotorrig.processing.response import OrderTrackedResponse
 
 Complex = NDArray[np.complex128]
 
 _NEAR = 1.0  # of chi2: from here on all parameters are freed
-OPEN = 1e-9  # singular value of the scaled Jacobian, relative, below which it is rounding
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Polished:
-    """A refined candidate: parameters, their covariance and how well it fits."""
-
-    p: Reals  # (parameter,) in the order of `Parameters.names`
-    covariance: Reals  # (parameter, parameter), scaled up where the fit is worse than the noise; 0 for what was fixed
-    jacobian: Reals  # (whitened figure + prior, parameter) at p; 0 for what was fixed
-    chi2: float  # measured figures and priors together
-    dof: int
-
-    @property
-    def sigma(self) -> Reals:
-        """Standard deviations, (parameter,)."""
-        return np.sqrt(np.diag(self.covariance))
 
 
 class Problem:
@@ -68,7 +51,7 @@ class Problem:
         space = self.parameters.space
         p = np.zeros(len(self.parameters))
         p[self.parameters.sought] = np.clip(space.to_working(values), *space.working_bounds.T)
-        return self._settled(p, np.arange(len(p)))
+        return self.settled(p, np.arange(len(p)))
 
     def refined(self, values: Reals) -> Polished:
         """Refine from the unknowns in SI: first as if the nameplate and the probes were exact, then with all free.
@@ -80,38 +63,19 @@ class Problem:
         near = self.solve(self.start(values), fixed=dict.fromkeys(nuisances, 0.0), tolerance=_NEAR)
         return self.solve(near.p)
 
-    def solve(
-        self, start: Reals, *, fixed: Mapping[int, float] = MappingProxyType({}), tolerance: float = TOLERANCE
-    ) -> Polished:
-        """Refine by least squares within the bounds, the parameters in `fixed` held at those values.
+    @property
+    def bounds(self) -> tuple[Reals, Reals]:
+        """Lower and upper bounds of the parameters."""
+        return self.parameters.bounds
 
-        `tolerance` as in least_squares.minimise.
-        """
-        p = start.copy()
-        p[list(fixed)] = list(fixed.values())
-        free = np.setdiff1d(np.arange(len(p)), list(fixed))
-        low, high = self.parameters.bounds
+    @property
+    def size(self) -> int:
+        """Number of real figures measured, and of priors."""
+        return self.measured.size + len(self.parameters.priors)
 
-        def full(part: Reals) -> Reals:
-            whole = p.copy()
-            whole[free] = part
-            return whole
-
-        found = minimise(
-            lambda part: self.residual(full(part)),
-            lambda part: self.jacobian(full(part), free),
-            p[free],
-            bounds=(low[free], high[free]),
-            settle=lambda part: self._settled(full(part), free)[free],
-            tolerance=tolerance,
-        )
-        best = full(found.p)
-        dof = self.measured.size + len(self.parameters.priors) - len(free)
-        jacobian = np.zeros((len(found.jacobian), len(p)))
-        jacobian[:, free] = found.jacobian
-        covariance = np.zeros((len(p), len(p)))
-        covariance[np.ix_(free, free)] = inverse_information(found.jacobian) * max(1.0, found.cost / dof)
-        return Polished(p=best, covariance=covariance, jacobian=jacobian, chi2=found.cost, dof=dof)
+    def solve(self, start: Reals, *, fixed: Mapping[int, float] = NONE_FIXED, tolerance: float = TOLERANCE) -> Polished:
+        """Refine by least squares within the bounds, the parameters in `fixed` held: solving.solve."""
+        return solve(self, start, fixed=fixed, tolerance=tolerance)
 
     def at_bound(self, p: Reals, i: int) -> bool:
         """Say whether unknown number `i` ended within a per cent of its bound."""
@@ -153,7 +117,7 @@ class Problem:
         each = np.broadcast_to(np.eye(len(gain), dtype=complex), (*forced.shape[:-1], len(gain)))
         return self._whitened(np.concatenate([_re_im(forced), _re_im(each)], axis=-1))
 
-    def _settled(self, p: Reals, free: NDArray[np.intp]) -> Reals:
+    def settled(self, p: Reals, free: NDArray[np.intp]) -> Reals:
         """Return `p` with the linear parameters among `free` at their best by linear least squares."""
         names = self.parameters
         linear = np.arange(names.linear.start, names.linear.stop)
@@ -196,17 +160,6 @@ class Problem:
         """Return changes of the vectors, (row + 1, probe) or (row + 1, probe, column), in sigmas, (figure, ...)."""
         sigmas = self.measured.sigmas(change)
         return sigmas.reshape(-1, *sigmas.shape[2:])
-
-
-def inverse_information(jacobian: Reals) -> Reals:
-    """Return (J^T J)^-1, (parameter, parameter); what the rows leave open gets a large variance, never a small one."""
-    length = np.linalg.norm(jacobian, axis=0)
-    scale = np.divide(1.0, length, out=np.ones_like(length), where=length > 0)
-    triangle: Reals = np.asarray(np.linalg.qr(jacobian * scale, mode="r"))
-    square = np.pad(triangle, ((0, len(length) - len(triangle)), (0, 0)))  # fewer rows than parameters leave some open
-    _, size, directions = np.linalg.svd(square)
-    root = scale[:, None] * directions.T / np.maximum(size, OPEN * size[0])
-    return root @ root.T
 
 
 def _re_im(z: Complex) -> Complex:

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.identify.parameters import Reals
-from rotorrig.identify.polish import Polished, Problem, inverse_information
+from rotorrig.identify.polish import Problem
 from rotorrig.identify.quantities import Amount, Phase, Quantity
+from rotorrig.identify.solving import Polished, inverse_information
 
 _CLOSE = 0.01  # of the rise: half a per cent of an interval's half width
 _SETTLED = 0.003  # of the rise: what a trial may still promise

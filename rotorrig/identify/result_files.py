@@ -5,21 +5,24 @@ Their keys are documented in docs/results.md and stable: readers may count on th
 
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.cause import Cause, Figure
 from rotorrig.identify.diagnosis import Diagnosis, Misfit, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
 
-VERSION = 1
 _FIT = "rotorrig fit"
 _DIAGNOSIS = "rotorrig diagnosis"
+VERSIONS = {_FIT: 1, _DIAGNOSIS: 2}
 _ESTIMATE = "name value sigma unit nameplate determined bounds interval interval_by"
+_CAUSE = "label where title words chosen plausible evidence lam heldout_before heldout_after theta sigmas"
 _FIRST_UNKNOWNS = ("kxx", "kyy", "cxx", "cyy", "u")  # of files that do not name them
 CONVENTIONS = "SI units; amplitudes 0-peak; z = 2 mean(x exp(-j theta)), theta = 0 at the keyphasor edge; lag = -arg z"
 
@@ -85,21 +88,25 @@ def read_identification(path: Path) -> Identification:
 
 def write_diagnosis(path: Path, found: Diagnosis) -> None:
     """Write diagnosis.json. Raises DataError if the file cannot be written."""
-    misfit = "run probe order speed_from speed_to sigma residual relative phase sentence"
-    body = {
-        "verdict": str(found.verdict),
-        "sentence": found.sentence,
-        "false_alarm_rate": found.false_alarm_rate,
-        "noise_floor": found.noise_floor,
-        "base": {**_plain(found, "chi2 dof p"), "worst": [_plain(m, misfit) for m in found.worst]},
-        "causes": list(found.causes),
-        "tied": [list(t) for t in found.tied],
-        "next_run": found.next_run,
-        "gain": found.gain,
+    extended = found.extended_residual
+    arrays = {
         "residual": _complex_out(found.residual),
         "sigmas": _numbers_out(found.sigmas),
+        "extended_residual": None if extended is None else _complex_out(extended),
     }
-    _write(path, _DIAGNOSIS, body, found.source)
+    _write(path, _DIAGNOSIS, {**diagnosis_table(found), **arrays}, found.source)
+
+
+def diagnosis_table(found: Diagnosis) -> dict[str, Any]:
+    """Return what diagnosis.json holds, less its arrays and its provenance."""
+    misfit = "run probe order speed_from speed_to sigma residual relative phase sentence"
+    return {
+        "verdict": str(found.verdict),
+        **_plain(found, "sentence model false_alarm_rate noise_floor"),
+        "base": {**_plain(found, "chi2 dof p"), "worst": [_plain(m, misfit) for m in found.worst]},
+        "causes": [_cause_out(cause) for cause in found.causes],
+        **_plain(found, "tied next_run gain hidden character responses"),
+    }
 
 
 def read_diagnosis(path: Path) -> Diagnosis:
@@ -113,24 +120,57 @@ def read_diagnosis(path: Path) -> Diagnosis:
         return Diagnosis(
             verdict=Verdict(table["verdict"]),
             sentence=table["sentence"],
-            false_alarm_rate=float(table["false_alarm_rate"]),
-            noise_floor=float(table["noise_floor"]),
-            chi2=float(base["chi2"]),
+            model=table["model"],
+            false_alarm_rate=_number(table["false_alarm_rate"]),
+            noise_floor=_number(table["noise_floor"]),
+            chi2=_number(base["chi2"]),
             dof=int(base["dof"]),
-            p=float(base["p"]),
+            p=_number(base["p"]),
             worst=worst,
             residual=_complex_in(table["residual"]),
             sigmas=_numbers_in(table["sigmas"]),
-            causes=tuple(table["causes"]),
+            causes=tuple(_cause(cause) for cause in table["causes"]),
             tied=tuple(tuple(t) for t in table["tied"]),
             next_run=table["next_run"],
             gain=table["gain"],
+            hidden=tuple(table["hidden"]),
+            character=table["character"],
+            extended_residual=None if (after := table["extended_residual"]) is None else _complex_in(after),
+            responses=tuple((str(source), int(rows)) for source, rows in table["responses"]),
             source=Provenance(**table["source"]),
         )
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise DataError(
             f"{path}: is damaged or of another version ({error!r}); make it anew by rotor diagnose"
         ) from error
+
+
+def _cause_out(cause: Cause) -> dict[str, Any]:
+    parameters = {name: _plain(figure, "value unit sigma") for name, figure in cause.parameters.items()}
+    return {"name": cause.effect, **_plain(cause, _CAUSE), "parameters": parameters}
+
+
+def _cause(table: dict[str, Any]) -> Cause:
+    parameters = {
+        name: Figure(value=_number(f["value"]), unit=f["unit"], sigma=_infinite(f["sigma"]))
+        for name, f in table["parameters"].items()
+    }
+    return Cause(
+        effect=table["name"],
+        label=table["label"],
+        where=table["where"],
+        title=table["title"],
+        words=table["words"],
+        chosen=bool(table["chosen"]),
+        plausible=bool(table["plausible"]),
+        evidence=_number(table["evidence"]),
+        lam=_number(table["lam"]),
+        heldout_before=_number(table["heldout_before"]),
+        heldout_after=_number(table["heldout_after"]),
+        parameters=parameters,
+        theta={name: float(value) for name, value in table["theta"].items()},
+        sigmas={name: _infinite(value) for name, value in table["sigmas"].items()},
+    )
 
 
 def _estimate(table: dict[str, Any]) -> Estimate:
@@ -168,6 +208,13 @@ def _number(value: float | None) -> float:
 
 
 def _finite(value: Any) -> Any:
+    """Return `value` as strict JSON holds it, tables and lists throughout."""
+    if isinstance(value, Mapping):
+        return {str(name): _finite(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(part) for part in value]
+    if isinstance(value, np.generic):
+        value = value.item()
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -194,7 +241,7 @@ def _complex_in(table: dict[str, Any]) -> NDArray[np.complex128]:
 
 def _write(path: Path, kind: str, body: dict[str, Any], source: Provenance) -> None:
     made = {name: getattr(source, name) for name in ("config_hash", "code_version", "source", "source_hash")}
-    table = {"kind": kind, "version": VERSION, "conventions": CONVENTIONS, **body, "source": made}
+    table = {"kind": kind, "version": VERSIONS[kind], "conventions": CONVENTIONS, **body, "source": made}
     try:
         path.write_text(json.dumps(table, allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
@@ -210,6 +257,8 @@ def _read(path: Path, kind: str) -> dict[str, Any]:
         raise DataError(f"{path}: is no JSON, want a {kind} file") from error
     if not isinstance(table, dict) or table.get("kind") != kind:
         raise DataError(f"{path}: is no {kind} file")
-    if table.get("version") != VERSION:
-        raise DataError(f"{path}: has version {table.get('version')!r}, this program reads {VERSION}")
+    if table.get("version") != VERSIONS[kind]:
+        raise DataError(
+            f"{path}: has version {table.get('version')!r}, this program reads {VERSIONS[kind]}; make it anew"
+        )
     return table

@@ -9,13 +9,13 @@ import itertools
 import json
 import tomllib
 from collections.abc import Callable, Sequence
-from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, Field, PrivateAttr, ValidationError, model_validator
 
 from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.extension import Extension
 from rotorrig.rig.nameplate import (
     COEFFICIENTS,
     NUMBER,
@@ -181,6 +181,9 @@ class Prior(Part):
     probe_linearity: float = Field(0.003, ge=0)  # of the reading: what calibration leaves, and no parameter removes
     probe_angle: Annotated[Angle, Field(gt=0)] = 0.01745329  # 1 degree
     runout: Length = 10e-6  # per probe, 0-peak; only its slow-roll vector says more
+    keyphasor_angle: Annotated[Angle, Field(gt=0)] = 0.034906585  # 2 degrees, of the mark; trial masses show it
+    rotating_damping: Time = 5e-6  # s, of steel: stress by strain rate
+    line_hum: Length = 0.2e-6  # 0-peak, what the mains may leave in a probe
 
 
 class RigConfig(Part):
@@ -202,6 +205,7 @@ class RigConfig(Part):
     plans: dict[str, RunUpCoastDown] = Field(default_factory=dict)
     identify: Identify | None = None
     prior: Prior = Prior()
+    effects: tuple[Extension, ...] = ()  # what extends the model beyond the nameplate
     _text: str = PrivateAttr(default="")
 
     @property
@@ -209,10 +213,18 @@ class RigConfig(Part):
         """The TOML it was read from, comments and all; empty for one made in code."""
         return self._text
 
-    @cached_property
+    @property
     def hash(self) -> str:
         """First 16 hex digits of the sha256 of the checked values: layout and comments do not count."""
-        return short_hash(json.dumps(self.model_dump(mode="json"), sort_keys=True).encode())
+        return self._hash(exclude=set() if self.effects else {"effects"})
+
+    @property
+    def nameplate_hash(self) -> str:
+        """The hash without the effects: the same for a rig and the same rig with an extended model."""
+        return self._hash(exclude={"effects"})
+
+    def _hash(self, *, exclude: set[str]) -> str:
+        return short_hash(json.dumps(self.model_dump(mode="json", exclude=exclude), sort_keys=True).encode())
 
     def disk(self, name: str) -> Disk:
         """Return the disk of that name."""
@@ -228,8 +240,10 @@ class RigConfig(Part):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        for kind in ("disks", "planes", "bearings", "probes"):
-            names = [part.name for part in getattr(self, kind)]
+        named = {
+            kind: [part.name for part in getattr(self, kind)] for kind in ("disks", "planes", "bearings", "probes")
+        }
+        for kind, names in (named | {"effects": [effect.label for effect in self.effects]}).items():
             for name in names:
                 if names.count(name) > 1:
                     raise ValueError(f"{kind}: two are named '{name}', want different names")
@@ -302,7 +316,12 @@ def parse(text: str, *, where: str) -> RigConfig:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{where}: is no valid TOML: {error}") from error
-    rig = checked(RigConfig, table, where=where)
+    units = table.pop("units", None)
+    if units not in (None, "SI"):
+        raise ConfigError(
+            f"{where}: units: got {units!r}, want 'SI' for bare numbers in SI, or none and text with units"
+        )
+    rig = checked(RigConfig, table, where=where, context={"si": units == "SI"})
     rig._text = text
     return rig
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
-from rotorrig.identify.diagnosis import Verdict, diagnose
 from rotorrig.identify.fit import WHOLE, fit
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.measurement import measure
@@ -46,18 +45,21 @@ def test_the_whole_sweep_comes_first_and_the_configs_bands_follow(found: Identif
 
 
 def test_a_healthy_rig_is_adequate(found: Identification, blind_response: OrderTrackedResponse) -> None:
-    diagnosis = diagnose(blind_response, found)
-    assert diagnosis.verdict is Verdict.ADEQUATE
-    assert diagnosis.sentence.startswith("The model is adequate")
+    (whole, _) = found.fits
+    adequacy = assess(blind_response, {1: whole.prediction}, reduced_chi2=whole.chi2 / whole.dof)
+    assert adequacy.adequate
+    assert adequacy.reduced_chi2 <= GLOBAL_LIMIT
+    assert adequacy.worst_sigma <= FOCUSED_LIMIT
 
 
 def test_a_model_without_the_moving_speed_is_called_wrong(blind_response: OrderTrackedResponse) -> None:
     untimed = replace(blind_response, keyphasor_t=np.empty(0))
     found = fit(untimed)
-    adequacy = assess(untimed, found.fits[0])
+    whole = found.fits[0]
+    adequacy = assess(untimed, {1: whole.prediction}, reduced_chi2=whole.chi2 / whole.dof)
     assert not adequacy.adequate
     assert adequacy.reduced_chi2 > GLOBAL_LIMIT
-    assert any("steady" in words for words in found.fits[0].words)
+    assert any("steady" in words for words in whole.words)
 
 
 def test_a_vector_added_in_a_narrow_band_is_located(
@@ -68,7 +70,8 @@ def test_a_vector_added_in_a_narrow_band_is_located(
     rpm = blind_response.omega * 30 / np.pi
     odd = up & (rpm > 1400) & (rpm < 1600)
     z[odd, 2, blind_response.orders.index(2.0)] += 10e-6
-    adequacy = assess(replace(blind_response, z=z), found.fits[0])
+    whole = found.fits[0]
+    adequacy = assess(replace(blind_response, z=z), {1: whole.prediction}, reduced_chi2=whole.chi2 / whole.dof)
     worst = adequacy.misfits[0]
     assert not adequacy.adequate
     assert (worst.run, worst.probe, worst.order) == ("up", "2x", 2.0)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.fit import fit
-from rotorrig.identify.forward import Forward, Structure
+from rotorrig.identify.forward import Forward
 from rotorrig.identify.parameters import Parameters
+from rotorrig.identify.structural import Structure
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import from_si
 from rotorrig.rig.errors import ConfigError

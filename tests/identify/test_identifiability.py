@@ -8,7 +8,8 @@ import pytest
 from rotorrig.identify.identifiability import Identifiability
 from rotorrig.identify.identifiability_words import words
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.polish import Polished, Problem
+from rotorrig.identify.polish import Problem
+from rotorrig.identify.solving import Polished
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig, load
 from tests.conftest import CONFIGS

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.polish import Problem, inverse_information
+from rotorrig.identify.polish import Problem
+from rotorrig.identify.solving import inverse_information
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from tests.identify.matched import matched_response, sought

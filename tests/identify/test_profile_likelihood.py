@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.least_squares import minimise
-from rotorrig.identify.polish import Polished, inverse_information
 from rotorrig.identify.profile_likelihood import profile_interval
 from rotorrig.identify.quantities import Amount, Phase
+from rotorrig.identify.solving import Polished, inverse_information
 
 RISE = 3.841459  # 95 % of chi2 with one degree of freedom
 HALF = 1.959964

@@ -2,13 +2,14 @@
 
 import json
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from rotorrig.identify.adequacy import Misfit
+from rotorrig.identify.cause import Cause, Figure
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
@@ -79,6 +80,32 @@ VERDICT = Diagnosis(
             sentence="probe 1x shows 2X",
         ),
     ),
+    model="quasi-static",
+    causes=(
+        Cause(
+            label="runout, plane 2",
+            effect="runout",
+            where="plane 2",
+            title="probe runout",
+            words="the track of plane 2 runs out by 3 um",
+            chosen=True,
+            plausible=False,
+            evidence=120.5,
+            lam=135.0,
+            heldout_before=5e-6,
+            heldout_after=math.nan,
+            parameters={"runout": Figure(value=3e-6, unit="m", sigma=math.inf)},
+            theta={"runout re": 3e-6, "runout im": 0.0},
+            sigmas={"runout re": math.inf, "runout im": 1e-8},
+        ),
+    ),
+    tied=(("runout, plane 2", "bow"), ("delay", "probe_angle, 1x")),
+    next_run={"kind": "trial mass", "words": "Add a mass.", "lam": 40.0, "separates": ["bow"]},
+    gain={"over_noise_floor": 1.1, "base": {"kxx": {"before": 1.0, "after": 2.0, "sigma": 0.5}}},
+    hidden=({"effect": "couple", "smallest": 1e-3, "unit": "rad", "missing": "a second plane"},),
+    character="strongest at 2X",
+    extended_residual=Z[:, :, None],
+    responses=(("b" * 16, 2),),
     residual=Z[:, :, None],
     sigmas=np.abs(Z)[:, :, None],
     source=SOURCE,
@@ -92,6 +119,8 @@ def equal(a: object, b: object) -> bool:
         return isinstance(b, float) and (a == b or (math.isnan(a) and math.isnan(b)))
     if isinstance(a, tuple):
         return isinstance(b, tuple) and len(a) == len(b) and all(map(equal, a, b))
+    if isinstance(a, dict) and isinstance(b, dict):
+        return list(a) == list(b) and all(equal(a[key], b[key]) for key in a)
     if hasattr(a, "__dataclass_fields__"):
         return type(a) is type(b) and all(equal(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))
     return a == b
@@ -128,8 +157,29 @@ def test_the_files_are_strict_json_with_the_documented_keys(tmp_path: Path) -> N
         raise AssertionError(f"{word} is no JSON")
 
     table = json.loads((tmp_path / "diagnosis.json").read_text(), parse_constant=refuse)
-    assert set(table) >= {"verdict", "noise_floor", "base", "causes", "tied", "next_run", "gain", "conventions"}
+    assert table["version"] == 2
+    document = (Path(__file__).parents[2] / "docs/results.md").read_text()
+    documented = document.partition("## diagnosis.json")[2]
+    for key in (*table, *table["causes"][0], *table["base"]):
+        assert f"`{key}`" in document if key in ("kind", "version", "conventions", "source") else key in documented
     assert set(table["base"]) == {"chi2", "dof", "p", "worst"}
+
+
+def test_what_is_not_finite_in_a_table_is_null(tmp_path: Path) -> None:
+    gain = {"heldout_after": math.inf, "base": {"kxx": {"sigma": np.float64(math.nan), "rows": np.int64(3)}}}
+    write_diagnosis(tmp_path / "diagnosis.json", replace(VERDICT, gain=gain))
+    assert read_diagnosis(tmp_path / "diagnosis.json").gain == {
+        "heldout_after": None,
+        "base": {"kxx": {"sigma": None, "rows": 3}},
+    }
+
+
+def test_a_diagnosis_of_the_first_version_is_to_be_made_anew(tmp_path: Path) -> None:
+    path = tmp_path / "diagnosis.json"
+    write_diagnosis(path, VERDICT)
+    path.write_text(path.read_text().replace('"version": 2', '"version": 1'))
+    with pytest.raises(DataError, match="has version 1, this program reads 2"):
+        read_diagnosis(path)
 
 
 @pytest.mark.parametrize(

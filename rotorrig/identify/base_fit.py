@@ -1,0 +1,77 @@
+"""The base model fitted to all recordings together, and how adequate a fit of them is."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rotorrig.identify.adequacy import Adequacy, assess
+from rotorrig.identify.candidates import background
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.fit import first_fit
+from rotorrig.identify.recording import Recording
+from rotorrig.identify.solving import Polished
+from rotorrig.sims.effects.base import Effect
+
+_SETTLED = 0.1  # of chi2
+_STEPS = 15  # a model that is wrong wanders on among its nuisances
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assessed:
+    """A fit of all recordings and the test of it."""
+
+    problem: ExtendedProblem
+    polished: Polished
+    adequacy: Adequacy  # its maps have the rows of all responses, one after the other
+
+
+def fitted(
+    recordings: Sequence[Recording], effects: Sequence[tuple[Effect, dict[str, float]]] = (), *, seed: int = 0
+) -> Assessed:
+    """Search the first recording, then fit all; `effects` of the config begin at their figures. Raises as fit."""
+    first = first_fit(recordings[0].response, seed=seed)
+    slight = [(effect, effect.at_nothing) for effect in background(recordings[0].response.rig)]
+    known = [*slight, *effects]
+    problem = ExtendedProblem(recordings, [effect for effect, _ in known])
+    start = problem.parameters.start(first.p)
+    start[problem.parameters.own] = [theta[q.name] / q.size for effect, theta in known for q in effect.parameters]
+    return assessed(problem, problem.solve(start, tolerance=_SETTLED, max_steps=_STEPS))
+
+
+def assessed(problem: ExtendedProblem, polished: Polished) -> Assessed:
+    """Test a fit: adequate if it is for every recording."""
+    reduced = _reduced_chi2(problem, polished)
+    each = []
+    for recording, predicted in zip(problem.recordings, problem.predict(polished.p), strict=True):
+        shape = (len(recording.response.omega), len(recording.response.probes))
+        whole = {}
+        for order, z in predicted.items():
+            whole[order] = np.full(shape, np.nan + 0j)
+            whole[order][recording.rows] = z[:-1]
+        each.append(assess(recording.response, whole, reduced_chi2=reduced))
+    worst = max(each, key=lambda a: a.worst_sigma)
+    return Assessed(
+        problem=problem,
+        polished=polished,
+        adequacy=replace(
+            worst,
+            adequate=all(a.adequate for a in each),
+            misfits=tuple(sorted((m for a in each for m in a.misfits), key=lambda m: -m.sigma)),
+            residual=np.concatenate([a.residual for a in each]),
+            sigmas=np.concatenate([a.sigmas for a in each]),
+        ),
+    )
+
+
+def _reduced_chi2(problem: ExtendedProblem, polished: Polished) -> float:
+    """Return chi2 per degree of freedom of 1X, priors included, as the limits of adequacy.py were set for."""
+    square, size = 0.0, 0
+    for recording, predicted in zip(problem.recordings, problem.predict(polished.p), strict=True):
+        measured = recording.measured[1]
+        square += float(np.sum(measured.sigmas(predicted[1] - measured.z) ** 2))
+        size += measured.size
+    priors = problem.parameters.prior_residual(polished.p)
+    names = problem.parameters
+    free = len(names.base) + names.own.stop - names.own.start
+    return (square + float(priors @ priors)) / max(size + len(names.base.priors) - free, 1)

@@ -1,0 +1,32 @@
+"""`Cause`: one effect a diagnosis tried at one place, with its size and what speaks for it."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figure:
+    """One unknown of an effect as found, SI; a phasor is two: its magnitude, and "<name> angle" [rad]."""
+
+    value: float
+    unit: str  # "m", "rad", "" for a ratio
+    sigma: float  # one standard deviation; infinite if the data do not restrict it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cause:
+    """One effect at one place, fitted together with the base model."""
+
+    label: str  # "runout, plane 2": one of a kind
+    effect: str  # "runout": the file in sims/effects
+    where: str  # "plane 2"; empty where there is one place only
+    title: str  # "probe runout"
+    words: str  # one sentence with the size
+    chosen: bool  # it is in the extended model
+    plausible: bool  # its parameters are within their plausible ranges
+    evidence: float  # BIC of the base less BIC with it; > 0 speaks for it
+    lam: float  # chi2 of the base less chi2 with it
+    heldout_before: float  # m, rms prediction error on held-out data, base; NaN: not measured
+    heldout_after: float  # m, with it
+    parameters: dict[str, Figure]
+    theta: dict[str, float]  # the effect's own unknowns, as a config carries them
+    sigmas: dict[str, float]  # of those

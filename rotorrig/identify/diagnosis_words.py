@@ -1,0 +1,72 @@
+"""The verdict in one or two sentences."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, Adequacy
+from rotorrig.identify.cause import Cause
+from rotorrig.identify.gain import Predictions
+from rotorrig.identify.naming import Verdict
+
+UM = 1e6
+
+
+def sentence(
+    verdict: Verdict,
+    before: Adequacy,
+    after: Adequacy,
+    causes: Sequence[Cause],
+    tied: Sequence[Sequence[str]],
+    predictions: Predictions,
+) -> str:
+    """Say what was concluded, from the tests before and after the model was extended."""
+    if verdict is Verdict.ADEQUATE:
+        return f"The model is adequate: {_figures(before)}."
+    if verdict is Verdict.CANNOT_TELL:
+        return (
+            f"This data cannot tell: the model fits ({_figures(before)}), but fewer than half of the known causes "
+            "would show in it if they were there."
+        )
+    if verdict is Verdict.UNEXPLAINED:
+        chosen = [cause for cause in causes if cause.chosen]
+        tried = "None of the known causes explains it"
+        if chosen:
+            tried = f"Not even with {' and '.join(cause.label for cause in chosen)} is it adequate"
+        return f"The model is NOT adequate: {_figures(before)}. {_worst(before)} {tried}: {_figures(after)}."
+    words = "; ".join(cause.words for cause in causes if cause.chosen)
+    bought = (
+        f"With that the error on data no fit saw ({predictions.on}) goes from {predictions.before.error * UM:.2g} "
+        f"to {predictions.after.error * UM:.2g} um, {predictions.after.over_floor:.1f} times the noise floor."
+    )
+    if verdict is Verdict.TIED:
+        others = " or ".join(", ".join(group[1:]) for group in tied)
+        return f"The model is wrong here: {words} - or as likely, for all this data can tell: {others}. {bought}"
+    return f"The model is wrong here: {words}. {bought}"
+
+
+def character(adequacy: Adequacy) -> str:
+    """Describe a residual that no known cause explains: orders, speeds, directions and probes it is loud at."""
+    loud = [m for m in adequacy.misfits if m.sigma > FOCUSED_LIMIT] or list(adequacy.misfits[:1])
+    orders = sorted({m.order for m in loud})
+    probes = sorted({m.probe for m in loud})
+    runs = sorted({m.run for m in loud})
+    rpm = 30 / np.pi
+    low, high = min(m.speed_from for m in loud) * rpm, max(m.speed_to for m in loud) * rpm
+    return (
+        f"What is left is at {' and '.join(f'{o:g}X' for o in orders)}, from {low:.0f} to {high:.0f} rpm, in the "
+        f"{' and '.join(runs)} run{'s' if len(runs) > 1 else ''}, at {', '.join(probes)}; at its loudest: "
+        f"{loud[0].sentence}"
+    )
+
+
+def _figures(adequacy: Adequacy) -> str:
+    return (
+        f"1X residuals at {adequacy.reduced_chi2:.3g} chi2 per degree of freedom (limit {GLOBAL_LIMIT:g}), the worst "
+        f"stretch of speeds at {adequacy.worst_sigma:.1f} sigma (limit {FOCUSED_LIMIT:g})"
+    )
+
+
+def _worst(adequacy: Adequacy) -> str:
+    """Return the loudest stretch of each order."""
+    return " ".join({m.order: m.sentence for m in reversed(adequacy.misfits)}.values())

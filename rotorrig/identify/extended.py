@@ -1,0 +1,372 @@
+"""The least-squares problem of one or more recordings of a rig, its model extended by effects.
+
+What polish.Problem is for one recording at 1X, with the same unknowns first. Columns by the rotor's own parameters are
+exact; those by an effect's are differences, of its loads alone where it is linear. Under a force law the motion is not
+linear in anything, and all but the probes' columns are differences.
+"""
+
+import copy
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.identify.extended_jacobian import Changes, added_by_laws, columns
+from rotorrig.identify.extended_parameters import MAINS, ExtendedParameters, bends
+from rotorrig.identify.least_squares import TOLERANCE
+from rotorrig.identify.parameters import Reals
+from rotorrig.identify.recording import ORDERS, Recording
+from rotorrig.identify.solving import NONE_FIXED, Index, Polished, solve
+from rotorrig.identify.structural import StructuralModel
+from rotorrig.sims.effects.base import Effect, Theta
+from rotorrig.sims.rotor.assembly import RotorModel
+from rotorrig.sims.rotor.directions import Direction, between
+from rotorrig.sims.rotor.force_law import ForceLaw
+from rotorrig.sims.rotor.loads import Load, unbalance_pattern
+
+Complex = NDArray[np.complex128]
+
+MARCHED = 2  # the highest order at which a force law is followed
+STEP = 1e-5  # of an effect's size: its matrices
+ROUGH = 1.0  # of chi2: how far a fit under force laws goes before their part in the derivatives is known
+RECENT = 4  # rotors kept: the next question is often about the same one
+Models = dict[tuple[tuple[str, float], ...], StructuralModel]
+Recent = dict[Hashable, RotorModel]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Moving:
+    """The rotor of one candidate and what moves it."""
+
+    model: RotorModel
+    planes: tuple[Load, ...]  # a unit of unbalance on every plane
+    effects: tuple[tuple[int | None, Load], ...]  # loads of effects, amounts in, and the recording they act in alone
+    laws: tuple[ForceLaw, ...]
+
+    def loads(self, recording: Recording, order: int) -> list[Load]:
+        """Return the loads of effects of that order in a recording."""
+        return [load for where, load in self.effects if where in (None, recording.number) and load.order == order]
+
+
+class ExtendedProblem:
+    """Residuals of all recordings and priors over the vector of ExtendedParameters."""
+
+    def __init__(
+        self,
+        recordings: Sequence[Recording],
+        effects: Sequence[Effect] = (),
+        *,
+        models: Models | None = None,
+        recent: Recent | None = None,
+        count: int = 0,
+    ) -> None:
+        """Set up; `models` keeps the reduced rotors that several problems of one rig share, `recent` those of vectors.
+
+        `count` is how many recordings there are in all, if more than these.
+        """
+        first = recordings[0].response
+        self.recordings = tuple(recordings)
+        self.effects = tuple(effects)
+        orders = recordings[0].orders
+        self._count = max(count, 1 + max(r.number for r in recordings))
+        self.parameters = ExtendedParameters(
+            first.rig, first.probes, orders=orders, recordings=self._count, effects=effects
+        )
+        self.by_laws: Changes | None = None  # what force laws add to columns, while it is held; None: taken anew
+        self._held: dict[tuple[int, int], Complex] = {}  # responses above 1X to a unit of every linear unknown
+        base = self.parameters.base
+        trial = dict.fromkeys(disk for r in recordings for disk in r.trial)
+        self.planes = tuple(dict.fromkeys((*base.space.planes, *trial)))
+        self.models = {} if models is None else models
+        self._recent = {} if recent is None else recent
+        self._rotor = self._with_places({name: z for effect in effects for name, z in effect.places.items()})
+
+    def on(self, recordings: Sequence[Recording]) -> "ExtendedProblem":
+        """Return the same problem of other recordings or rows."""
+        return ExtendedProblem(recordings, self.effects, models=self.models, recent=self._recent, count=self._count)
+
+    def seeing(self, places: Mapping[str, float]) -> "ExtendedProblem":
+        """Return the same problem with a rotor that has these places [m] too."""
+        other = copy.copy(self)
+        own = {name: z for effect in self.effects for name, z in effect.places.items()}
+        other._rotor = self._with_places({**own, **places})
+        return other
+
+    def _with_places(self, places: Mapping[str, float]) -> StructuralModel:
+        """Return the reduced rotor with those places, made at most once."""
+        key = tuple(sorted(places.items()))
+        if key not in self.models:
+            first, base = self.recordings[0].response, self.parameters.base
+            self.models[key] = StructuralModel(
+                first.rig, first.probes, groups=base.space.groups, others=base.others, places=places
+            )
+        return self.models[key]
+
+    def extended(self, effects: Sequence[Effect]) -> "ExtendedProblem":
+        """Return the problem of the same recordings with these effects instead."""
+        return ExtendedProblem(self.recordings, effects, models=self.models, recent=self._recent, count=self._count)
+
+    @property
+    def bounds(self) -> tuple[Reals, Reals]:
+        """Lower and upper bounds of the parameters."""
+        return self.parameters.bounds
+
+    @property
+    def size(self) -> int:
+        """Number of real figures measured, and of priors."""
+        return sum(m.size for r in self.recordings for m in r.measured.values()) + len(self.parameters.priors)
+
+    def solve(
+        self,
+        start: Reals,
+        *,
+        fixed: Mapping[int, float] = NONE_FIXED,
+        tolerance: float = TOLERANCE,
+        max_steps: int = 50,
+    ) -> Polished:
+        """Refine by least squares within the bounds, the parameters in `fixed` held: solving.solve.
+
+        Responses above 1X are those of the rotor at the start, and where there are any, once more of that at the end.
+        Under force laws the derivatives by other unknowns are first those without the laws, then with what these add to
+        them at the end of that: differences for all of them at every step would take five times as long.
+        """
+        fixed = {**self.parameters.frozen, **fixed}
+        laws = bool(self.moving(start).laws)
+        self._held, self.by_laws = {}, {} if laws else None
+        try:
+            rough = max(tolerance, ROUGH) if laws else tolerance
+            found = solve(self, start, fixed=fixed, tolerance=rough, max_steps=max_steps)
+            if laws:
+                self.by_laws = added_by_laws(self, found.p, np.setdiff1d(np.arange(len(start)), list(fixed)))
+            if laws or any(held.any() for held in self._held.values()):
+                self._held = {}
+                found = solve(self, found.p, fixed=fixed, tolerance=tolerance, max_steps=max_steps)
+        finally:
+            self.by_laws = None
+        return found
+
+    def residual(self, p: Reals, *, orders: Sequence[int] = ORDERS) -> Reals:
+        """Return whitened residuals, model less measured, then the priors' [sigma]; 0 at orders not asked for."""
+        parts = []
+        for recording, predicted in zip(self.recordings, self.predict(p, orders=orders), strict=True):
+            for order, measured in recording.measured.items():
+                z = predicted.get(order, measured.z)
+                parts.append(measured.sigmas(z - measured.z).ravel())
+        return np.concatenate([*parts, self.parameters.prior_residual(p)])
+
+    def predict(self, p: Reals, *, orders: Sequence[int] = ORDERS) -> list[dict[int, Complex]]:
+        """Return vectors as they should have been measured, per recording: order -> (row + 1, probe) [m]."""
+        moving = self.moving(p)
+        return [
+            self._seen_by(recording, p, self.motions(recording, p, moving, orders=orders))
+            for recording in self.recordings
+        ]
+
+    def jacobian(self, p: Reals, free: Index | None = None) -> Reals:
+        """Return d residual / d p, (figure + prior, parameter), or its columns `free` alone."""
+        free = np.arange(len(p)) if free is None else free
+        data = columns(self, p, free)
+        return np.concatenate([data, self.parameters.prior_jacobian()[:, free]])
+
+    def settled(self, p: Reals, free: Index) -> Reals:
+        """Return `p` with unbalance, runout, hum and the amounts of linear effects among `free` at their best."""
+        linear = np.intersect1d(free, self.linear(p))
+        J = self.jacobian(p, linear)
+        out = p.copy()
+        low, high = self.bounds
+        out[linear] -= np.linalg.lstsq(J, self.residual(p), rcond=None)[0]
+        return np.clip(out, low, high)
+
+    def linear(self, p: Reals) -> Index:
+        """Return the parameters in which everything is linear."""
+        names = self.parameters
+        found = [np.arange(part.start, part.stop) for part in (*names.runouts.values(), names.hums)]
+        if not any(effect.laws(self._rotor.nominal, effect.at_nothing) for effect in self.effects):
+            found.append(np.arange(names.base.unbalance.start, names.base.unbalance.stop))
+            found += [
+                np.arange(part.start, part.stop)
+                for effect, part in zip(self.effects, names.theta, strict=True)
+                if effect.linear
+            ]
+        return np.concatenate(found)
+
+    def moving(self, p: Reals) -> Moving:
+        """Return the rotor of `p` and what moves it."""
+        names = self.parameters
+        thetas = [names.of_effect(p, i) for i in range(len(self.effects))]
+        model = self._model(p, thetas)
+        each = list(zip(self.effects, thetas, strict=True))
+        return Moving(
+            model=model,
+            planes=tuple(Load(pattern=unbalance_pattern(model, {name: 1.0}), law="unbalance") for name in self.planes),
+            effects=tuple((effect.recording, load) for effect, theta in each for load in effect.loads(model, theta)),
+            laws=tuple(law for effect, theta in each for law in effect.laws(model, theta)),
+        )
+
+    def _model(self, p: Reals, thetas: Sequence[Theta]) -> RotorModel:
+        """Return the rotor of `p`, the same object as long as what it depends on is the same."""
+        base = self.parameters.base
+        changes = [
+            (effect, theta)
+            for effect, theta in zip(self.effects, thetas, strict=True)
+            if type(effect).changed is not Effect.changed
+        ]
+        figures = tuple((effect.label, *theta.values()) for effect, theta in changes)
+        key = (self._rotor, p[base.structural].tobytes(), figures)
+        if key not in self._recent:
+            model = self._rotor(base.structure(p[: len(base)]))
+            for effect, theta in changes:
+                model = effect.changed(model, theta)
+            self._recent[key] = model
+            for old in list(self._recent)[:-RECENT]:
+                del self._recent[old]
+        return self._recent[key]
+
+    def resized(self, p: Reals, i: int) -> bool:
+        """Say whether a step of unknown `i` changes the number of coordinates, as at a pedestal of no lightness."""
+        moved = p.copy()
+        moved[i] += STEP
+        return self.moving(moved).model.dof != self.moving(p).model.dof
+
+    def directions(self, p: Reals, model: RotorModel, which: Index) -> list[Direction]:
+        """Return the derivatives of the matrices of `model` by `which`: structure of the base, matrices of effects."""
+        base = self.parameters.base
+        values, by = base.structure(p[: len(base)]), base.structure_derivatives(p[: len(base)])
+        found = []
+        for i in which:
+            if i < base.structural.stop:
+                found.append(self._rotor.direction(model, values, by[i]))
+                continue
+            moved = p.copy()
+            moved[i] += STEP
+            found.append(between(model, self.moving(moved).model, STEP))
+        return found
+
+    def amounts(self, recording: Recording, p: Reals) -> Complex:
+        """Return the unbalance on every plane, trial masses included, (row + 1, plane) kg m."""
+        sought = self.parameters.base.amounts(p[: len(self.parameters.base)])
+        return np.stack([sought.get(plane, 0) + trial for plane, trial in self.trials(recording, p).items()], axis=-1)
+
+    def trials(self, recording: Recording, p: Reals) -> dict[str, Complex]:
+        """Return the trial masses of every plane, (row + 1,) kg m, turned by the error of the keyphasor's mark."""
+        turned = np.exp(1j * p[self.parameters.keyphasor])
+        nothing = np.zeros(len(recording.rows) + 1, complex)
+        return {plane: turned * recording.trial.get(plane, nothing) for plane in self.planes}
+
+    def motion_of(self, recording: Recording, p: Reals, moving: Moving, *, order: int) -> Complex:
+        """Return the motion along and across every probe, (row + 1, 2 probe), without force laws."""
+        if order > 1 and self.linear_at(order):
+            return self._higher(recording, p, moving, order)
+        mine = moving.loads(recording, order)
+        if order != 1:
+            return recording.columns(moving.model, mine, order=order).sum(axis=-1)
+        units = recording.columns(moving.model, [*moving.planes, *mine], order=1)
+        planes = len(moving.planes)
+        z = np.einsum("rpl,rl->rp", units[..., :planes], self.amounts(recording, p))
+        return z + units[..., planes:].sum(axis=-1)
+
+    def linear_at(self, order: int) -> bool:
+        """Say whether the effects that could push at that order are all linear."""
+        return all(e.linear for e in self.effects if order in e.orders and type(e).loads is not Effect.loads)
+
+    def _higher(self, recording: Recording, p: Reals, moving: Moving, order: int) -> Complex:
+        """Return the motion at an order above 1X, of the rotor that `solve` began with."""
+        key = recording.number, order
+        if key not in self._held:
+            self._held[key] = self._unit_columns(recording, moving.model, order)
+        return self._held[key] @ p[self.parameters.own]
+
+    def unit_columns(self, recording: Recording, p: Reals, moving: Moving, order: int) -> Complex:
+        """Return d motion / d unknowns of effects at an order above 1X, (row + 1, 2 probe, unknown)."""
+        self._higher(recording, p, moving, order)
+        return self._held[recording.number, order]
+
+    def _unit_columns(self, recording: Recording, model: RotorModel, order: int) -> Complex:
+        own = self.parameters.own
+        found = np.zeros((len(recording.rows) + 1, len(model.probes), own.stop - own.start), complex)
+        loads: list[Load] = []
+        column: list[int] = []
+        c = 0
+        for effect in self.effects:
+            zero = dict.fromkeys((q.name for q in effect.parameters), 0.0)
+            acts = effect.recording in (None, recording.number) and type(effect).loads is not Effect.loads
+            for q in effect.parameters:
+                if acts and effect.linear:
+                    unit = [u for u in effect.loads(model, zero | {q.name: q.size}) if u.order == order]
+                    loads, column = loads + unit, column + [c] * len(unit)
+                c += 1
+        by_load = recording.columns(model, loads, order=order)
+        for k, c in enumerate(column):
+            found[..., c] += by_load[..., k]
+        return found
+
+    def motions(
+        self, recording: Recording, p: Reals, moving: Moving, *, orders: Sequence[int] = ORDERS
+    ) -> dict[int, Complex]:
+        """Return the motion along and across every probe, order -> (row + 1, 2 probe)."""
+        wanted = [order for order in recording.orders if order in orders]
+        if not moving.laws:
+            return {order: self.motion_of(recording, p, moving, order=order) for order in wanted}
+        return self._lawful(recording, p, moving, wanted)
+
+    def _lawful(self, recording: Recording, p: Reals, moving: Moving, wanted: Sequence[int]) -> dict[int, Complex]:
+        """Return the motion under force laws; one march for every set of trial masses there is in the recording."""
+        first = moving.loads(recording, 1)
+        loads = [*moving.planes, *first]
+        each = self.amounts(recording, p)
+        sets, which = np.unique(each, axis=0, return_inverse=True)
+        marched = [order for order in wanted if order <= MARCHED]
+        found = {order: np.zeros((len(each), len(moving.model.probes)), complex) for order in wanted}
+        for i, amounts in enumerate(sets):
+            amounts = np.append(amounts, np.ones(len(first)))
+            z = recording.with_laws(moving.model, loads, amounts, moving.laws, orders=marched)
+            for order, part in z.items():
+                found[order][which.ravel() == i] = part[which.ravel() == i]
+        for order in wanted:
+            if order > 1:
+                found[order] += self.motion_of(recording, p, moving, order=order)
+        return found
+
+    def _seen_by(self, recording: Recording, p: Reals, motion: Mapping[int, Complex]) -> dict[int, Complex]:
+        """Return what the probes make of a motion: gain and angle errors, runout, and what effects do there."""
+        found = {}
+        first = self.at_probes(p, motion[1], order=1)
+        for order, moved in motion.items():
+            z = self.at_probes(p, moved, order=order) + self.hum(recording, p, order) + self.bent(p, first, order)
+            found[order] = self.through_effects(recording, p, z, order=order)
+        return found
+
+    def at_probes(self, p: Reals, motion: Complex, *, order: int) -> Complex:
+        """Return vectors (row + 1, probe) of a motion along and across: nuisances of the base applied."""
+        runout = p[self.parameters.runouts[order]]
+        return self.at_probes_linear(p, motion) + runout[0::2] + 1j * runout[1::2]
+
+    def bent(self, p: Reals, first: Complex, order: int) -> Complex:
+        """Return what the curvature of the probes' scale adds to an order, of 1X vectors `first` (row + 1, probe)."""
+        return bends(first, order, odd=p[self.parameters.odd], even=p[self.parameters.even])
+
+    def hum(self, recording: Recording, p: Reals, order: int) -> Complex:
+        """Return what the mains leave in the vectors of every probe, (row + 1, 1)."""
+        own = p[self.parameters.hums].reshape(-1, len(MAINS), 2)[recording.number]
+        return (recording.hum[order] @ (own[:, 0] + 1j * own[:, 1]))[:, None]
+
+    def at_probes_linear(self, p: Reals, change: Complex) -> Complex:
+        """Return changes of vectors (row + 1, probe) by a change of the motion (row + 1, 2 probe)."""
+        gain, cos, sin = self.probes(p)
+        n = len(gain)
+        return gain * (cos * change[:, :n] + sin * change[:, n:])
+
+    def through_effects(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
+        """Return vectors as the effects on the probes' side leave them."""
+        for i, effect in enumerate(self.effects):
+            if effect.recording not in (None, recording.number):
+                continue
+            z = effect.seen(z, recording.view(order), self.parameters.of_effect(p, i))
+        return z
+
+    def probes(self, p: Reals) -> tuple[Reals, Reals, Reals]:
+        """Return gain, and cosine and sine of the angle error, per probe."""
+        base = self.parameters.base
+        angle = p[base.angle]
+        return 1 + p[base.gain], np.cos(angle), np.sin(angle)

@@ -1,0 +1,143 @@
+"""The unknowns of a diagnosis: those of the base model, a few more nuisances, and those of effects in their sizes.
+
+The nuisances more than a fit of one recording at 1X has: runout at higher orders, the angle of the keyphasor's mark,
+which a known trial mass shows, a little hum of the mains in every recording, and the curvature of a probe's scale: for
+a motion r, in units of `CURVED_AT`, it reads r (1 + even r + odd r^2).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.identify.parameters import Parameters, Reals
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import Effect
+
+Complex = NDArray[np.complex128]
+
+MAINS = (50.0, 60.0)  # Hz
+KEYPHASOR = "keyphasor angle"  # rad, of the mark: the angle that trial masses are given from
+CURVED_AT = 300e-6  # m, 0-peak: where the curvature of a probe's scale factor is told
+BEYOND = 2.0  # times its plausible range an unknown may be fitted: what ends there is not plausible, and says so
+
+
+class ExtendedParameters:
+    """Names, slices, bounds and priors of the vector `p`; effects stand last, in units of their parameters' sizes."""
+
+    def __init__(
+        self,
+        rig: RigConfig,
+        probes: tuple[str, ...],
+        *,
+        orders: Sequence[int],
+        recordings: int,
+        effects: Sequence[Effect],
+    ) -> None:
+        """Lay out the vector. Raises ConfigError if the rig has no [identify] table."""
+        self.base = Parameters(rig, probes)
+        self.effects = tuple(effects)
+        self._own = [p for effect in effects for p in effect.parameters]
+        runouts = [f"runout {n}X {name} {part}" for n in orders if n > 1 for name in probes for part in ("re", "im")]
+        hums = [f"hum {f:.0f} Hz {i + 1} {part}" for i in range(recordings) for f in MAINS for part in ("re", "im")]
+        own = [f"{effect.label}: {p.name}" for effect in effects for p in effect.parameters]
+        bends = [f"curvature {name} {kind}" for kind in ("odd", "even") for name in probes]
+        self.names = (*self.base.names, *runouts, KEYPHASOR, *hums, *bends, *own)
+        count, per_order = len(self.base), 2 * len(probes)
+        self.runouts = {1: self.base.runout}
+        for n in orders:
+            if n > 1:
+                self.runouts[n] = slice(count, count + per_order)
+                count += per_order
+        self.keyphasor = count
+        self.hums = slice(count + 1, count + 1 + len(hums))
+        self.odd = slice(self.hums.stop, self.hums.stop + len(probes))
+        self.even = slice(self.odd.stop, self.odd.stop + len(probes))
+        count = self.even.stop
+        self.theta: list[slice] = []
+        for effect in effects:
+            self.theta.append(slice(count, count + len(effect.parameters)))
+            count += len(effect.parameters)
+        self.prior_sigma = np.concatenate(
+            [
+                self.base.prior_sigma,
+                np.full(len(runouts), rig.prior.runout),
+                [rig.prior.keyphasor_angle],
+                np.full(len(hums), rig.prior.line_hum),
+                np.full(len(bends), rig.prior.probe_linearity),
+                [q.prior / q.size for q in self._own],
+            ]
+        )
+        self.priors = np.flatnonzero(np.isfinite(self.prior_sigma))
+        self._nothing = np.zeros(len(self.names))
+        self._nothing[self.own] = [q.nothing / q.size for q in self._own]
+
+    def __len__(self) -> int:
+        """Return the number of parameters."""
+        return len(self.names)
+
+    @property
+    def linear_nuisances(self) -> set[int]:
+        """Those that vectors are linear in, runout and hum: solved for in every step, they need no finding."""
+        parts = (*self.runouts.values(), self.hums)
+        return {i for part in parts for i in range(part.start, part.stop)}
+
+    @property
+    def own(self) -> slice:
+        """Where those of all effects stand."""
+        return slice(len(self) - len(self._own), len(self))
+
+    @property
+    def bounds(self) -> tuple[Reals, Reals]:
+        """Lower and upper bounds of `p`."""
+        low, high = np.full(len(self), -np.inf), np.full(len(self), np.inf)
+        low[: len(self.base)], high[: len(self.base)] = self.base.bounds
+        low[self.own] = [(p.low * BEYOND if p.low < 0 else p.low / BEYOND) / p.size for p in self._own]
+        high[self.own] = [(p.high * BEYOND if p.high > 0 else p.high / BEYOND) / p.size for p in self._own]
+        return low, high
+
+    @property
+    def frozen(self) -> dict[int, float]:
+        """The unknowns that are no unknowns, as their bounds coincide: parameter -> value."""
+        return {
+            i: p.nothing / p.size
+            for i, p in zip(range(self.own.start, self.own.stop), self._own, strict=True)
+            if p.low == p.high
+        }
+
+    def start(self, base: Reals) -> Reals:
+        """Return a vector with the base parameters of another one, (>= base,), and every effect at nothing."""
+        p = np.zeros(len(self))
+        shared = min(len(base), len(self) - len(self._own))
+        p[:shared] = base[:shared]
+        p[self.own] = [q.nothing / q.size for q in self._own]
+        return p
+
+    def of_effect(self, p: Reals, i: int) -> dict[str, float]:
+        """Return the unknowns of effect number `i` in SI."""
+        parameters = self.effects[i].parameters
+        return {q.name: float(v * q.size) for q, v in zip(parameters, p[self.theta[i]], strict=True)}
+
+    def sigmas_of_effect(self, sigma: Reals, i: int) -> dict[str, float]:
+        """Return their standard deviations, from those of the whole vector."""
+        return self.of_effect(sigma, i)
+
+    def prior_residual(self, p: Reals) -> Reals:
+        """Return the nuisances in units of their priors' sigmas."""
+        return (p[self.priors] - self._nothing[self.priors]) / self.prior_sigma[self.priors]
+
+    def prior_jacobian(self) -> Reals:
+        """Return d prior_residual / d p."""
+        rows = np.zeros((len(self.priors), len(self)))
+        rows[np.arange(len(rows)), self.priors] = 1 / self.prior_sigma[self.priors]
+        return rows
+
+
+def bends(first: Complex, order: int, *, odd: Reals | float, even: Reals | float) -> Complex:
+    """Return the n-th order of r (even r + odd r^2), r = Re(first e^{j theta}) in units of CURVED_AT, in metres."""
+    r = first / CURVED_AT
+    if order == 1:
+        return CURVED_AT * 0.75 * odd * np.abs(r) ** 2 * r
+    if order == 2:
+        return CURVED_AT * 0.5 * even * r**2
+    return CURVED_AT * 0.25 * odd * r**3 if order == 3 else np.zeros_like(first)

@@ -1,0 +1,74 @@
+"""What an extension of the model bought: prediction of data no fit saw, and what the base parameters had absorbed."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rotorrig.identify.base_fit import Assessed
+from rotorrig.identify.held_out import Prediction, held_out, predicted
+from rotorrig.identify.recording import Recording
+from rotorrig.identify.selection import Candidate, Selection, called_for
+
+_MEASURED = 3  # causes whose prediction is measured
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Predictions:
+    """Of held-out data: by the base, by the extended model, and by the base with single causes."""
+
+    before: Prediction
+    after: Prediction
+    by_label: dict[str, tuple[Prediction, Prediction]]
+    on: str  # what was held out, in words
+
+
+def predictions(selection: Selection, *, holdout: Recording | None = None) -> Predictions:
+    """Predict `holdout`, or the recordings or blocks of speeds that a fit is not shown in turn."""
+    stages = selection.stages
+    base = stages[0].before if stages else selection.base
+    problem = selection.start
+
+    def of(candidate: Candidate | None) -> Prediction:
+        p, where = (base.p, problem) if candidate is None else (candidate.polished.p, candidate.problem)
+        return predicted(where.on([holdout]), p) if holdout else held_out(where, p)
+
+    before = of(None)
+    tried = [c for c in (stages[0].tried if stages else ()) if called_for(c)][:_MEASURED]
+    by_label = {candidate.effect.label: (before, of(candidate)) for candidate in tried}
+    after = before
+    if selection.problem.effects != problem.effects:
+        p, where = selection.polished.p, selection.problem
+        after = predicted(where.on([holdout]), p) if holdout else held_out(where, p)
+    on = "the recording held out" if holdout else "blocks of speeds in turn"
+    return Predictions(before=before, after=after, by_label=by_label, on=on)
+
+
+def table(base: Assessed, selection: Selection, found: Predictions) -> dict[str, Any]:
+    """Return `gain` of diagnosis.json."""
+    names = base.problem.parameters.base
+    before, after = names.values(base.polished.p[: len(names)]), names.values(selection.polished.p[: len(names)])
+    slopes = names.space.slopes(after)
+    sigma = selection.polished.sigma[names.sought] * slopes
+    units = [unknown.unit for unknown in names.space.unknowns]
+    changed = {
+        name: {"before": float(b), "after": float(a), "sigma": float(s), "unit": unit}
+        for name, b, a, s, unit in zip(names.space.names, before, after, sigma, units, strict=True)
+    }
+    spread = selection.polished.sigma[names.unbalance].reshape(-1, 2)
+    old, new = (names.amounts(fit.p[: len(names)]) for fit in (base.polished, selection.polished))
+    for i, (amount, plane) in enumerate(zip(names.space.amounts, names.space.planes, strict=True)):
+        changed[amount.name] = {
+            "before": abs(old[plane]),
+            "after": abs(new[plane]),
+            "sigma": float(np.hypot(*spread[i]) / np.sqrt(2)),
+            "unit": "kg m",
+        }
+    return {
+        "heldout_before": found.before.error,
+        "heldout_after": found.after.error,
+        "noise_floor": found.after.floor,
+        "over_noise_floor": found.after.over_floor,
+        "on": found.on,
+        "base": changed,
+    }

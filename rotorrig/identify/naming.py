@@ -1,0 +1,184 @@
+"""From fits to names: the causes ranked, which of them the data cannot tell apart, and what to conclude."""
+
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from rotorrig.identify.cause import Cause, Figure
+from rotorrig.identify.held_out import Prediction
+from rotorrig.identify.selection import Candidate, Selection, Stage, called_for, plausible
+from rotorrig.identify.separation import DETECTABLE, NAMEABLE
+from rotorrig.sims.effects.base import Effect, Parameter, magnitudes
+
+_ENOUGH_VISIBLE = 0.5  # of the known effects, at their typical size: below, data that show nothing say nothing
+
+
+class Verdict(StrEnum):
+    """What a diagnosis may conclude."""
+
+    ADEQUATE = "adequate"
+    NAMED = "named"
+    TIED = "tied"
+    UNEXPLAINED = "unexplained"
+    CANNOT_TELL = "cannot tell"
+
+
+def verdict(selection: Selection, *, adequate_before: bool, adequate_after: bool, visible: float) -> Verdict:
+    """Conclude; `visible` is the share of the known effects that this data could show."""
+    if selection.problem.effects == selection.start.effects:
+        if not adequate_before:
+            return Verdict.UNEXPLAINED
+        return Verdict.ADEQUATE if visible >= _ENOUGH_VISIBLE else Verdict.CANNOT_TELL
+    if not adequate_after:
+        return Verdict.UNEXPLAINED
+    return Verdict.TIED if ties(selection) else Verdict.NAMED
+
+
+def ties(selection: Selection) -> tuple[tuple[str, ...], ...]:
+    """Return the sets of labels that fit alike, one for every chosen effect with a rival of another kind."""
+    return tuple(tuple(candidate.effect.label for candidate in group) for group in tied_candidates(selection))
+
+
+def tied_candidates(selection: Selection) -> list[list[Candidate]]:
+    """Return these sets as candidates, the chosen one first."""
+    found = []
+    for stage in selection.stages:
+        best = stage.tried[0] if stage.tried else None
+        if best is None or best.effect not in selection.problem.effects:
+            continue
+        rivals = _rivals(stage, best)
+        if any(rival.effect.name != best.effect.name for rival in rivals):
+            found.append([best, *rivals])
+    return found
+
+
+def _rivals(stage: Stage, best: Candidate) -> list[Candidate]:
+    return [c for c in stage.tried[1:] if called_for(c) and best.evidence - c.evidence < NAMEABLE]
+
+
+def visible_share(selection: Selection) -> float:
+    """Return the share of the known effects, by name, that this data could show at their typical size."""
+    seen = _visible(selection)
+    return sum(lam >= DETECTABLE for _, lam in seen.values()) / max(len(seen), 1)
+
+
+def hidden(selection: Selection) -> tuple[dict[str, Any], ...]:
+    """Return the effects that this data would not show at their typical size, with the size that it would."""
+    found = []
+    for effect, lam in _visible(selection).values():
+        if lam < DETECTABLE:
+            q = effect.parameters[0]
+            smallest = q.size * float(np.sqrt(DETECTABLE / lam)) if lam > 0 else None
+            found.append(
+                {
+                    "effect": effect.label,
+                    "smallest": smallest,
+                    "unit": q.unit,
+                    "missing": _missing(selection, effect),
+                }
+            )
+    return tuple(found)
+
+
+def _visible(selection: Selection) -> dict[str, tuple[Effect, float]]:
+    """Return by effect's name the place where it would show best, and lambda there at its typical size."""
+    best: dict[str, tuple[Effect, float]] = {}
+    for score in selection.stages[0].scores if selection.stages else ():
+        if any(q.starts for q in score.effect.parameters):
+            continue  # no first order: what it would show depends on the motion
+        name = score.effect.name
+        if name not in best or score.visible > best[name][1]:
+            best[name] = score.effect, score.visible
+    return best
+
+
+def _missing(selection: Selection, effect: Effect) -> str:
+    """Return the measurement whose absence hides an effect, as far as the recordings tell."""
+    recordings = selection.problem.recordings
+    response = recordings[0].response
+    planes = {round(response.rig.probe(name).position, 6) for name in response.probes}
+    wanted = []
+    if any(order not in recordings[0].orders for order in effect.orders):
+        wanted.append(f"vectors at {' and '.join(f'{n}X' for n in effect.orders if n not in recordings[0].orders)}")
+    if len(planes) < 2:
+        wanted.append("a second plane of probes")
+    if not any(recording.trial for recording in recordings):
+        wanted.append("a run with a known trial mass")
+    if not recordings[0].swept:
+        wanted.append("the times of the rows")
+    return ", ".join(wanted)
+
+
+def causes(selection: Selection, predictions: dict[str, tuple[Prediction, Prediction]]) -> tuple[Cause, ...]:
+    """Return the chosen effects, as the final fit has them, then every other one that was fitted, by its evidence.
+
+    `predictions` holds held-out errors before and after, by label, of those they were measured for.
+    """
+    final = selection.problem
+    chosen = [
+        _cause(candidate, selection, i, predictions, chosen=True)
+        for i, effect in enumerate(final.effects)
+        for candidate in _of(selection, effect)
+    ]
+    names = {cause.label for cause in chosen}
+    others: dict[str, Cause] = {}
+    for stage in selection.stages:
+        for candidate in stage.tried:
+            if candidate.effect.label not in names:
+                others.setdefault(candidate.effect.label, _cause(candidate, None, -1, predictions, chosen=False))
+    return (*chosen, *sorted(others.values(), key=lambda cause: (not cause.plausible, -cause.evidence)))
+
+
+def _of(selection: Selection, effect: Effect) -> list[Candidate]:
+    return [c for stage in selection.stages for c in stage.tried[:1] if c.effect is effect]
+
+
+def _cause(
+    candidate: Candidate,
+    selection: Selection | None,
+    index: int,
+    predictions: dict[str, tuple[Prediction, Prediction]],
+    *,
+    chosen: bool,
+) -> Cause:
+    problem, polished = (
+        (selection.problem, selection.polished) if selection else (candidate.problem, candidate.polished)
+    )
+    effect = candidate.effect
+    names = problem.parameters
+    theta = names.of_effect(polished.p, index)
+    sigmas = names.of_effect(polished.sigma, index)
+    before, after = predictions.get(effect.label, (None, None))
+    return Cause(
+        label=effect.label,
+        effect=effect.name,
+        where=effect.where,
+        title=effect.title,
+        words=effect.words(theta),
+        chosen=chosen,
+        plausible=plausible(candidate),
+        evidence=candidate.evidence,
+        lam=candidate.lam,
+        heldout_before=before.error if before else float("nan"),
+        heldout_after=after.error if after else float("nan"),
+        parameters=figures(effect.parameters, theta, sigmas),
+        theta=theta,
+        sigmas=sigmas,
+    )
+
+
+def figures(parameters: Sequence[Parameter], theta: dict[str, float], sigmas: dict[str, float]) -> dict[str, Figure]:
+    """Return what a person reads: phasors as magnitude and angle, each with its standard deviation."""
+    found = {}
+    for name, value, unit in magnitudes(tuple(parameters), theta):
+        stem = name.removesuffix(" angle")
+        if f"{stem} re" in theta:
+            spread = float(np.hypot(sigmas[f"{stem} re"], sigmas[f"{stem} im"]) / np.sqrt(2))
+            size = abs(complex(theta[f"{stem} re"], theta[f"{stem} im"]))
+            sigma = spread if name == stem else spread / max(size, 1e-300)
+        else:
+            sigma = sigmas[name]
+        found[name] = Figure(value=value, unit=unit, sigma=sigma)
+    return found

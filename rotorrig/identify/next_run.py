@@ -1,0 +1,43 @@
+"""The cheapest run that would separate causes the data at hand cannot: computed, for this rig and these causes.
+
+Every plan is simulated with the best cause, as it was fitted, and fitted with each of its rivals (separation.py); the
+cheapest that tells all of them from the best is proposed, or the one that comes nearest.
+"""
+
+from typing import Any
+
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.naming import tied_candidates
+from rotorrig.identify.planned import Plan, plans, recorded
+from rotorrig.identify.selection import Candidate, Selection
+from rotorrig.identify.separation import NAMEABLE, separation
+
+
+def cheapest(selection: Selection) -> dict[str, Any]:
+    """Return `next_run` of diagnosis.json: kind, words, lam (of the rival nearest then) and the labels separated."""
+    groups = tied_candidates(selection)
+    if not groups:
+        return {}
+    best, *rivals = groups[0]
+    found: list[tuple[float, Plan]] = []
+    for plan in plans(best.problem.recordings[0].response):
+        lam = min(_separated(best, rival, plan) for rival in rivals)
+        found.append((lam, plan))
+        if lam >= NAMEABLE:
+            break
+    if not found:
+        return {}
+    lam, plan = max(found, key=lambda pair: pair[0])
+    labels = [candidate.effect.label for candidate in (best, *rivals)]
+    enough = "" if lam >= NAMEABLE else " Even that would leave them close."
+    return {"kind": plan.kind, "words": plan.words + enough, "lam": lam, "separates": labels}
+
+
+def _separated(best: Candidate, rival: Candidate, plan: Plan) -> float:
+    recordings = recorded(best.problem.recordings[0].response, plan)
+    truth = ExtendedProblem(recordings, best.problem.effects)
+    named = dict(zip(best.problem.parameters.names, best.polished.p, strict=True))
+    p = truth.parameters.start(best.polished.p[:0])
+    for i, name in enumerate(truth.parameters.names):
+        p[i] = named.get(name, p[i])
+    return separation(truth, p, rival.problem.effects)

@@ -1,0 +1,170 @@
+"""One recording of a diagnosis: its rows at every order, whitened, and the rotor model swept through them."""
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.identify.extended_parameters import MAINS
+from rotorrig.identify.measurement import SLOW_ROLL, Measurement, measure
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.sims.effects.base import Seen
+from rotorrig.sims.effects.line_hum import leak
+from rotorrig.sims.rotor.assembly import RotorModel
+from rotorrig.sims.rotor.directions import Derivatives, Direction, steady_derivatives
+from rotorrig.sims.rotor.force_law import ForceLaw
+from rotorrig.sims.rotor.harmonic import load_columns
+from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.steady_law import steady_with_law
+from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
+from rotorrig.sims.rotor.swept_law import swept_with_law
+from rotorrig.sims.rotor.timeline import Timeline
+from rotorrig.sims.rotor.tracking import tracked_rows
+
+Reals = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+ORDERS = (1, 2, 3)  # that a model may predict, where they were tracked
+
+
+class Recording:
+    """The rows of one response. Those of the slow roll, one vector per probe and order, come last."""
+
+    def __init__(self, response: OrderTrackedResponse, *, swept: bool = True, number: int = 0) -> None:
+        """Gather the rows; `swept` False takes the speed as steady, as a table without times does.
+
+        `number` counts the recordings of a diagnosis from 0.
+        """
+        self.response = response
+        self.number = number
+        self.orders = tuple(order for order in ORDERS if float(order) in response.orders)
+        self.measured: dict[int, Measurement] = {n: measure(response, order=float(n)) for n in self.orders}
+        self.rows = self.measured[1].rows
+        slow = response.slow_roll_omega
+        self._omega = response.omega[self.rows]
+        self._slow = np.array([slow if np.isfinite(slow) else 0.0])
+        known = len(response.keyphasor_t) > 3 and bool(np.isfinite(response.t[self.rows]).all())
+        self._tracked = None
+        if swept and known:
+            self._tracked = tracked_rows(
+                Timeline(response.keyphasor_t),
+                t=response.t[self.rows],
+                revolutions=response.revolutions[self.rows],
+                window=response.window,
+            )
+        self.trial = _trial(response, self.rows)
+        self._views = {order: self._view(order) for order in self.orders}
+        self.hum = {order: self._leaks(order) for order in self.orders}
+
+    @property
+    def swept(self) -> bool:
+        """Whether the moving speed is in the model."""
+        return self._tracked is not None
+
+    def only(self, keep: NDArray[np.bool_]) -> "Recording":
+        """Return the same recording with nothing usable but the rows of `keep` (row,), and the slow roll."""
+        kept = np.append(keep, True)[:, None]
+        return self._with({n: replace(m, usable=m.usable & kept) for n, m in self.measured.items()})
+
+    def instead(self, z: Mapping[int, Complex]) -> "Recording":
+        """Return the same recording of other vectors (row + 1, probe) [m] per order, with the noise of its own."""
+        return self._with({n: replace(m, z=z[n]) for n, m in self.measured.items()})
+
+    def _with(self, measured: dict[int, Measurement]) -> "Recording":
+        other = copy.copy(self)
+        other.measured = measured
+        return other
+
+    def columns(self, model: RotorModel, loads: Sequence[Load], *, order: int) -> Complex:
+        """Return the response to each of `loads`, all of that order, (row + 1, probe, load) m per its unit."""
+        if not loads:
+            return np.zeros((len(self.rows) + 1, len(model.probes), 0), dtype=complex)
+        if self._tracked is not None:
+            moving = swept_columns(model, self._tracked, loads=loads, order=order)
+        else:
+            moving = load_columns(model, self._omega, loads)
+        return np.concatenate([moving, self._early(load_columns(model, self._slow, loads), loads)])
+
+    def derivatives(
+        self, model: RotorModel, loads: Sequence[Load], directions: Sequence[Direction], *, order: int
+    ) -> Derivatives:
+        """Return that and its derivatives along `directions`, (direction, row + 1, probe, load)."""
+        if self._tracked is not None:
+            moving = swept_derivatives(model, self._tracked, loads=loads, directions=directions, order=order)
+        else:
+            moving = steady_derivatives(model, self._omega, loads=loads, directions=directions, order=order)
+        slow = steady_derivatives(model, self._slow, loads=loads, directions=directions, order=order)
+        return Derivatives(
+            np.concatenate([moving.z, self._early(slow.z, loads)]),
+            np.concatenate([moving.by, self._early(slow.by, loads)], axis=1),
+        )
+
+    def with_laws(
+        self,
+        model: RotorModel,
+        loads: Sequence[Load],
+        amounts: Complex,
+        laws: Sequence[ForceLaw],
+        *,
+        orders: Sequence[int],
+    ) -> dict[int, Complex]:
+        """Return the motion under loads of 1X times `amounts` (load,) and force laws, order -> (row + 1, probe).
+
+        Raises DataError where the force is not found.
+        """
+        slow = steady_with_law(model, self._slow, loads, amounts * self._acting(loads), laws, orders=orders)
+        if self._tracked is not None:
+            moving = swept_with_law(model, self._tracked, loads, amounts, laws, orders=orders)
+        else:
+            moving = steady_with_law(model, self._omega, loads, amounts, laws, orders=orders)
+        both = np.concatenate([moving, slow])
+        return {order: both[..., i] for i, order in enumerate(orders)}
+
+    def view(self, order: int) -> Seen:
+        """Return what a probe-side effect may know."""
+        return self._views[order]
+
+    def _view(self, order: int) -> Seen:
+        response = self.response
+        probes = [response.rig.probe(name) for name in response.probes]
+        return Seen(
+            probes=response.probes,
+            angle=np.array([p.angle for p in probes]),
+            position=np.array([p.position for p in probes]),
+            order=order,
+            omega=np.append(self._omega, self._slow),
+            t=response.t[self.rows],
+            revolutions=response.revolutions[self.rows],
+            window=response.window,
+            keyphasor_t=response.keyphasor_t,
+        )
+
+    def _leaks(self, order: int) -> Complex:
+        """Return what hum of 1 m at each of the mains' frequencies leaves in the vectors, (row + 1, frequency)."""
+        found = np.zeros((len(self.rows) + 1, len(MAINS)), complex)
+        t = self.response.t[self.rows]
+        if len(self.response.keyphasor_t) > 3 and np.isfinite(t).all():
+            for i, frequency in enumerate(MAINS):
+                found[:-1, i] = leak(self.view(order), np.arange(len(t)), frequency)
+        return found
+
+    def _early(self, z: Complex, loads: Sequence[Load]) -> Complex:
+        """Return responses at the slow roll, nothing of the loads that act only later."""
+        return z * self._acting(loads)
+
+    def _acting(self, loads: Sequence[Load]) -> NDArray[np.bool_]:
+        """Return which loads act at the slow roll already."""
+        pulses = self.response.keyphasor_t
+        first = pulses[0] if len(pulses) else -np.inf
+        return np.array([load.since <= first for load in loads], dtype=bool)
+
+
+def _trial(response: OrderTrackedResponse, rows: NDArray[np.intp]) -> dict[str, Complex]:
+    """Return the known added unbalance per disk, (row + 1,) kg m; the slow roll's is that of its own run, if any."""
+    runs = response.runs
+    slow = next((run.trial_unbalance for run in runs if run.name == SLOW_ROLL), {})
+    disks = dict.fromkeys(disk for run in runs for disk in run.trial_unbalance)
+    per_run = {d: np.array([run.trial_unbalance.get(d, 0) for run in runs], dtype=complex) for d in disks}
+    return {disk: np.append(amounts[response.run[rows]], slow.get(disk, 0)) for disk, amounts in per_run.items()}

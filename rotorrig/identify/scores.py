@@ -1,0 +1,104 @@
+"""The first look at every cause: how much of the residual its columns could take, the base model refitted.
+
+Rao's score test: chi2 falls by |Q^T r|^2, Q an orthonormal basis of the cause's columns less what the base parameters
+can follow. One linearisation for all, at the fit of the model so far.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.parameters import Reals
+from rotorrig.identify.score_columns import score_columns
+from rotorrig.rig.errors import DataError
+from rotorrig.sims.effects.base import Effect
+
+_OPEN = 1e-6  # of a column that the base cannot follow: less is rounding
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Score:
+    """What one cause promises."""
+
+    effect: Effect
+    lam: float  # by how much chi2 would fall
+    step: Reals  # (parameter,) of the effect, in its sizes, that would do it
+    visible: float  # lambda of the effect at its typical size: what this data could show of it
+    begin: Reals | None = None  # (parameter,) of an effect without a first order, in its sizes: where to begin
+
+
+def scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> list[Score]:
+    """Return the scores of `candidates` beside the effects `problem` has, at its fit `p`; best first.
+
+    Those that have no first order, as a clearance, are left to `curved_scores`.
+    """
+    Q, r = _projection(problem, p)
+    able = [e for e in candidates if not any(q.starts for q in e.parameters)]
+    columns = dict(zip((e.label for e in able), score_columns(problem, p, able), strict=True))
+    found = [_score(effect, columns[effect.label], Q, r) for effect in able]
+    return sorted(found, key=lambda score: -score.lam)
+
+
+def curved_scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> list[Score]:
+    """Return the scores of the others: by the whole change at 1X that the best of its starts makes."""
+    Q, r = _projection(problem, p)
+    at = problem.residual(p, orders=(1,))
+    curved = [e for e in candidates if any(q.starts for q in e.parameters)]
+    return sorted((_curved(problem, p, effect, Q, r, at) for effect in curved), key=lambda score: -score.lam)
+
+
+def _projection(problem: ExtendedProblem, p: Reals) -> tuple[Reals, Reals]:
+    """Return an orthonormal basis of what the unknowns can do, and the residual beyond that."""
+    r = problem.residual(p)
+    Q = np.linalg.qr(_scaled(problem.jacobian(p)))[0]
+    return Q, r - Q @ (Q.T @ r)
+
+
+def _curved(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Reals, at: Reals) -> Score:
+    """Score an effect by the whole change that each of its starts makes, as much of it as suits the residual best."""
+    larger = problem.extended((*problem.effects, effect))
+    own = larger.parameters.own
+    best = Score(effect=effect, lam=0.0, step=np.zeros(len(effect.parameters)), visible=0.0)
+    for k in range(max(len(q.starts) for q in effect.parameters)):
+        begun = np.concatenate([p, np.zeros(len(effect.parameters))])
+        values = [q.starts[min(k, len(q.starts) - 1)] if q.starts else q.nothing for q in effect.parameters]
+        begun[own.stop - len(effect.parameters) :] = np.array(values) / [q.size for q in effect.parameters]
+        try:
+            change = larger.residual(begun, orders=(1,)) - at
+        except DataError:
+            continue
+        change = np.where(np.isfinite(change), change, 0.0)
+        left = change - Q @ (Q.T @ change)
+        size = float(left @ left)
+        if size <= (_OPEN**2) * float(change @ change) or size == 0:
+            continue
+        share = -float(left @ r) / size
+        lam = share**2 * size if share > 0 else 0.0
+        if lam >= best.lam:
+            best = replace(best, lam=lam, visible=size, begin=begun[own.stop - len(effect.parameters) :])
+    return best
+
+
+def _score(effect: Effect, columns: Reals | None, Q: Reals, r: Reals) -> Score:
+    step = np.zeros(len(effect.parameters))
+    nothing = Score(effect=effect, lam=0.0, step=step, visible=0.0)
+    if columns is None:
+        return nothing
+    length = np.linalg.norm(columns, axis=0)
+    left = columns - Q @ (Q.T @ columns)
+    left -= Q @ (Q.T @ left)
+    size = np.linalg.norm(left, axis=0)
+    seen = size > _OPEN * np.maximum(length, 1e-300)
+    if not seen.any():
+        return nothing
+    basis, triangle = np.linalg.qr(left[:, seen])
+    along = basis.T @ r
+    step[seen] = -np.linalg.lstsq(triangle, along, rcond=1e-9)[0]
+    return Score(effect=effect, lam=float(along @ along), step=step, visible=float(np.max(size**2)))
+
+
+def _scaled(J: Reals) -> Reals:
+    length = np.linalg.norm(J, axis=0)
+    return J[:, length > 0] / length[length > 0]

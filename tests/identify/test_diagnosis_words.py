@@ -1,0 +1,106 @@
+"""The verdict as a sentence."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.adequacy import Adequacy, Misfit
+from rotorrig.identify.cause import Cause
+from rotorrig.identify.diagnosis_words import character, sentence
+from rotorrig.identify.gain import Predictions
+from rotorrig.identify.held_out import Prediction
+from rotorrig.identify.naming import Verdict
+
+RPM = np.pi / 30
+LOUD = Misfit(
+    run="up",
+    probe="2y",
+    order=1.0,
+    speed_from=1800 * RPM,
+    speed_to=2200 * RPM,
+    sigma=38.0,
+    residual=5e-6,
+    relative=-0.23,
+    phase=-0.24,
+    sentence="In the up run, probe 2y departs.",
+)
+WRONG = Adequacy(
+    adequate=False,
+    reduced_chi2=4.0,
+    worst_sigma=38.0,
+    misfits=(LOUD, replace(LOUD, run="down", probe="1x", speed_to=2600 * RPM, sigma=9.0)),
+    residual=np.zeros((1, 1, 1), complex),
+    sigmas=np.zeros((1, 1, 1)),
+    noise_floor=1e-7,
+)
+RIGHT = replace(WRONG, adequate=True, reduced_chi2=0.6, worst_sigma=1.2)
+BOW = Cause(
+    label="bow",
+    effect="bow",
+    where="",
+    title="residual shaft bow",
+    words="the shaft is bowed by 18 um",
+    chosen=True,
+    plausible=True,
+    evidence=90.0,
+    lam=100.0,
+    heldout_before=2e-6,
+    heldout_after=5e-7,
+    parameters={},
+    theta={},
+    sigmas={},
+)
+OTHER = replace(BOW, label="runout, plane 1", words="the surface runs out", chosen=False)
+BOUGHT = Predictions(
+    before=Prediction(error=2e-6, floor=5e-7, sigmas=4.0),
+    after=Prediction(error=5e-7, floor=5e-7, sigmas=1.0),
+    by_label={},
+    on="blocks of speeds in turn",
+)
+
+
+def said(verdict: Verdict, *causes: Cause, tied: tuple[tuple[str, ...], ...] = ()) -> str:
+    after = WRONG if verdict is Verdict.UNEXPLAINED else RIGHT
+    before = RIGHT if verdict in {Verdict.ADEQUATE, Verdict.CANNOT_TELL} else WRONG
+    return sentence(verdict, before, after, causes, tied, BOUGHT)
+
+
+@pytest.mark.parametrize("verdict", [Verdict.ADEQUATE, Verdict.CANNOT_TELL])
+def test_a_model_that_fits_is_said_with_its_figures_and_their_limits(verdict: Verdict) -> None:
+    words = said(verdict)
+    assert "0.6" in words
+    assert "1.2 sigma" in words
+    assert "limit" in words
+    assert ("adequate" in words) == (verdict is Verdict.ADEQUATE)
+    assert ("cannot tell" in words) == (verdict is Verdict.CANNOT_TELL)
+
+
+def test_a_named_cause_is_said_with_what_it_bought() -> None:
+    words = said(Verdict.NAMED, BOW, OTHER)
+    assert BOW.words in words
+    assert OTHER.words not in words
+    assert "from 2 to 0.5 um" in words
+    assert "1.0 times the noise floor" in words
+
+
+def test_a_tie_names_the_rivals_but_not_the_chosen_one_again() -> None:
+    words = said(Verdict.TIED, BOW, OTHER, tied=(("bow", "runout, plane 1"),))
+    assert BOW.words in words
+    assert "runout, plane 1" in words
+
+
+def test_no_cause_found_says_where_it_is_wrong() -> None:
+    words = said(Verdict.UNEXPLAINED, OTHER)
+    assert "NOT adequate" in words
+    assert LOUD.sentence in words
+    assert "None of the known causes" in words
+    assert "Not even with bow" in said(Verdict.UNEXPLAINED, BOW)
+
+
+def test_the_character_of_a_residual_spans_all_that_is_loud() -> None:
+    words = character(WRONG)
+    assert "at 1X" in words
+    assert "from 1800 to 2600 rpm" in words
+    assert "down and up runs" in words
+    assert "1x, 2y" in words

@@ -1,0 +1,150 @@
+"""The problem of a diagnosis: as polish.Problem where it is the same, and right where it goes beyond."""
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_parameters import KEYPHASOR
+from rotorrig.identify.polish import Problem
+from rotorrig.identify.recording import Recording
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import Effect, find
+from tests.identify.swept import SIGMA, C, K, U, swept_response
+
+NEAR = 0.05 * SIGMA  # 1e-4 of the peak: the recordings are made of more modes than a fit has
+
+
+def at(problem: ExtendedProblem, hidden: np.ndarray, **theta: float) -> np.ndarray:
+    """The unknowns that the recordings were made of, the one effect of `problem` at `theta` (SI, "_" for a blank)."""
+    p = problem.parameters.start(hidden)
+    values = {name.replace("_", " "): value for name, value in theta.items()}
+    p[problem.parameters.base.unbalance] = U.real, U.imag
+    p[problem.parameters.base.runout] = 0
+    for effect in problem.effects:
+        p[problem.parameters.own] = [values.get(q.name, q.nothing) / q.size for q in effect.parameters]
+    return p
+
+
+def test_without_effects_the_residual_at_1x_is_that_of_a_fit(bare: Recording, hidden: np.ndarray) -> None:
+    problem = ExtendedProblem([bare])
+    fit = Problem(bare.response, bare.measured[1])
+    rng = np.random.default_rng(3)
+    p = problem.parameters.start(hidden)
+    base = slice(0, len(fit.parameters))
+    p[fit.parameters.structural] += 0.02 * rng.standard_normal(fit.parameters.structural.stop)
+    p[fit.parameters.gain] = 0.01
+    p[fit.parameters.angle] = -0.02
+    data = bare.measured[1].z.size * 2
+    expected = fit.residual(p[base])
+    np.testing.assert_allclose(problem.residual(p)[:data], expected[:data], rtol=1e-9, atol=1e-9)
+    assert np.sum(problem.residual(p)[data:] ** 2) == pytest.approx(np.sum(expected[data:] ** 2))
+
+
+@pytest.mark.parametrize(
+    ("label", "theta"),
+    [
+        ("bow", {"bow re": 9e-6, "bow im": -4e-6}),
+        ("unbalance_plane, at 160 mm", {"unbalance re": 0.0, "unbalance im": 6e-6}),
+        ("coupling", {}),
+        ("delay, probe 2y", {"delay": 2e-4}),
+        ("probe_gain, probe 1x", {}),
+        ("skew_stiffness", {}),
+        ("stiffness_over_speed", {}),
+        ("crack, at 200 mm", {}),
+        ("runout, plane 1, twice per turn", {}),
+    ],
+)
+def test_a_recording_with_an_effect_is_predicted_by_the_model_with_it(
+    rig: RigConfig, hidden: np.ndarray, label: str, theta: dict[str, float]
+) -> None:
+    effect = find(rig, label)
+    theta = theta or {q.name: q.nothing + q.size for q in effect.parameters}
+    response = swept_response(rig, hidden=[(effect, theta)], orders=(1, 2, 3), speeds=(900, 2600), ramp=600)
+    without, problem = (ExtendedProblem([Recording(response)], effects) for effects in ((), (effect,)))
+    p = at(problem, hidden, **{name.replace(" ", "_"): value for name, value in theta.items()})
+    assert np.sum(without.residual(at(without, hidden)) ** 2) > 25
+    (found,), (recording,) = problem.predict(p), problem.recordings
+    for order, measured in recording.measured.items():
+        np.testing.assert_allclose(found[order], measured.z, rtol=0, atol=NEAR)
+
+
+def test_a_trial_mass_turned_by_the_mark_is_another_trial_mass(rig: RigConfig, hidden: np.ndarray) -> None:
+    turn = 0.1
+    made = {"orders": (1,), "speeds": (900, 2600), "ramp": 600}
+    told = swept_response(rig, trial=8e-6, **made)
+    given = Recording(swept_response(rig, trial=8e-6 * np.exp(1j * turn), **made))
+    problem = ExtendedProblem([Recording(told)])
+    p = at(problem, hidden)
+    p[problem.parameters.names.index(KEYPHASOR)] = turn
+    np.testing.assert_allclose(problem.predict(p)[0][1], given.measured[1].z, atol=NEAR)
+
+
+def test_an_effect_of_one_recording_leaves_the_others_alone(short: OrderTrackedResponse, hidden: np.ndarray) -> None:
+    recordings = [Recording(short, number=i) for i in range(2)]
+    step = find(short.rig, "unbalance_step")
+    only = type(step)(plane="disk", parameters=step.parameters, recording=1)
+    problem = ExtendedProblem(recordings, [only])
+    p = problem.parameters.start(hidden)
+    p[problem.parameters.own] = 1.0, 0.0, -1e6  # a size of step, long before
+    first, second = problem.predict(p)
+    base = ExtendedProblem(recordings)
+    np.testing.assert_allclose(first[1], base.predict(base.parameters.start(hidden))[0][1], rtol=1e-9, atol=1e-15)
+    assert np.abs(second[1] - first[1]).max() > 10 * SIGMA
+
+
+def test_the_best_amounts_leave_nothing_of_what_they_can_explain(bare: Recording, hidden: np.ndarray) -> None:
+    problem = ExtendedProblem([bare])
+    p = at(problem, hidden)
+    p[problem.parameters.base.unbalance] = 0
+    found = problem.settled(p, np.arange(len(p)))
+    assert complex(*found[problem.parameters.base.unbalance]) == pytest.approx(U, rel=1e-3)
+
+
+def test_the_fit_of_a_quiet_recording_finds_what_made_it(bare: Recording, hidden: np.ndarray) -> None:
+    problem = ExtendedProblem([bare])
+    names = problem.parameters.base
+    start = problem.parameters.start(hidden)
+    start[names.sought] += 0.05
+    polished = problem.solve(start)
+    assert polished.chi2 < 0.1
+    np.testing.assert_allclose(names.values(polished.p[: len(names)]), [*K, *C], rtol=0.01)
+
+
+def test_what_is_held_stays_and_has_no_variance(bare: Recording, hidden: np.ndarray) -> None:
+    problem = ExtendedProblem([bare])
+    polished = problem.solve(problem.parameters.start(hidden), fixed={0: float(hidden[0]) + 0.1}, max_steps=3)
+    assert polished.p[0] == hidden[0] + 0.1
+    assert polished.sigma[0] == 0
+
+
+def test_the_size_counts_figures_and_priors(bare: Recording) -> None:
+    problem = ExtendedProblem([bare])
+    rows, probes = len(bare.rows) + 1, 4
+    assert problem.size == 2 * rows * probes + len(problem.parameters.priors)
+    assert len(problem.residual(problem.parameters.start(np.zeros(0)))) == problem.size
+
+
+def test_effects_that_are_linear_are_known_as_such(bare: Recording) -> None:
+    def own(label: str) -> bool:
+        effect: Effect = find(bare.response.rig, label)
+        problem = ExtendedProblem([bare], [effect])
+        return problem.parameters.own.start in problem.linear(problem.parameters.start(np.zeros(0)))
+
+    assert own("bow")
+    assert own("coupling")
+    assert not own("delay")
+    assert not own("cubic_spring")
+
+
+def test_an_effect_may_need_a_place_that_the_rig_does_not_name(rig: RigConfig, hidden: np.ndarray) -> None:
+    """Away from the disk a rub in mid-span acts on a plane of its own."""
+    (disk,) = rig.disks
+    moved = rig.model_copy(update={"disks": (disk.model_copy(update={"position": 0.2}),)})
+    rub = find(moved, "rub, at mid-span")
+    assert rub.places
+    recording = Recording(swept_response(moved, orders=(1,), speeds=(900, 2000), ramp=600))
+    base, problem = ExtendedProblem([recording]), ExtendedProblem([recording], [rub])
+    (far_off,) = problem.predict(at(problem, hidden, gap=1e-3, stiffness=1e5))
+    (without,) = base.predict(at(base, hidden))
+    np.testing.assert_allclose(far_off[1], without[1], rtol=0, atol=NEAR)

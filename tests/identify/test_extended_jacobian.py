@@ -1,0 +1,73 @@
+"""The derivatives of the extended problem against central differences, for one effect of every kind."""
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.candidates import candidates
+from rotorrig.identify.extended import ExtendedProblem, Models
+from rotorrig.identify.recording import Recording
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import load
+from rotorrig.sims.effects.base import Effect, catalogue
+from tests.conftest import CONFIGS
+
+KINDS = sorted({effect.name for effect in catalogue(load(CONFIGS / "rk4.toml"))})
+BASE = ("kxx", "cyy", "E", "bearing left B y", "u re", "gain 2x", "angle 2x", "runout 2x re", "keyphasor angle")
+#: base columns of a bearing leave out that these effects scale the bearing with it
+SCALING = {"soft_left_bearing": 0.25, "stiffness_over_speed": 0.06, "hysteresis": 0.02}
+FORCE_LAWS = 0.03  # one-sided differences of a motion that is found by iteration
+MODELS: Models = {}
+
+
+@pytest.fixture(scope="module")
+def every(short: OrderTrackedResponse) -> dict[str, Effect]:
+    return {effect.name: effect for effect in candidates([Recording(short)])}
+
+
+def central(problem: ExtendedProblem, p: np.ndarray, i: int) -> np.ndarray:
+    name = problem.parameters.names[i]
+    h = 1e-9 if name.startswith(("u ", "runout")) and i < problem.parameters.own.start else 1e-4
+    ahead, behind = p.copy(), p.copy()
+    ahead[i] += h
+    behind[i] -= h
+    return (problem.residual(ahead) - problem.residual(behind)) / (2 * h)
+
+
+def typical(problem: ExtendedProblem, hidden: np.ndarray) -> np.ndarray:
+    p = problem.parameters.start(hidden)
+    (effect,) = problem.effects
+    p[problem.parameters.own] = [
+        (q.starts[0] if q.starts else q.nothing + 0.4 * q.size * (q.low < q.high)) / q.size for q in effect.parameters
+    ]
+    return p
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_jacobian_is_the_derivative_of_the_residual(
+    kind: str, short: OrderTrackedResponse, hidden: np.ndarray, every: dict[str, Effect]
+) -> None:
+    problem = ExtendedProblem([Recording(short)], [every[kind]], models=MODELS)
+    names, p = problem.parameters, typical(problem, hidden)
+    follows_a_law = bool(problem.moving(p).laws)
+    problem.residual(p)  # holds the rotor of the orders above 1X, as a solution does
+    own = [i for i in range(names.own.start, len(p)) if i not in names.frozen]
+    base = [names.names.index(name) for name in (() if follows_a_law else BASE)]
+    which = np.array(sorted([*base, *own]))
+    jacobian = problem.jacobian(p, which)
+    first = 2 * problem.recordings[0].measured[1].z.size
+    for column, i in zip(jacobian.T, which, strict=True):
+        part = slice(None if i >= names.base.structural.stop and not follows_a_law else first)
+        expected = central(problem, p, int(i))[part]
+        within = FORCE_LAWS if follows_a_law else 1e-3 if i in own else SCALING.get(kind, 5e-3)
+        assert np.linalg.norm(column[part] - expected) <= within * np.linalg.norm(expected), names.names[i]
+        assert np.linalg.norm(expected) > 0, names.names[i]
+
+
+def test_some_columns_are_those_of_the_whole(
+    short: OrderTrackedResponse, hidden: np.ndarray, every: dict[str, Effect]
+) -> None:
+    problem = ExtendedProblem([Recording(short)], [every["crack"], every["delay"]], models=MODELS)
+    p = problem.parameters.start(hidden)
+    p[problem.parameters.own] = 0.5
+    some = np.array([1, 6, problem.parameters.keyphasor, len(p) - 3, len(p) - 1])
+    np.testing.assert_allclose(problem.jacobian(p, some), problem.jacobian(p)[:, some], rtol=1e-9, atol=1e-9)

@@ -1,0 +1,97 @@
+"""How the unknowns of a diagnosis are laid out: bounds, priors and effects in SI."""
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.candidates import background
+from rotorrig.identify.extended_parameters import BEYOND, KEYPHASOR, ExtendedParameters
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import Effect, Parameter, find
+
+PROBES = ("1x", "1y", "2x", "2y")
+
+
+class Nothing(Effect):
+    name = "nothing"
+
+
+def nameless(*parameters: Parameter) -> Effect:
+    return Nothing(parameters=parameters)
+
+
+def laid_out(rig: RigConfig, *effects: Effect, recordings: int = 2) -> ExtendedParameters:
+    return ExtendedParameters(rig, PROBES, orders=(1, 2), recordings=recordings, effects=effects)
+
+
+def test_the_unknowns_of_a_fit_come_first_and_those_of_effects_last(rig: RigConfig) -> None:
+    names = laid_out(rig, find(rig, "bow"), find(rig, "delay"))
+    assert names.names[: len(names.base)] == names.base.names
+    assert names.names[names.own] == ("bow: bow re", "bow: bow im", "delay: delay")
+    assert names.names[names.keyphasor] == KEYPHASOR
+    assert names.names[names.runouts[2]][0] == "runout 2X 1x re"
+    assert names.names[names.hums][-1] == "hum 60 Hz 2 im"
+    assert len(set(names.names)) == len(names)
+
+
+def test_effects_are_counted_in_their_sizes_and_told_in_si(rig: RigConfig) -> None:
+    names = laid_out(rig, find(rig, "bow"), find(rig, "delay"))
+    p = names.start(np.zeros(0))
+    p[names.own] = 1.5, -0.5, 2.0
+    assert names.of_effect(p, 0) == pytest.approx({"bow re": 15e-6, "bow im": -5e-6})
+    assert names.of_effect(p, 1) == pytest.approx({"delay": 3e-4})
+
+
+def test_a_fit_may_go_somewhat_beyond_what_is_plausible(rig: RigConfig) -> None:
+    names = laid_out(rig, find(rig, "delay"))
+    low, high = (bound[names.own] for bound in names.bounds)
+    (q,) = names.effects[0].parameters
+    assert float(high[0] * q.size) == pytest.approx(BEYOND * q.high)
+    assert float(low[0] * q.size) == pytest.approx(BEYOND * q.low)
+
+
+def test_a_range_that_is_all_positive_is_widened_at_both_ends(rig: RigConfig) -> None:
+    ratio = Parameter(name="ratio", unit="", low=0.5, high=2.0, size=0.5, nothing=1.0)
+    names = laid_out(rig, nameless(ratio))
+    low, high = (bound[names.own] for bound in names.bounds)
+    assert (float(low[0]), float(high[0])) == pytest.approx((0.5, 8.0))  # 0.25 and 4, in halves
+    assert names.of_effect(names.start(np.zeros(0)), 0) == {"ratio": 1.0}
+
+
+def test_only_nuisances_have_priors_and_they_are_those_of_the_config(rig: RigConfig) -> None:
+    (slight,) = background(rig)
+    names = laid_out(rig, slight, find(rig, "bow"))
+    sigma = dict(zip(names.names, names.prior_sigma, strict=True))
+    assert sigma[KEYPHASOR] == rig.prior.keyphasor_angle
+    assert sigma["runout 2X 2y im"] == rig.prior.runout
+    assert sigma["hum 50 Hz 1 re"] == rig.prior.line_hum
+    assert sigma[f"{slight.label}: {slight.parameters[0].name}"] * slight.parameters[0].size == pytest.approx(
+        rig.prior.rotating_damping
+    )
+    assert np.isinf([sigma["kxx"], sigma["u re"], sigma["bow: bow re"]]).all()
+
+
+def test_a_nuisance_one_sigma_off_costs_one(rig: RigConfig) -> None:
+    names = laid_out(rig, *background(rig))
+    p = names.start(np.zeros(0))
+    assert not names.prior_residual(p).any()
+    for i in names.priors:
+        off = p.copy()
+        off[i] += names.prior_sigma[i]
+        assert np.sum(names.prior_residual(off) ** 2) == pytest.approx(1.0)
+    np.testing.assert_allclose(names.prior_jacobian() @ (off - p), names.prior_residual(off))
+
+
+def test_a_parameter_without_room_is_held_where_it_stands(rig: RigConfig) -> None:
+    time = Parameter(name="time", unit="s", low=7.0, high=7.0, size=2.0, nothing=7.0)
+    names = laid_out(rig, nameless(time))
+    assert names.frozen == {len(names) - 1: 3.5}
+    low, high = names.bounds
+    assert low[-1] <= 3.5 <= high[-1]
+
+
+def test_the_start_takes_over_the_base_of_another_problem(rig: RigConfig) -> None:
+    smaller, larger = laid_out(rig), laid_out(rig, find(rig, "bow"))
+    base = np.arange(float(len(smaller)))
+    start = larger.start(base)
+    np.testing.assert_array_equal(start[: len(smaller)], base)
+    assert not start[larger.own].any()

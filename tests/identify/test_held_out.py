@@ -1,0 +1,104 @@
+"""Prediction of what a fit never saw."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.held_out import BLOCK, held_out, predicted
+from rotorrig.identify.recording import Recording
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import find
+from tests.identify.swept import DRAWN, SIGMA, U, swept_response
+
+
+class Watched(ExtendedProblem):
+    """Keeps which rows each of the problems made of it may see."""
+
+    shown: list[list[Recording]]
+
+    def on(self, recordings):  # type: ignore[no-untyped-def]
+        self.shown.append(list(recordings))
+        return super().on(recordings)
+
+
+def watched(recordings: list[Recording]) -> Watched:
+    problem = Watched(recordings)
+    problem.shown = []
+    return problem
+
+
+def rows(recordings: list[Recording], number: int) -> np.ndarray:
+    """Which rows of a recording are among these, (row,)."""
+    found = [r.measured[1].usable[:-1].any(axis=1) for r in recordings if r.number == number]
+    return np.any(found, axis=0) if found else np.array(False)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_what_is_predicted_was_not_fitted_and_all_is_predicted_once(
+    healthy: OrderTrackedResponse, hidden: np.ndarray, count: int
+) -> None:
+    problem = watched([Recording(healthy, number=i) for i in range(count)])
+    held_out(problem, problem.parameters.start(hidden))
+    fitted, told = problem.shown[::2], problem.shown[1::2]
+    assert len(fitted) == len(told) > 1
+    for number in range(count):
+        for seen, unseen in zip(fitted, told, strict=True):
+            assert not (rows(seen, number) & rows(unseen, number)).any()
+        np.testing.assert_array_equal(np.sum([rows(part, number) for part in told], axis=0), 1)
+
+
+def test_neighbours_which_a_fit_could_copy_are_left_out_together(
+    healthy: OrderTrackedResponse, hidden: np.ndarray
+) -> None:
+    problem = watched([Recording(healthy)])
+    held_out(problem, problem.parameters.start(hidden))
+    changes = np.flatnonzero(np.diff(rows(problem.shown[0], 0).astype(int)))
+    assert len(changes)
+    assert (np.diff(changes) >= BLOCK // 2).all()
+
+
+def test_the_right_model_predicts_a_healthy_rig_as_well_as_the_noise_allows(
+    healthy: OrderTrackedResponse, hidden: np.ndarray
+) -> None:
+    problem = ExtendedProblem([Recording(healthy)])
+    found = held_out(problem, problem.parameters.start(hidden))
+    assert 0.9 * DRAWN * SIGMA * np.sqrt(2) < found.error < 1.2 * found.floor
+
+
+def test_the_error_of_a_known_offset_is_that_offset(rig: RigConfig, hidden: np.ndarray) -> None:
+    recording = Recording(swept_response(rig))
+    problem = ExtendedProblem([recording])
+    p = problem.parameters.start(hidden)
+    p[problem.parameters.base.unbalance] = U.real, U.imag
+    (exact,) = problem.predict(p)
+    moved = {n: z + 2e-6j for n, z in exact.items()}
+    found = predicted(problem.on([recording.instead(moved)]), p)
+    assert found.error == pytest.approx(2e-6)
+    assert found.over_floor == pytest.approx(found.error / found.floor)
+    assert found.floor >= SIGMA * np.sqrt(2)
+
+
+def test_rows_that_are_not_usable_do_not_count(healthy: OrderTrackedResponse, hidden: np.ndarray) -> None:
+    z, usable = healthy.z.copy(), healthy.usable.copy()
+    z[10:20, 2] = np.nan
+    z[30, 1] = 1e-2
+    usable[10:20, 2] = usable[30, 1] = False
+    problem = ExtendedProblem([Recording(replace(healthy, z=z, usable=usable))])
+    found = held_out(problem, problem.parameters.start(hidden))
+    assert 0.9 * DRAWN * SIGMA * np.sqrt(2) < found.error < 1.2 * found.floor
+
+
+def test_the_true_effect_predicts_better_than_none(rig: RigConfig, hidden: np.ndarray) -> None:
+    effect = find(rig, "unbalance_plane, at 160 mm")
+    response = swept_response(
+        rig, rng=np.random.default_rng(9), hidden=[(effect, {"unbalance re": 20e-6, "unbalance im": 0.0})]
+    )
+    errors = []
+    for effects in ([], [effect]):
+        problem = ExtendedProblem([Recording(response)], effects)
+        fit = problem.solve(problem.parameters.start(hidden))
+        errors.append(held_out(problem, fit.p).error)
+    assert errors[1] < 0.7 * errors[0]

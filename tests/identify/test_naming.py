@@ -1,0 +1,143 @@
+"""The verdict table, and the figures that causes are told by."""
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.naming import Verdict, figures, hidden, ties, verdict, visible_share
+from rotorrig.identify.selection import Candidate, Selection
+from rotorrig.sims.effects.base import Effect, Parameter, pair
+
+PLAUSIBLE = 0.5
+
+
+class Bend(Effect):
+    name = "bend"
+
+
+class Lump(Effect):
+    name = "lump"
+
+
+def effect(kind: type[Effect], where: str = "") -> Effect:
+    return kind(where=where, parameters=(Parameter(name="size", unit="m", low=0.0, high=1.0, size=1.0),))
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A candidate of given evidence, whose effect has the size `value`."""
+
+    effect: Effect
+    evidence: float
+    lam: float = 1e3
+    value: float = PLAUSIBLE
+    polished: Any = field(default_factory=lambda: SimpleNamespace(p=None))
+
+    @property
+    def problem(self) -> Any:
+        value = self.value
+        names = SimpleNamespace(effects=(self.effect,), of_effect=lambda p, i: {"size": value})
+        return SimpleNamespace(parameters=names, effects=(self.effect,))
+
+
+def selection(*stages: list[Tried], taken: bool = True, seen: Any = ()) -> Selection:
+    """Stages of what was tried, best first; the first of each was taken up, or none was."""
+    kept = tuple(stage[0].effect for stage in stages) if taken else ()
+    recording = SimpleNamespace(
+        response=SimpleNamespace(probes=(), rig=None), orders=(1,), trial={}, swept=True, number=0
+    )
+    return cast(
+        Selection,
+        SimpleNamespace(
+            start=SimpleNamespace(effects=()),
+            problem=SimpleNamespace(effects=kept, recordings=[recording]),
+            stages=tuple(
+                SimpleNamespace(tried=tuple(cast(list[Candidate], stage)), scores=tuple(seen)) for stage in stages
+            ),
+        ),
+    )
+
+
+BEND, LUMP = effect(Bend), effect(Lump)
+ALONE = selection([Tried(BEND, 100.0)])
+CLOSE = selection([Tried(BEND, 100.0), Tried(LUMP, 95.0)])
+NONE = selection([Tried(BEND, 1.0)], taken=False)
+
+
+@pytest.mark.parametrize(
+    ("found", "before", "after", "visible", "expected"),
+    [
+        (NONE, True, True, 0.9, Verdict.ADEQUATE),
+        (NONE, True, True, 0.1, Verdict.CANNOT_TELL),
+        (NONE, False, False, 0.9, Verdict.UNEXPLAINED),
+        (NONE, False, False, 0.1, Verdict.UNEXPLAINED),
+        (ALONE, False, True, 0.9, Verdict.NAMED),
+        (ALONE, True, True, 0.1, Verdict.NAMED),
+        (ALONE, False, False, 0.9, Verdict.UNEXPLAINED),
+        (CLOSE, False, True, 0.9, Verdict.TIED),
+        (CLOSE, False, False, 0.9, Verdict.UNEXPLAINED),
+    ],
+)
+def test_the_verdict_follows_from_the_tests_and_the_causes(
+    found: Selection, before: bool, after: bool, visible: float, expected: Verdict
+) -> None:
+    assert verdict(found, adequate_before=before, adequate_after=after, visible=visible) is expected
+
+
+def test_causes_that_fit_alike_are_tied_the_chosen_one_first() -> None:
+    assert ties(CLOSE) == (("bend", "lump"),)
+
+
+@pytest.mark.parametrize(
+    ("rival", "why"),
+    [
+        (Tried(LUMP, 50.0), "it fits far worse"),
+        (Tried(LUMP, 95.0, lam=1.0), "the data do not call for it"),
+        (Tried(effect(Bend, "elsewhere"), 95.0), "it is the same cause at another place"),
+    ],
+)
+def test_a_rival_is_none_if(rival: Tried, why: str) -> None:
+    assert ties(selection([Tried(BEND, 100.0), rival])) == (), why
+
+
+def test_a_rival_of_a_size_no_rig_has_is_one_all_the_same() -> None:
+    assert ties(selection([Tried(BEND, 100.0), Tried(LUMP, 95.0, value=3.0)])) == (("bend", "lump"),)
+
+
+def test_every_cause_has_its_own_ties() -> None:
+    two = selection([Tried(BEND, 100.0)], [Tried(LUMP, 60.0), Tried(effect(Bend, "far"), 58.0)])
+    assert ties(two) == (("lump", "bend, far"),)
+
+
+def shown(effect: Effect, visible: float) -> Any:
+    return SimpleNamespace(effect=effect, visible=visible, lam=0.0)
+
+
+def test_an_effect_counts_as_visible_where_it_shows_best() -> None:
+    seen = [shown(effect(Bend, "here"), 4.0), shown(effect(Bend, "there"), 100.0), shown(LUMP, 1.0)]
+    assert visible_share(selection([Tried(BEND, 1.0)], taken=False, seen=seen)) == pytest.approx(0.5)
+
+
+def test_what_would_stay_hidden_is_told_with_the_size_that_would_show(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lambda goes with the square of the size: of 1 at 1 m, 25 need 5 m."""
+    monkeypatch.setattr("rotorrig.identify.naming._missing", lambda selection, effect: "")
+    seen = [shown(BEND, 100.0), shown(LUMP, 1.0)]
+    (found,) = hidden(selection([Tried(BEND, 1.0)], taken=False, seen=seen))
+    assert found["effect"] == "lump"
+    assert found["smallest"] == pytest.approx(5.0)
+
+
+def test_a_phasor_is_told_by_magnitude_and_angle_with_their_sigmas() -> None:
+    found = figures(
+        (*pair("bow", "m", most=1.0, size=1.0), Parameter(name="delay", unit="s", low=0, high=1, size=1)),
+        {"bow re": 0.0, "bow im": 2e-5, "delay": 1e-4},
+        {"bow re": 1e-6, "bow im": 1e-6, "delay": 3e-6},
+    )
+    assert (found["bow"].value, found["bow"].unit) == (pytest.approx(2e-5), "m")
+    assert found["bow"].sigma == pytest.approx(1e-6)
+    assert found["bow angle"].value == pytest.approx(np.pi / 2)
+    assert found["bow angle"].sigma == pytest.approx(1e-6 / 2e-5)
+    assert (found["delay"].value, found["delay"].sigma) == (1e-4, 3e-6)

@@ -1,0 +1,84 @@
+"""Runs that were not made: their speeds, rows and noise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.planned import plans, recorded
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.units import RPM
+from tests.identify.swept import RAMP, SIGMA, swept_response
+
+
+@pytest.fixture(scope="module")
+def below(one_plane: RigConfig) -> OrderTrackedResponse:
+    return swept_response(one_plane, speeds=(480, 1500))
+
+
+def test_what_needs_no_tools_comes_first_and_more_probes_last(below: OrderTrackedResponse) -> None:
+    kinds = [plan.kind for plan in plans(below)]
+    assert list(dict.fromkeys(kinds)) == ["ramp rate", "through critical", "trial mass", "second plane"]
+
+
+def test_what_the_run_had_already_is_not_planned(rig: RigConfig) -> None:
+    top = swept_response(rig, trial=1e-6, speeds=(900, 3800), ramp=600)
+    assert {plan.kind for plan in plans(top)} == {"ramp rate"}
+
+
+def test_no_plan_goes_beyond_the_limits(below: OrderTrackedResponse) -> None:
+    limits = below.rig.limits
+    assert limits is not None
+    assert limits.overspeed
+    for plan in plans(below):
+        assert plan.high <= 0.95 * limits.overspeed
+        for recording in recorded(below, plan):
+            assert recording.response.omega.max() <= plan.high * (1 + 1e-6)
+
+
+def test_a_planned_run_goes_up_and_down_at_its_ramp(below: OrderTrackedResponse) -> None:
+    for plan in plans(below):
+        response = recorded(below, plan)[0].response
+        up, down = (response.alpha[response.run == i][1:-1] for i in (0, 1))
+        np.testing.assert_allclose(up, plan.ramp, rtol=0.05)
+        np.testing.assert_allclose(down, -plan.ramp, rtol=0.05)
+        turns = np.diff(response.keyphasor_t)
+        slowest, fastest = 2 * np.pi / plan.low, 2 * np.pi / plan.high
+        assert turns.min() == pytest.approx(fastest, rel=0.05), "one turn between any two pulses"
+        assert turns.max() == pytest.approx(slowest, rel=0.1)
+
+
+def test_slower_and_faster_are_a_third_and_three_times_the_ramp(below: OrderTrackedResponse) -> None:
+    ramps = [plan.ramp * RPM for plan in plans(below) if plan.kind == "ramp rate"]
+    assert ramps == pytest.approx([RAMP / 3, RAMP * 3], rel=0.03)
+
+
+def test_the_noise_is_that_of_rows_at_like_speeds_and_a_covariance(below: OrderTrackedResponse) -> None:
+    for plan in plans(below):
+        for recording in recorded(below, plan):
+            covariance = recording.response.covariance
+            assert np.linalg.eigvalsh(covariance).min() > 0
+            np.testing.assert_allclose(np.diagonal(covariance, axis1=-2, axis2=-1), SIGMA**2)
+
+
+def test_probes_like_others_are_as_noisy_and_independent_of_them(below: OrderTrackedResponse) -> None:
+    correlated = np.array(below.covariance)
+    root = np.tril(np.ones((4, 4))) * SIGMA
+    correlated[:] = root @ root.T
+    noisy = replace(below, covariance=correlated, slow_roll_covariance=correlated[0])
+    plan = next(p for p in plans(noisy) if p.kind == "second plane")
+    response = recorded(noisy, plan)[0].response
+    assert response.probes == ("1x", "1y", "1x (2nd plane)", "1y (2nd plane)")
+    for covariance in (response.covariance[3, 0], response.slow_roll_covariance[0]):
+        np.testing.assert_allclose(covariance[:4, :4], root @ root.T)
+        np.testing.assert_allclose(covariance[4:, 4:], root @ root.T)
+        assert not covariance[:4, 4:].any()
+
+
+def test_a_trial_mass_is_run_with_and_without(below: OrderTrackedResponse) -> None:
+    plan = next(p for p in plans(below) if p.kind == "trial mass")
+    first, second = recorded(below, plan)
+    assert not first.trial
+    assert set(second.trial) == {"disk"}
+    assert (first.number, second.number) == (0, 1)

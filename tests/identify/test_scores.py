@@ -1,0 +1,101 @@
+"""The first look at every cause, against full fits."""
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.candidates import candidates
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_parameters import ExtendedParameters
+from rotorrig.identify.recording import Recording
+from rotorrig.identify.score_columns import score_columns
+from rotorrig.identify.scores import curved_scores, scores
+from rotorrig.identify.solving import Polished
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import find
+from tests.identify.swept import swept_response
+
+FAST = {"speeds": (700.0, 2600.0), "ramp": 400.0}
+
+
+def fitted(problem: ExtendedProblem, hidden: np.ndarray) -> Polished:
+    return problem.solve(problem.parameters.start(hidden), tolerance=1e-6)
+
+
+@pytest.mark.parametrize(
+    "label", ["unbalance_plane, at 160 mm", "runout, plane 2, twice per turn", "coupling", "skew_stiffness", "delay"]
+)
+def test_a_score_is_how_far_chi2_falls_when_the_effect_is_fitted(
+    rig: RigConfig, hidden: np.ndarray, label: str
+) -> None:
+    effect = find(rig, label)
+    little = {q.name: 0.1 * q.size for q in effect.parameters}
+    response = swept_response(rig, rng=np.random.default_rng(4), hidden=[(effect, little)], **FAST)
+    problem = ExtendedProblem([Recording(response)])
+    base = fitted(problem, hidden)
+    (score,) = scores(problem, base.p, [effect])
+    larger = problem.extended([effect])
+    full = larger.solve(larger.parameters.start(base.p), tolerance=1e-6)
+    assert score.lam == pytest.approx(base.chi2 - full.chi2, rel=0.03, abs=0.3)
+
+
+def test_the_hidden_effect_scores_best(rig: RigConfig, hidden: np.ndarray) -> None:
+    effect = find(rig, "skew_stiffness")
+    theta = {q.name: 0.3 * q.size for q in effect.parameters}
+    response = swept_response(rig, rng=np.random.default_rng(5), hidden=[(effect, theta)], **FAST)
+    problem = ExtendedProblem([Recording(response)])
+    base = fitted(problem, hidden)
+    found = scores(problem, base.p, candidates(problem.recordings))
+    assert found[0].effect.name == "skew_stiffness"
+    assert [s.lam for s in found] == sorted((s.lam for s in found), reverse=True)
+
+
+def test_what_the_base_can_follow_scores_nothing(rig: RigConfig, hidden: np.ndarray) -> None:
+    response = swept_response(rig, rng=np.random.default_rng(6), **FAST)
+    problem = ExtendedProblem([Recording(response)], [find(rig, "bow")])
+    base = fitted(problem, hidden)
+    (score,) = scores(problem, base.p, [find(rig, "bow")])
+    assert score.lam == pytest.approx(0.0, abs=1e-3)
+    assert score.visible == pytest.approx(0.0, abs=1e-3)
+
+
+def test_what_shows_grows_with_the_noise_it_is_seen_through(rig: RigConfig, hidden: np.ndarray) -> None:
+    """Lambda at the typical size goes with the number of rows: twice as slow a sweep shows about twice as much."""
+    visible = []
+    for ramp in (400.0, 200.0):
+        response = swept_response(rig, speeds=FAST["speeds"], ramp=ramp)
+        problem = ExtendedProblem([Recording(response)])
+        (score,) = scores(problem, fitted(problem, hidden).p, [find(rig, "unbalance_plane, at 160 mm")])
+        assert score.lam < 0.1
+        visible.append(score.visible)
+    assert 1.5 < visible[1] / visible[0] < 3
+
+
+def test_the_columns_of_all_candidates_at_once_are_those_of_each_alone(rig: RigConfig, hidden: np.ndarray) -> None:
+    """What one sweep for all finds, the jacobian of a problem with that effect alone finds too."""
+    recording = Recording(swept_response(rig, orders=(1, 2, 3), speeds=(900, 2600), ramp=600))
+    problem = ExtendedProblem([recording])
+    p = problem.parameters.start(hidden)
+    labels = ["bow", "coupling", "delay, probe 1x", "stiffness_over_speed", "crack, at 200 mm"]
+    effects = [find(rig, label) for label in labels]
+    for effect, columns in zip(effects, score_columns(problem, p, effects), strict=True):
+        alone = problem.extended([effect])
+        names: ExtendedParameters = alone.parameters
+        own = alone.jacobian(names.start(p), np.arange(names.own.start, names.own.stop))
+        tolerance = 3e-3 * np.linalg.norm(own, axis=0).max()
+        np.testing.assert_allclose(columns, own, rtol=0, atol=tolerance, err_msg=effect.label)
+
+
+def test_an_effect_without_a_first_order_is_begun_at_its_best_start(rig: RigConfig, hidden: np.ndarray) -> None:
+    effect = find(rig, "cubic_spring")
+    problem = ExtendedProblem([Recording(swept_response(rig, orders=(1,), speeds=(900, 2600), ramp=600))])
+    softening = problem.extended([effect])
+    p = softening.parameters.start(hidden)
+    (q,) = effect.parameters
+    p[-1] = q.starts[1] / q.size
+    (predicted,) = softening.predict(p)
+    there = ExtendedProblem([problem.recordings[0].instead(predicted)])
+    (score,) = curved_scores(there, there.parameters.start(hidden), [effect])
+    assert score.begin is not None
+    assert score.begin[0] * q.size == pytest.approx(q.starts[1])
+    assert score.lam == pytest.approx(score.visible, rel=1e-3), "the whole of the misfit is what that start changes"
+    assert not scores(there, there.parameters.start(hidden), [effect])

@@ -1,0 +1,126 @@
+"""Which causes the data call for: the one that is hidden, and none where none is."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.recording import Recording
+from rotorrig.identify.selection import DETECTED, ENOUGH, Selection, called_for, plausible, select
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import Effect, find
+from tests.identify.swept import swept_response
+
+TRIED = (
+    "bow",
+    "unbalance_plane, at 160 mm",
+    "delay, probe 2y",
+    "skew_stiffness",
+    "stiffness_over_speed",
+    "coupling",
+    "runout, plane 2, twice per turn",
+)
+Theta = dict[str, float]
+
+
+def selected(
+    response: OrderTrackedResponse, hidden: NDArray[np.float64], labels: tuple[str, ...] = TRIED, *, wrong: bool = True
+) -> Selection:
+    problem = ExtendedProblem([Recording(response)])
+    base = problem.solve(problem.parameters.start(hidden))
+    return select(problem, base, [find(response.rig, label) for label in labels], wrong=wrong)
+
+
+def effect_of(rig: RigConfig, label: str, share: float = 1.0) -> tuple[Effect, Theta]:
+    effect = find(rig, label)
+    return effect, {q.name: q.nothing + share * q.size for q in effect.parameters}
+
+
+@pytest.mark.parametrize("label", ["unbalance_plane, at 160 mm", "delay, probe 2y", "skew_stiffness", "coupling"])
+def test_the_hidden_effect_is_taken_up_and_nothing_else(
+    rig: RigConfig, hidden: NDArray[np.float64], label: str
+) -> None:
+    effect, theta = effect_of(rig, label, 1.5)
+    response = swept_response(rig, rng=np.random.default_rng(11), hidden=[(effect, theta)])
+    found = selected(response, hidden)
+    assert [e.label for e in found.problem.effects] == [label]
+    own = found.problem.parameters
+    sigma = own.sigmas_of_effect(found.polished.sigma, 0)
+    for name, value in own.of_effect(found.polished.p, 0).items():
+        assert abs(value - theta[name]) < 4 * sigma[name], name
+
+
+@pytest.mark.parametrize("wrong", [True, False])
+def test_a_healthy_rig_calls_for_nothing(
+    healthy: OrderTrackedResponse, hidden: NDArray[np.float64], wrong: bool
+) -> None:
+    found = selected(healthy, hidden, wrong=wrong)
+    assert found.problem is found.start
+    assert found.polished is found.base
+    assert len(found.stages) == 1
+
+
+def test_two_causes_are_both_found(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
+    both = ("skew_stiffness", "coupling")
+    made = [effect_of(rig, label, 2.0) for label in both]
+    response = swept_response(rig, rng=np.random.default_rng(12), hidden=made)
+    found = selected(response, hidden)
+    assert {e.label for e in found.problem.effects} == set(both)
+    assert found.polished.chi2 < found.base.chi2 - 2 * DETECTED
+
+
+def test_without_the_hidden_effect_the_fit_does_not_get_as_good(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
+    """A control: what is named above is named for its own sake."""
+    response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "delay, probe 2y", 1.5)])
+    rest = tuple(label for label in TRIED if label != "delay, probe 2y")
+    with_it, without = selected(response, hidden), selected(response, hidden, rest)
+    assert "delay" not in {e.name for e in without.problem.effects}
+    assert without.polished.chi2 > with_it.polished.chi2 + DETECTED
+
+
+def test_evidence_is_the_fall_of_chi2_less_the_same_for_every_unknown(
+    rig: RigConfig, hidden: NDArray[np.float64]
+) -> None:
+    response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "coupling")])
+    (first, *_) = selected(response, hidden).stages
+    costs = [(tried.lam - tried.evidence) / len(tried.effect.parameters) for tried in first.tried]
+    assert costs == pytest.approx([costs[0]] * len(costs))
+    assert 2 < costs[0] <= np.log(first.tried[0].problem.size)
+    for tried in first.tried:
+        assert tried.lam == pytest.approx(first.before.chi2 - tried.polished.chi2)
+        assert called_for(tried) == (tried.evidence > ENOUGH and tried.lam > DETECTED)
+
+
+def test_a_cause_of_a_size_no_rig_has_is_not_plausible(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
+    effect, theta = effect_of(rig, "unbalance_plane, at 160 mm")
+    q = effect.parameters[0]
+    for share, expected in ((0.9, True), (1.5, False)):
+        made = [(effect, dict.fromkeys(theta, share * q.high / np.sqrt(2)))]  # of a phasor, by its magnitude
+        response = swept_response(rig, rng=np.random.default_rng(13), hidden=made)
+        tried = selected(response, hidden, (effect.label,)).stages[0].tried
+        assert [plausible(candidate) for candidate in tried] == [expected]
+
+
+def test_nothing_to_try_selects_nothing(healthy: OrderTrackedResponse, hidden: NDArray[np.float64]) -> None:
+    found = selected(healthy, hidden, ())
+    assert found.problem is found.start
+    assert found.stages[0].tried == ()
+
+
+def test_progress_only_grows_within_each_cause(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
+    response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "skew_stiffness")])
+    problem = ExtendedProblem([Recording(response)])
+    base = problem.solve(problem.parameters.start(hidden))
+    told: dict[str, list[float]] = {}
+    select(
+        problem,
+        base,
+        [find(rig, "skew_stiffness"), find(rig, "bow")],
+        wrong=True,
+        progress=lambda stage, share: told.setdefault(stage, []).append(share),
+    )
+    assert "cause 1" in told
+    for shares in told.values():
+        assert shares == sorted(shares)
+        assert 0 <= shares[0] <= shares[-1] <= 1

@@ -1,0 +1,84 @@
+"""How far apart two causes are: nothing for a cause and itself, and linear algebra for a small one and none."""
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.recording import Recording
+from rotorrig.identify.separation import NAMEABLE, fitted, separation
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import find
+from tests.identify.swept import U, swept_response
+
+FAST = {"speeds": (700.0, 2600.0), "ramp": 400.0}
+
+
+@pytest.fixture(scope="module")
+def fast(rig: RigConfig) -> OrderTrackedResponse:
+    return swept_response(rig, **FAST)
+
+
+def with_cause(
+    fast: OrderTrackedResponse, hidden: np.ndarray, label: str, amount: float
+) -> tuple[ExtendedProblem, np.ndarray]:
+    """A problem with that effect, and its unknowns with the first of the effect at `amount` sizes."""
+    problem = ExtendedProblem([Recording(fast)], [find(fast.rig, label)])
+    p = problem.parameters.start(hidden)
+    p[problem.parameters.base.unbalance] = U.real, U.imag
+    p[problem.parameters.own.start] += amount
+    return problem, p
+
+
+@pytest.mark.parametrize("label", ["unbalance_plane, at 160 mm", "delay", "skew_stiffness"])
+def test_a_cause_is_no_distance_from_itself(fast: OrderTrackedResponse, hidden: np.ndarray, label: str) -> None:
+    problem, p = with_cause(fast, hidden, label, 1.0)
+    assert separation(problem, p, problem.effects) < 0.1
+
+
+@pytest.mark.parametrize("label", ["unbalance_plane, at 160 mm", "delay, probe 2y", "skew_stiffness"])
+def test_a_small_cause_is_as_far_from_none_as_its_column_is_from_those_of_the_base(
+    fast: OrderTrackedResponse, hidden: np.ndarray, label: str
+) -> None:
+    amount = 0.1
+    problem, p = with_cause(fast, hidden, label, amount)
+    names = problem.parameters
+    J = problem.jacobian(p)
+    base, change = J[:, : names.own.start], amount * J[:, names.own.start]
+    left = change - base @ np.linalg.lstsq(base, change, rcond=None)[0]
+    assert separation(problem, p, []) == pytest.approx(left @ left, rel=0.05, abs=0.3)
+
+
+def test_a_bow_shows_more_when_a_second_plane_sees_it(rig: RigConfig, one_plane: RigConfig, hidden: np.ndarray) -> None:
+    """Runout of one plane can stand for a bow there; two planes see the bow's shape."""
+    lam = []
+    for seen in (one_plane, rig):
+        problem, p = with_cause(swept_response(seen, speeds=(480, 1500), ramp=400), np.zeros(0), "bow", 3.0)
+        p[problem.parameters.base.sought] = hidden[problem.parameters.base.sought]
+        lam.append(separation(problem, p, [find(seen, "runout, plane 1")]))
+    assert lam[0] < NAMEABLE
+    assert lam[1] > 2 * lam[0]
+
+
+def test_nothing_measured_has_a_say(rig: RigConfig, fast: OrderTrackedResponse, hidden: np.ndarray) -> None:
+    noisy = swept_response(rig, rng=np.random.default_rng(8), **FAST)
+    lam = []
+    for response in (fast, noisy):
+        problem, p = with_cause(response, hidden, "unbalance_plane, at 160 mm", 0.5)
+        lam.append(separation(problem, p, []))
+    # but through the share of the readings that the covariance holds
+    assert lam[0] == pytest.approx(lam[1], rel=0.02)
+
+
+def test_of_several_starts_the_best_is_taken(fast: OrderTrackedResponse, hidden: np.ndarray) -> None:
+    """A pedestal's resonance is found from the start next to it."""
+    pedestal = find(fast.rig, "pedestal, x")
+    problem = ExtendedProblem([Recording(fast)], [pedestal])
+    p = problem.parameters.start(hidden)
+    p[problem.parameters.base.unbalance] = U.real, U.imag
+    sizes = [q.size for q in pedestal.parameters]
+    p[problem.parameters.own] = np.array([0.1, 34 * 2 * np.pi, 0.03]) / sizes
+    (predicted,) = problem.predict(p)
+    there = ExtendedProblem([problem.recordings[0].instead(predicted)], [pedestal])
+    found = fitted(there, there.parameters.start(hidden)[: there.parameters.own.start])
+    assert found.p[-2] * sizes[1] == pytest.approx(34 * 2 * np.pi, rel=0.02)

@@ -1,0 +1,72 @@
+"""The solver of a fit on a line through points, where every figure is known by hand."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.solving import Index, Reals, inverse_information, solve
+
+
+@dataclass(frozen=True)
+class Line:
+    """Points y of a + b x with sigma 1; a within +-10."""
+
+    x: Reals
+    y: Reals
+
+    @property
+    def bounds(self) -> tuple[Reals, Reals]:
+        return np.array([-10.0, -np.inf]), np.array([10.0, np.inf])
+
+    @property
+    def size(self) -> int:
+        return len(self.x)
+
+    def residual(self, p: Reals) -> Reals:
+        return p[0] + p[1] * self.x - self.y
+
+    def jacobian(self, p: Reals, free: Index | None = None) -> Reals:
+        J = np.stack([np.ones_like(self.x), self.x], axis=1)
+        return J if free is None else J[:, free]
+
+    def settled(self, p: Reals, free: Index) -> Reals:
+        return p
+
+
+X = np.array([-1.0, 0.0, 1.0, 2.0])
+OFF = np.array([0.1, -0.2, 0.1, 0.0])
+
+
+def test_a_line_is_found_with_the_textbooks_covariance() -> None:
+    found = solve(Line(X, 3 + 2 * X + OFF), np.zeros(2))
+    slope, offset = np.polyfit(X, 3 + 2 * X + OFF, 1)
+    np.testing.assert_allclose(found.p, [offset, slope], rtol=1e-4)
+    assert found.dof == 2
+    spread = np.sum((X - X.mean()) ** 2)
+    np.testing.assert_allclose(found.sigma, [np.sqrt(1 / 4 + X.mean() ** 2 / spread), np.sqrt(1 / spread)], rtol=1e-6)
+
+
+def test_a_fit_worse_than_the_noise_widens_its_covariance() -> None:
+    quiet, loud = (solve(Line(X, scale * OFF), np.zeros(2)) for scale in (1.0, 100.0))
+    assert loud.chi2 == pytest.approx(1e4 * quiet.chi2)
+    np.testing.assert_allclose(loud.covariance, quiet.covariance * loud.chi2 / 2)
+
+
+def test_what_is_held_keeps_its_value_and_costs_no_degree_of_freedom() -> None:
+    found = solve(Line(X, 3 + 2 * X), np.zeros(2), fixed={1: 0.0})
+    np.testing.assert_allclose(found.p, [np.mean(3 + 2 * X), 0.0], rtol=1e-4)
+    assert found.dof == 3
+    assert not found.covariance[1].any()
+    assert not found.jacobian[:, 1].any()
+
+
+def test_the_solution_keeps_within_the_bounds() -> None:
+    assert solve(Line(X, 50 + X), np.zeros(2)).p[0] == pytest.approx(10.0)
+
+
+def test_what_no_row_restricts_is_said_to_be_unknown_not_well_known() -> None:
+    covariance = inverse_information(np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]))
+    assert (np.diag(covariance) > 1e12).all(), "two rows cannot tell three columns apart"
+    alone = inverse_information(np.array([[2.0, 0.0], [0.0, 1e-3]]))
+    np.testing.assert_allclose(alone, np.diag([0.25, 1e6]))

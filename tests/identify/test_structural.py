@@ -1,0 +1,91 @@
+"""The rotor of a candidate: as assembled from a config that says the same, and its derivatives."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.structural import StructuralModel, Structure, with_places
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.rotor.assembly import assemble
+from rotorrig.sims.rotor.directions import between
+from rotorrig.sims.rotor.harmonic import probe_response
+
+PROBES = ("2y", "1x")
+OMEGA = np.array([900.0, 2150.0, 3000.0]) * np.pi / 30
+STRUCTURE = Structure(
+    K=np.array([np.diag([31e3, 38e3])]),
+    C=np.array([np.diag([9.0, 22.0])]),
+    youngs_modulus=1.01,
+    density=0.98,
+    disk_mass=1.02,
+    others=(1.1, 0.9, 1.0, 1.2),
+)
+
+
+@pytest.fixture(scope="module")
+def structural(rig: RigConfig) -> StructuralModel:
+    return StructuralModel(rig, PROBES, groups=[["spring"]], others=["left A", "left B"])
+
+
+def test_the_reduced_rotor_answers_as_the_one_assembled_from_a_config_of_those_values(
+    rig: RigConfig, structural: StructuralModel
+) -> None:
+    shaft = rig.shaft.model_copy(
+        update={"youngs_modulus": rig.shaft.youngs_modulus * 1.01, "density": rig.shaft.density * 0.98}
+    )
+    (disk,) = rig.disks
+    values = {
+        "left A": {"kxx": 2.2e6, "kyy": 1.8e6},
+        "left B": {"kxx": 2.0e6, "kyy": 2.4e6},
+        "spring": {"kxx": 31e3, "kyy": 38e3, "cxx": 9.0, "cyy": 22.0},
+    }
+    bearings = tuple(b.model_copy(update=values[b.name]) for b in rig.bearings)
+    heavier = disk.model_copy(
+        update={
+            "mass": 1.02 * disk.mass,
+            "polar_inertia": 1.02 * disk.polar_inertia,
+            "transverse_inertia": 1.02 * disk.transverse_inertia,
+        }
+    )
+    same = rig.model_copy(update={"shaft": shaft, "disks": (heavier,), "bearings": bearings})
+    expected = probe_response(assemble(same), OMEGA, unbalance={"disk": 1e-5})
+    found = probe_response(structural(STRUCTURE), OMEGA, unbalance={"disk": 1e-5})
+    np.testing.assert_allclose(found[:, 0], expected[:, 3], rtol=1e-6)  # 2y
+    np.testing.assert_allclose(found[:, 1], expected[:, 0], rtol=1e-6)  # 1x
+
+
+def test_every_probe_is_there_once_more_turned_by_a_right_angle(structural: StructuralModel) -> None:
+    found = probe_response(structural.nominal, OMEGA, unbalance={"disk": 1e-5})
+    minus_x, y = found[:, 2], found[:, 3]  # across 2y, across 1x
+    along_2y, along_1x = found[:, 0], found[:, 1]
+    assert found.shape == (3, 4)
+    # the nominal bearings are all but alike in x and y, and the whirl is forward: y = -j x
+    np.testing.assert_allclose(minus_x[0], -1j * along_2y[0], rtol=0.05)
+    np.testing.assert_allclose(y[0], -1j * along_1x[0], rtol=0.05)
+
+
+@pytest.mark.parametrize("name", ["youngs_modulus", "density", "disk_mass", "K", "C", "others"])
+def test_a_direction_is_the_derivative_of_the_matrices(structural: StructuralModel, name: str) -> None:
+    change = Structure(
+        K=np.zeros((1, 2, 2)), C=np.zeros((1, 2, 2)), youngs_modulus=0.0, density=0.0, disk_mass=0.0, others=(0.0,) * 4
+    )
+    unit = {"K": np.array([np.diag([1e3, 0.0])]), "C": np.array([np.diag([0.0, 1.0])]), "others": (0.0, 0.1, 0.0, 0.0)}
+    along = unit.get(name, 0.01)
+    change = replace(change, **{name: along})
+    moved = np.add(getattr(STRUCTURE, name), along)
+    there = replace(STRUCTURE, **{name: tuple(moved) if name == "others" else moved})
+    model = structural(STRUCTURE)
+    found = structural.direction(model, STRUCTURE, change)
+    expected = between(model, structural(there), 1.0)
+    assert any(np.any(matrix) for matrix in expected)
+    for matrix, left, right in zip(found._fields, found, expected, strict=True):
+        np.testing.assert_allclose(left, right, atol=1e-9 * (1 + np.abs(right).max()), err_msg=matrix)
+
+
+def test_planes_beyond_an_end_stand_at_that_end(rig: RigConfig) -> None:
+    more = with_places(rig, {"inside": 0.1, "before": -0.01, "behind": 9.0})
+    assert {p.name: p.position for p in more.planes[len(rig.planes) :]} == pytest.approx(
+        {"inside": 0.1, "before": 0.0, "behind": rig.shaft.length}
+    )
+    assert with_places(rig, {}) is rig
