@@ -3,7 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test lint types check pictures bench chea-tables identification-tables clean
+.PHONY: demo test lint types check pictures bench chea-tables identification-tables blind clean
 
 demo: .venv/ready
 	$(BIN)/rotor demo --out demo
@@ -33,6 +33,10 @@ chea-tables: .venv/ready
 
 identification-tables: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification.py --write
+
+# Hours: hidden faults, and how often they are found. Ctrl-C keeps the cases done; the same command goes on.
+blind: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/blind.py --write
 
 # uv where there is one (seconds), else the venv module and pip; the same pinned versions either way. Made anew when the
 # versions change: an old one may be of another Python.

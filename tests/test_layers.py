@@ -8,7 +8,10 @@ import pytest
 
 ROOT = Path(__file__).parents[1] / "rotorrig"
 
-BASE = ("rig.description", "rig.nameplate", "rig.provenance", "rig.errors", "rig.clock", "rig.units")
+BASE = tuple(
+    f"rig.{name}"
+    for name in ("description", "nameplate", "extension", "trial_mass", "provenance", "errors", "clock", "units")
+)
 
 #: package -> (own modules it may import, third-party packages it may import); the longest prefix counts
 TABLE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {

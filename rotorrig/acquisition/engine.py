@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from types import FrameType
 
 from rotorrig.acquisition.fanout import Listener, Writer
-from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, Step
+from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, Step, Trial
 from rotorrig.acquisition.recording import Event
 from rotorrig.acquisition.session import POLL_AT_SPEED, Session
 from rotorrig.rig.clock import Clock, WallClock
@@ -139,6 +139,8 @@ def _performed(step: Step, session: Session) -> Iterator[float]:
     match step:
         case Mark():
             session.note("mark", step.label)
+        case Trial():
+            session.note("trial", step.mass)
         case Ramp():
             yield from _ramped(step, session)
         case Dwell():
@@ -213,7 +215,7 @@ def _shares(steps: tuple[Step, ...]) -> list[float]:
             case Coast():
                 seconds.append(COAST_GUESS)
                 speed = step.until
-            case Mark():
+            case Mark() | Trial():
                 seconds.append(0.0)
     total = sum(seconds) or 1.0
     return [s / total for s in seconds]

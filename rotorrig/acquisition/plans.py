@@ -3,11 +3,12 @@
 `list(plan)` is a sweep's preview and its limit check; the engine runs the same steps.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from rotorrig.rig.description import RigConfig, RunUpCoastDown
 from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.trial_mass import read_trial_mass
 from rotorrig.rig.units import RPM
 
 
@@ -40,7 +41,14 @@ class Mark:
     label: str
 
 
-Step = Ramp | Dwell | Coast | Mark
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """Write into the recording which trial mass is on the rotor: "disk: 12 g mm at 90 deg"."""
+
+    mass: str
+
+
+Step = Ramp | Dwell | Coast | Mark | Trial
 
 SETTLING_RAMP = 10.0  # rad/s^2, about 95 rpm/s: gentle, and outside the recorded runs
 
@@ -63,11 +71,16 @@ def run_up_coast_down(plan: RunUpCoastDown) -> Iterator[Step]:
     yield Mark(label="end")
 
 
-def steps(rig: RigConfig, name: str = "default") -> tuple[Step, ...]:
-    """Return the steps of the plan of that name, checked against the rig's limits. Raises ConfigError."""
+def steps(rig: RigConfig, name: str = "default", *, trial: Sequence[str] = ()) -> tuple[Step, ...]:
+    """Return the steps of the plan of that name, checked against the rig's limits. Raises ConfigError.
+
+    `trial` are the trial masses on the rotor, as `read_trial_mass` reads them; they are noted first.
+    """
+    for mass in trial:
+        read_trial_mass(mass, rig=rig)
     if name not in rig.plans:
         raise ConfigError(f"plan '{name}': the config has none of that name, want one of {sorted(rig.plans)}")
-    plan = tuple(run_up_coast_down(rig.plans[name]))
+    plan = (*(Trial(mass=mass) for mass in trial), *run_up_coast_down(rig.plans[name]))
     ceilings = [rig.motor.max_speed] if rig.motor else []
     ceilings += [rig.limits.overspeed] if rig.limits else []
     fastest = max(step.to for step in plan if isinstance(step, Ramp))

@@ -15,7 +15,7 @@ class Event:
     """Something that happened during a recording: a mark of the plan, a trip, a gap."""
 
     t_ns: int  # sample clock
-    kind: str  # "mark", "trip", "gap", "overrun", "stop", "note"
+    kind: str  # "mark", "trial", "trip", "gap", "overrun", "stop", "note"
     text: str
 
 

@@ -5,6 +5,7 @@ from threadpoolctl import threadpool_limits
 
 from rotorrig.app import tables
 from rotorrig.app.console import out
+from rotorrig.app.effect_check import check_effects
 from rotorrig.rig import connect
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
@@ -13,10 +14,11 @@ from rotorrig.rig.units import RPM
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # many small eigenvalue problems: threads only slow them down
 def show_rig(rig: RigConfig) -> None:
-    """Print the parts, and the critical speeds of the nameplate model."""
+    """Print the parts, and the critical speeds of the nameplate model. Raises ConfigError on an unknown effect."""
     from rotorrig.sims.rotor.assembly import assemble
     from rotorrig.sims.rotor.modes import critical_speeds
 
+    check_effects(rig)
     out.print(tables.rig_parts(rig))
     ceiling = _ceiling(rig)
     speeds = np.asarray(critical_speeds(assemble(rig), up_to=ceiling)) * RPM

@@ -3,6 +3,7 @@
 Heavy libraries are imported inside the verb that needs them, so that `rotor --help` is quick.
 """
 
+import json
 import sys
 from pathlib import Path
 from typing import Annotated, Literal
@@ -26,6 +27,10 @@ Recording = Annotated[Path, typer.Argument(metavar="RUN", help="a run.mcap", sho
 Seed = Annotated[int, typer.Option(help="of the search; of the simulated rig's hidden deviations")]
 Hidden = Annotated[Path | None, typer.Option(help="a sealed file with what the simulated rig hides, instead of a seed")]
 Rate = Annotated[float, typer.Option(help="simulated seconds per second, at the most")]
+Trial = Annotated[
+    list[str] | None,
+    typer.Option(help="a trial mass on the rotor, 'disk: 12 g mm at 90 deg' from the keyphasor mark; repeatable"),
+]
 View = Annotated[bool, typer.Option("--view", help="show orbits, Bode plot, speed and time base while it runs")]
 
 
@@ -61,18 +66,19 @@ def sweep(
     out_file: Out,
     plan: Annotated[str, typer.Option(help="a plan of the config")] = "default",
     simulate: Annotated[bool, typer.Option("--simulate", help="on a simulated rig instead of the devices")] = False,
+    trial: Trial = None,
     view: View = False,
     seed: Seed = 1,
     hidden: Hidden = None,
     rate: Rate = 20.0,
 ) -> None:
     """Run a sweep and record it."""
-    from rotorrig.app import sweeping
+    from rotorrig.app import simulating, sweeping
 
     rig = load(config)
-    stand_in = sweeping.StandIn(seed=seed, hidden=hidden, rate=rate) if simulate else None
+    stand_in = simulating.StandIn(seed=seed, hidden=hidden, rate=rate) if simulate else None
     try:
-        result = sweeping.sweep(rig, out=out_file, plan=plan, stand_in=stand_in, view=view)
+        result = sweeping.sweep(rig, out=out_file, plan=plan, trial=trial or (), stand_in=stand_in, view=view)
     except KeyboardInterrupt as interrupt:  # or SIGTERM, or the terminal was closed
         err.print(f"interrupted: the rotor was stopped and {out_file} holds the sweep up to there", highlight=False)
         raise typer.Exit(130) from interrupt
@@ -95,18 +101,28 @@ def replay(
 
 
 @app.command()
-def track(run: Recording, out_file: Out) -> None:
-    """Track the orders of a recording into a response file, the slow-roll vector beside them."""
+def track(run: Recording, out_file: Out, trial: Trial = None) -> None:
+    """Track the orders of a recording into a response file, the slow-roll vector beside them.
+
+    Trial masses are those the sweep noted; --trial stands instead of them.
+    """
     from rotorrig.acquisition.mcap_file import read_recording
     from rotorrig.processing import pipeline
     from rotorrig.processing.response_file import write_response
+    from rotorrig.rig.trial_mass import read_trial_mass
 
+    recording = read_recording(run)
+    masses = [read_trial_mass(text, rig=recording.rig) for text in trial] if trial else None
     with progress_bars() as bars:
         task = bars.add_task("tracking", total=1.0, note="")
-        response = pipeline.track(read_recording(run), progress=lambda done: bars.update(task, completed=done))
+        response = pipeline.track(recording, trial=masses, progress=lambda done: bars.update(task, completed=done))
         write_response(out_file, response)
     masked = int((~response.usable).any(axis=1).sum())
-    out.print(f"{out_file}: {len(response.omega)} rows in {len(response.runs)} runs, {masked} with masked probes")
+    loaded = ", ".join(response.runs[0].trial_unbalance)
+    out.print(
+        f"{out_file}: {len(response.omega)} rows in {len(response.runs)} runs, {masked} with masked probes"
+        + (f", with a trial mass on {loaded}" if loaded else "")
+    )
 
 
 @app.command()
@@ -129,42 +145,56 @@ def identify(
     from rotorrig.identify.result_files import write_identification
     from rotorrig.processing.response_file import read_response
 
+    measured = read_response(response)
     found = identifying.identified(
-        read_response(response), objective=objective, profile=profile, draws=bootstrap, workers=workers, seed=seed
+        measured, objective=objective, profile=profile, draws=bootstrap, workers=workers, seed=seed
     )
     write_identification(out_file, found)
     out.print(tables.identified(found))
     for words in found.fits[0].words:
         out.print(words, highlight=False)
+    if measured.rig.effects:
+        labels = "; ".join(effect.label for effect in measured.rig.effects)
+        out.print(f"The config's effects ({labels}) are not in this fit, only in rotor diagnose.", highlight=False)
     out.print(f"{out_file}: {len(found.fits)} fits in {found.wall_s:.1f} s")
 
 
 @app.command()
 def diagnose(
-    responses: Annotated[list[Path], typer.Argument(metavar="RESPONSE...", show_default=False)],
+    responses: Annotated[list[Path], typer.Argument(metavar="RESPONSE...", help="of one rig", show_default=False)],
     out_file: Out,
-    fit: Annotated[Path | None, typer.Option(help="the fit.json to judge; made anew if not given")] = None,
-    holdout: Annotated[Path | None, typer.Option(help="a response the fit must not see")] = None,
-    rig_out: Annotated[Path | None, typer.Option(help="the config, extended by what was found")] = None,
+    holdout: Annotated[Path | None, typer.Option(help="a response that no fit may see, to measure the gain on")] = None,
+    config: Annotated[
+        Path | None, typer.Option(help="the rig's TOML file as extended since, instead of the one in the responses")
+    ] = None,
+    rig_out: Annotated[Path | None, typer.Option(help="the config to write, extended by what was named")] = None,
+    model: Annotated[
+        Literal["swept", "quasi-static"], typer.Option(help="the passing speed in the model, or every row as steady")
+    ] = "swept",
+    as_json: Annotated[bool, typer.Option("--json", help="print the result as JSON, its arrays left out")] = False,
     seed: Seed = 0,
 ) -> None:
-    """Say whether the model is adequate, and if not, where it is wrong."""
-    if holdout or rig_out:
-        raise NotBuilt("--holdout and --rig-out need a named cause to extend the model with: not built yet")
-    if len(responses) > 1:
-        raise NotBuilt(f"got {len(responses)} responses: diagnosing several together is not built yet, want one")
-    from rotorrig.app import identifying
-    from rotorrig.identify import diagnosis
-    from rotorrig.identify.result_files import write_diagnosis
-    from rotorrig.processing.response_file import read_response
+    """Say whether the model is adequate; if not, where it is wrong, name the cause and measure what it explains."""
+    from rotorrig.app import diagnosing
+    from rotorrig.identify.result_files import diagnosis_table, write_diagnosis
 
-    response = read_response(responses[0])
-    identified = identifying.reused(fit, response) if fit else identifying.identified(response, seed=seed)
-    found = diagnosis.diagnose(response, identified)
+    paths = [*responses, holdout] if holdout else responses
+    seen = diagnosing.read_responses(paths, config=load(config) if config else None)
+    used, unseen = seen[: len(responses)], seen[-1] if holdout else None
+    try:
+        found = diagnosing.diagnosed(used, holdout=unseen, model=model, seed=seed)
+    except KeyboardInterrupt as interrupt:
+        err.print(f"interrupted: {out_file} was not written", highlight=False)
+        raise typer.Exit(130) from interrupt
     write_diagnosis(out_file, found)
-    out.print(found.sentence, highlight=False)
-    for misfit in found.worst[1:4]:
-        out.print(f"  {misfit.sentence}", highlight=False)
+    if as_json:
+        print(json.dumps(diagnosis_table(found)))
+    else:
+        diagnosing.show(found)
+    if rig_out:
+        extended = diagnosing.write_extended(rig_out, used[0].rig, found)
+        labels = "; ".join(effect.label for effect in extended.effects)
+        (err if as_json else out).print(f"{rig_out}: the config, its model extended by {labels}", highlight=False)
 
 
 @app.command()
@@ -272,7 +302,7 @@ def demo(
     ] = None,
     seed: Seed = 1,
 ) -> None:
-    """Show the whole path on a simulated RK4: sweep, track, identify, diagnose, report; healthy and misaligned."""
+    """Show the whole path on a simulated RK4, from sweep to report: a healthy rig and one with a bent shaft."""
     from rotorrig.app.demo import run_demo
 
     run_demo(load(config) if config else bundled("rk4"), out=folder, seed=seed)

@@ -1,5 +1,6 @@
-"""`rotor demo`: the whole path, from the wire to a report, on a simulated RK4; twice, the second time misaligned."""
+"""`rotor demo`: the whole path on a simulated RK4, from the wire to a report; the second time with a bent shaft."""
 
+import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,13 +9,13 @@ from rich.progress import Progress
 
 from rotorrig.acquisition.mcap_file import read_recording
 from rotorrig.acquisition.plans import Step
-from rotorrig.app import tables
+from rotorrig.app import diagnosing, tables
 from rotorrig.app.console import out as console
 from rotorrig.app.console import progress_bars
 from rotorrig.app.report import write_report
 from rotorrig.app.sweeping import record_sweep
 from rotorrig.app.viewer import write_result_rrd
-from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
+from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.fit import fit
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.result_files import write_diagnosis, write_identification
@@ -40,14 +41,14 @@ class Case:
 
 
 def cases(seed: int) -> tuple[Case, ...]:
-    """Return the healthy run and the one with a misaligned coupling; `seed` draws what each rig hides."""
+    """Return the healthy run and the one with a bent shaft; `seed` draws what each rig hides."""
     return (
         Case(folder="", title="healthy rig", seed=seed, faults=()),
         Case(
-            folder="misaligned",
-            title="rig with a misaligned coupling",
+            folder="bowed",
+            title="rig with a bent shaft",
             seed=seed + 1,
-            faults=(FaultSpec(name="coupling", parameters={}),),
+            faults=(FaultSpec(name="bow", parameters={"amount": 20e-6, "angle": math.radians(110.0)}),),
         ),
     )
 
@@ -62,10 +63,11 @@ def run_demo(rig: RigConfig, *, out: Path, seed: int = 1, rate: float = 20.0) ->
         found, diagnosis = _run_case(rig, case, folder, rate)
         truth = unseal(folder / SEALED)  # only now: diagnosis.json is written
         _report(rig, folder, found, diagnosis, truth)
+        extend(rig, case, folder, diagnosis)
     console.rule()
     console.print(
         f"Done in {time.perf_counter() - began:.0f} s. "
-        f"Open {out / 'report.html'} and {out / 'misaligned/report.html'}; "
+        f"Open {out / 'report.html'} and {out / 'bowed/report.html'}; "
         f"rotor view {out / 'demo.rrd'} shows orbits and Bode plots."
     )
 
@@ -82,10 +84,25 @@ def _run_case(rig: RigConfig, case: Case, folder: Path, rate: float) -> tuple[Id
         task = bars.add_task("identifying (CHEA)", total=None, note="")
         found = fit(response, seed=case.seed, progress=lambda text: bars.update(task, note=text))
         write_identification(folder / "fit.json", found)
-        diagnosis = diagnose(response, found)
-        write_diagnosis(folder / "diagnosis.json", diagnosis)
         bars.update(task, total=1.0, completed=1.0, note="")
+    diagnosis = diagnosing.diagnosed([response], seed=case.seed)
+    write_diagnosis(folder / "diagnosis.json", diagnosis)
     return found, diagnosis
+
+
+def extend(rig: RigConfig, case: Case, folder: Path, diagnosis: Diagnosis) -> None:
+    """Extend the config by the cause that was named, if one was, and diagnose the run again with it."""
+    extended = diagnosing.extended_rig(rig, diagnosis)
+    if extended is None:
+        return
+    (folder / "extended.toml").write_text(extended.text, encoding="utf-8")
+    response = diagnosing.seen_with(read_response(folder / "response.mcap"), extended)
+    again = diagnosing.diagnosed([response], seed=case.seed)
+    write_diagnosis(folder / "diagnosis-extended.json", again)
+    console.print(
+        f"With {'; '.join(effect.label for effect in extended.effects)} in the model ({folder}/extended.toml):"
+    )
+    diagnosing.show(again)
 
 
 def _sweep(rig: RigConfig, folder: Path, case: Case, rate: float, bars: Progress) -> None:
@@ -107,5 +124,4 @@ def _report(rig: RigConfig, folder: Path, found: Identification, diagnosis: Diag
     recording = read_recording(folder / "run.mcap")
     write_result_rrd(folder / "demo.rrd", response, found, diagnosis, recording=recording)
     console.print(tables.identified(found, actual))
-    style = "green" if diagnosis.verdict is Verdict.ADEQUATE else "yellow"
-    console.print(diagnosis.sentence, style=style)
+    diagnosing.show(diagnosis)

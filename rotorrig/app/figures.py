@@ -26,12 +26,22 @@ SIGMA_COLOURS = [
 ]
 
 
-def bode(response: OrderTrackedResponse, probe: int, *, prediction: NDArray[np.complex128] | None = None) -> go.Figure:
+def bode(
+    response: OrderTrackedResponse,
+    probe: int,
+    *,
+    prediction: NDArray[np.complex128] | None = None,
+    before: NDArray[np.complex128] | None = None,
+) -> go.Figure:
     """Return amplitude over phase lag against speed at 1X, measured (dots) and model (lines), a colour per direction.
 
-    `prediction` is (speed, probe) [m] as `Fit.prediction`; None draws the measurement alone.
+    `prediction` is (speed, probe) [m] as `Fit.prediction`; None draws the measurement alone. `before` is that of the
+    base model where `prediction` is an extended one's, a thin grey line.
     """
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.06, row_heights=[0.62, 0.38])
+    for i, curve in enumerate(curves(response, probe, prediction=before) if before is not None else ()):
+        figure.add_trace(_base(curve, curve.model_amplitude, legend=i == 0), row=1, col=1)
+        figure.add_trace(_base(curve, curve.model_lag, angle=True, legend=False), row=2, col=1)
     for curve in curves(response, probe, prediction=prediction):
         figure.add_trace(_trace(curve, curve.amplitude), row=1, col=1)
         figure.add_trace(_trace(curve, curve.lag, angle=True, legend=False), row=2, col=1)
@@ -120,6 +130,23 @@ def _trace(
         showlegend=legend,
         hovertemplate=f"%{{x:.0f}} rpm: {reading}<extra>{name}</extra>",
         **look,
+    )
+
+
+def _base(curve: Curve, y: NDArray[np.float64] | None, *, angle: bool = False, legend: bool) -> go.Scatter:
+    """Return the base model's curve of one run."""
+    assert y is not None
+    reading = "%{customdata:.1f}°" if angle else "%{y:.2f} µm"
+    return go.Scatter(
+        x=np.round(curve.rpm, 1),
+        y=np.round(y, 3),
+        customdata=np.round(y % 360.0, 1) if angle else None,
+        mode="lines",
+        name="base model",
+        legendgroup="base model",
+        showlegend=legend,
+        line={"width": 1.2, "color": COLOURS[0], "dash": "solid" if curve.direction > 0 else "dash"},
+        hovertemplate=f"%{{x:.0f}} rpm: {reading}<extra>base model, {escape(curve.run)}</extra>",
     )
 
 

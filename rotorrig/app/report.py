@@ -13,13 +13,14 @@ from string import Template
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from rotorrig.app import figures, report_tables
+from rotorrig.app import figures, report_causes, report_tables
 from rotorrig.app.curves import RPM, slow_roll_known
+from rotorrig.app.diagnosis_part import Vectors, part_of, predictions
 from rotorrig.app.orbit_drawing import orbit_pictures
 from rotorrig.app.report_verdict import banner
 from rotorrig.app.rig_drawing import end_view, side_view
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
-from rotorrig.identify.identification import Identification
+from rotorrig.identify.identification import Fit, Identification
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import DataError
 
@@ -37,11 +38,13 @@ def write_report(
     `truth` maps names of estimates to the simulated rig's own values in SI, for a column beside the estimates.
     Raises DataError where the parts are not of one run, or the file cannot be written.
     """
-    _check(response, identification, diagnosis)
+    _check(response, identification)
+    diagnosis = part_of(diagnosis, response) if diagnosis else None
     sections = [
         banner(identification, diagnosis),
+        _causes(diagnosis),
         _identified(identification, diagnosis, truth),
-        _bode(response, identification),
+        _bode(response, identification, diagnosis),
         _residuals(response, diagnosis),
         _orders(response),
         _orbits(response),
@@ -65,7 +68,7 @@ def write_report(
         raise DataError(f"{path}: the report cannot be written ({error.strerror})") from error
 
 
-def _check(response: OrderTrackedResponse, identification: Identification | None, diagnosis: Diagnosis | None) -> None:
+def _check(response: OrderTrackedResponse, identification: Identification | None) -> None:
     rows = response.z.shape[:2]
     for fit in identification.fits if identification else ():
         if fit.prediction.shape != rows:
@@ -73,11 +76,13 @@ def _check(response: OrderTrackedResponse, identification: Identification | None
                 f"fit '{fit.name}': predicts (speed, probe) = {fit.prediction.shape}, the response has {rows}; "
                 "want the fit of this very response"
             )
-    if diagnosis and diagnosis.sigmas.shape != response.z.shape:
-        raise DataError(
-            f"diagnosis: residual is (speed, probe, order) = {diagnosis.sigmas.shape}, the response has "
-            f"{response.z.shape}; want the diagnosis of this very response"
-        )
+
+
+def _causes(diagnosis: Diagnosis | None) -> str:
+    if diagnosis is None:
+        return ""
+    parts = [report_causes.causes(diagnosis), report_causes.gain(diagnosis)]
+    return _section("causes", "Causes", *parts) if any(parts) else ""
 
 
 def _identified(
@@ -98,15 +103,19 @@ def _identified(
     return _section("identified", "Identified values", warning, *tables, note, *limits, *nuisances)
 
 
-def _bode(response: OrderTrackedResponse, identification: Identification | None) -> str:
+def _bode(response: OrderTrackedResponse, identification: Identification | None, diagnosis: Diagnosis | None) -> str:
     fit = identification.fits[0] if identification and identification.fits else None
-    said = [_compensation(response)]
-    said.append(f"Dots are measured, lines the model fitted to the {fit.name}." if fit else "Dots are measured.")
-    said.append("Blue: speed rises; orange: it falls.")
+    base, extended = predictions(response, fit, diagnosis)
+    said = [_compensation(response), _drawn(fit, base, extended), "Blue: speed rises; orange: it falls."]
     plots = [
         _figure(
             f"bode-{p}",
-            figures.bode(response, p, prediction=None if fit is None else fit.prediction),
+            figures.bode(
+                response,
+                p,
+                prediction=base if extended is None else extended,
+                before=None if extended is None else base,
+            ),
             caption=f"Probe {name}",
             label=report_tables.peak_words(response, p, fit),
         )
@@ -123,6 +132,14 @@ def _bode(response: OrderTrackedResponse, identification: Identification | None)
     )
 
 
+def _drawn(fit: Fit | None, base: Vectors | None, extended: Vectors | None) -> str:
+    if extended is not None:
+        return "Dots are measured, lines the extended model, thin grey lines the base model."
+    if base is None:
+        return "Dots are measured."
+    return f"Dots are measured, lines the model fitted{f' to the {fit.name}' if fit else ''}."
+
+
 def _compensation(response: OrderTrackedResponse) -> str:
     if not slow_roll_known(response):
         return "No slow roll was measured: the vectors are raw, runout and bow included."
@@ -134,11 +151,12 @@ def _residuals(response: OrderTrackedResponse, diagnosis: Diagnosis | None) -> s
     if diagnosis is None:
         return ""
     present = [order for order in response.orders if order and _any_finite(diagnosis, response.orders.index(order))]
+    model = "model" if diagnosis.extended_residual is None else "base model"
     plots = [
         _figure(
             f"residual-{order:g}".replace(".", "_"),
             figures.residual_map(response, diagnosis.sigmas, order=order),
-            caption=f"Residual at {order:g}X, measured less model, in standard deviations of the noise",
+            caption=f"Residual at {order:g}X, measured less {model}, in standard deviations of the noise",
             label=f"Map of the {order:g}X residual over speed, a row per probe and run; the table below has its worst.",
         )
         for order in present
@@ -192,18 +210,9 @@ def _orbits(response: OrderTrackedResponse) -> str:
 def _untold(identification: Identification | None, diagnosis: Diagnosis | None) -> str:
     fits = identification.fits if identification else ()
     words = [f"{fit.name}: {word}" if len(fits) > 1 else word for fit in fits for word in fit.words]
-    words += [
-        f"Tied: {', '.join(group)}; this data cannot tell them apart."
-        for group in (diagnosis.tied if diagnosis else ())
-    ]
-    parts = ["<ul>" + "".join(f"<li>{escape(word)}</li>" for word in words) + "</ul>"] if words else []
-    if diagnosis:
-        parts += [report_tables.records("Causes considered", diagnosis.causes)] if diagnosis.causes else []
-        parts += (
-            [report_tables.pairs("The next run that would tell more", diagnosis.next_run)] if diagnosis.next_run else []
-        )
-        parts += [report_tables.pairs("What the extended model gains", diagnosis.gain)] if diagnosis.gain else []
-    return _section("untold", "What this data cannot tell", *parts) if parts else ""
+    words += report_causes.untold(diagnosis) if diagnosis else []
+    items = "".join(f"<li>{escape(word)}</li>" for word in words)
+    return _section("untold", "What this data cannot tell", f"<ul>{items}</ul>") if words else ""
 
 
 def _rig(response: OrderTrackedResponse) -> str:

@@ -28,14 +28,24 @@ from rotorrig.rig.description import RigConfig
 LISTED_MISFITS = 12
 
 
-def table(caption: str, header: Sequence[str], rows: Iterable[Sequence[str]], *, marked: Iterable[int] = ()) -> str:
-    """Return a table; every cell is escaped, the first of a row heads it, rows whose index is in `marked` stand out."""
+def table(
+    caption: str,
+    header: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    *,
+    marked: Iterable[int] = (),
+    mark: str = "marked",
+) -> str:
+    """Return a table; every cell is escaped, the first of a row heads it.
+
+    Rows whose index is in `marked` stand out in the way of the class `mark` of report.css.
+    """
     marks = set(marked)
     head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in header)
     body = ""
     for i, (first, *rest) in enumerate(rows):
         cells = "".join(f"<td>{escape(cell)}</td>" for cell in rest)
-        body += f'<tr{" class=marked" if i in marks else ""}><th scope="row">{escape(first)}</th>{cells}</tr>'
+        body += f'<tr{f" class={mark}" if i in marks else ""}><th scope="row">{escape(first)}</th>{cells}</tr>'
     return (
         f'<div class="scroll" tabindex="0" role="group" aria-label="{escape(caption)}"><table>'
         f"<caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
@@ -50,12 +60,6 @@ def pairs(caption: str, values: Mapping[str, Any]) -> str:
     )
     inside = f"<caption>{escape(caption)}</caption><tbody>{rows}</tbody>"
     return f'<div class="scroll"><table class="pairs">{inside}</table></div>'
-
-
-def records(caption: str, rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return a table of records, their keys in order of first appearance as columns."""
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    return table(caption, names, [[_plain(row.get(name, "–")) for name in names] for row in rows])
 
 
 def estimates(fit: Fit, *, truth: Mapping[str, float] | None) -> str:

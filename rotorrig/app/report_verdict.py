@@ -70,7 +70,9 @@ def size(misfits: Sequence[Misfit]) -> str:
 
 
 def _worst(diagnosis: Diagnosis) -> list[str]:
+    """Return the causes named and the worst misfits, as far as the verdict's sentence does not say them."""
     if diagnosis.verdict is Verdict.ADEQUATE:
         return []
-    sentences = [misfit.sentence for misfit in diagnosis.worst[:SHOWN_MISFITS]]
+    sentences = [cause.words for cause in diagnosis.causes if cause.chosen]
+    sentences += [misfit.sentence for misfit in diagnosis.worst[:SHOWN_MISFITS]]
     return [sentence for sentence in sentences if sentence not in diagnosis.sentence]

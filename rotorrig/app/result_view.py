@@ -10,8 +10,10 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import RawRecording
+from rotorrig.app import cause_words
 from rotorrig.app.blueprint import result_blueprint
 from rotorrig.app.curves import RPM, UM, model_vectors, phase_window, residual_grid, slow_roll_known, sweeps, vectors
+from rotorrig.app.diagnosis_part import part_of, predictions
 from rotorrig.app.drawn_axes import DOWN, GRID, MODEL_DOWN, MODEL_UP, SOFT, UP, Panel, step_for, texts
 from rotorrig.app.orbits import Plane, orbit, planes, representative_rows
 from rotorrig.app.rerun_pictures import BodePicture, OrbitPicture
@@ -41,22 +43,25 @@ def write_result_rrd(
     diagnosis: Diagnosis | None = None,
     recording: RawRecording | None = None,
 ) -> None:
-    """Write an .rrd of a response with the fit and its residual; `recording` adds the unfiltered orbits.
+    """Write an .rrd of a response with the model's prediction and residual; `recording` adds the unfiltered orbits.
 
-    Raises RigError if the file's folder is missing.
+    The model is the extended one where there is one. Raises RigError if the file's folder is missing, DataError if the
+    diagnosis is of another response.
     """
     stream = rr.RecordingStream(
         "rotorrig result", recording_id=f"result-{response.source.source_hash or response.source.config_hash}"
     )
     stream.set_sinks(*to_file(path).targets, default_blueprint=result_blueprint(response.rig, response.probes))
     fit = identification.fits[0] if identification and identification.fits else None
-    prediction = fit.prediction if fit else None
+    diagnosis = part_of(diagnosis, response) if diagnosis else None
+    base, extended = predictions(response, fit, diagnosis)
+    prediction = base if extended is None else extended
     bodes = _draw_bodes(stream, response, prediction)
     if sweeps(response):
         _draw_by_speed(stream, response, prediction, recording, bodes)
     if diagnosis is not None:
         _draw_residual(stream, response, diagnosis)
-    words = _words(response, identification, diagnosis, recorded=recording is not None)
+    words = verdict_words(response, identification, diagnosis, recorded=recording is not None)
     stream.log("verdict", rr.TextDocument(words, media_type=rr.MediaType.MARKDOWN), static=True)
     stream.disconnect()
 
@@ -165,16 +170,17 @@ def _coloured(grid: NDArray[np.float64]) -> NDArray[np.uint8]:
     return image.astype(np.uint8)
 
 
-def _words(
+def verdict_words(
     response: OrderTrackedResponse,
     identification: Identification | None,
     diagnosis: Diagnosis | None,
     *,
     recorded: bool,
 ) -> str:
+    """Return what stands beside the pictures, in Markdown: verdict, causes, values, provenance."""
     said = [f"# {response.rig.name}"]
     if diagnosis:
-        said += [f"**{str(diagnosis.verdict).upper()}**: {diagnosis.sentence}"]
+        said += [f"**{str(diagnosis.verdict).upper()}**: {diagnosis.sentence}", *_causes(diagnosis)]
     if identification and identification.fits:
         said.append("| | identified | nameplate |\n|---|---|---|")
         said[-1] += "".join(
@@ -186,3 +192,18 @@ def _words(
     made = response.source
     said.append(f"Config {made.config_hash}, data {made.source} {made.source_hash}, code {made.code_version}.")
     return "\n\n".join(said)
+
+
+def _causes(found: Diagnosis) -> list[str]:
+    """Return the causes in the model and the best others as a table, what the model gains, and the next run."""
+    said = [cause.words for cause in found.causes if cause.chosen]
+    if found.causes:
+        rows = [
+            f"| {cause.label} | {cause_words.size(cause)} | {cause.evidence:.0f} | {cause_words.heldout(cause)} |"
+            for cause in cause_words.listed(found)
+        ]
+        said.append("\n".join(["| cause | size | evidence | held-out error |", "|---|---|---|---|", *rows]))
+    return [
+        *said,
+        *(words for words in (cause_words.gain(found), *cause_words.ties(found), cause_words.next_run(found)) if words),
+    ]

@@ -1,8 +1,7 @@
 """Run a sweep from a config: connect, record, stop, close, with the drivers a lab would use."""
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager, ExitStack
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +9,7 @@ from rotorrig.acquisition import plans
 from rotorrig.acquisition.engine import SweepResult, run_sweep
 from rotorrig.acquisition.mcap_file import RecordingWriter
 from rotorrig.app.console import progress_bars
+from rotorrig.app.simulating import StandIn, simulated
 from rotorrig.rig import connect
 from rotorrig.rig.clock import WallClock
 from rotorrig.rig.description import RigConfig
@@ -17,7 +17,7 @@ from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.provenance import Provenance, code_version
 from rotorrig.rig.units import RPM
-from rotorrig.sims.wire.launch import BenchPorts, simulated_bench
+from rotorrig.sims.wire.launch import BenchPorts
 
 if TYPE_CHECKING:
     from rotorrig.app.viewer import LiveView
@@ -25,32 +25,20 @@ if TYPE_CHECKING:
 Progress = Callable[[plans.Step, float, float], None]  # step, fraction of the sweep's steps, speed [rad/s]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StandIn:
-    """The simulated rig to sweep instead of the config's devices."""
-
-    seed: int
-    hidden: Path | None = None  # a sealed truth; else one is drawn from the seed
-    rate: float = 20.0  # simulated seconds per second, at the most
-
-
-def sweep(rig: RigConfig, *, out: Path, plan: str, stand_in: StandIn | None, view: bool) -> SweepResult:
+def sweep(
+    rig: RigConfig, *, out: Path, plan: str, trial: Sequence[str] = (), stand_in: StandIn | None, view: bool
+) -> SweepResult:
     """Run `rotor sweep`, on the config's devices or a simulated rig, with progress and, if wanted, the live view."""
-    plans.steps(rig, plan)  # a wrong plan is said before anything starts
+    plans.steps(rig, plan, trial=trial)  # a wrong plan is said before anything starts
     with ExitStack() as stack:
-        ports = stack.enter_context(simulated(rig, stand_in)) if stand_in else None
+        ports = stack.enter_context(simulated(rig, stand_in, trial=trial)) if stand_in else None
         bars = stack.enter_context(progress_bars())
         task = bars.add_task("sweeping", total=1.0, note="")
 
         def show(step: plans.Step, fraction: float, speed: float) -> None:
             bars.update(task, completed=fraction, note=f"{speed * RPM:.0f} rpm")
 
-        return record_sweep(rig, out=out, plan=plan, ports=ports, view=view, progress=show)
-
-
-def simulated(rig: RigConfig, stand_in: StandIn) -> AbstractContextManager[BenchPorts]:
-    """Return the simulated rig, started on entry and ended on exit."""
-    return simulated_bench(rig.text, seed=stand_in.seed, hidden=stand_in.hidden, rate=stand_in.rate)
+        return record_sweep(rig, out=out, plan=plan, trial=trial, ports=ports, view=view, progress=show)
 
 
 def record_sweep(
@@ -58,6 +46,7 @@ def record_sweep(
     *,
     out: Path,
     plan: str = "default",
+    trial: Sequence[str] = (),
     ports: BenchPorts | None = None,
     overwrite: bool = False,
     view: bool = False,
@@ -65,9 +54,10 @@ def record_sweep(
 ) -> SweepResult:
     """Run plan `plan` of the config and record it to `out`; `ports` replace the config's, for a simulated rig.
 
+    `trial` are the trial masses on the rotor, such as "disk: 12 g mm at 90 deg"; the recording notes them.
     The rotor is stopped and the recording closed however it ends. Raises ConfigError, LinkLost, LimitExceeded.
     """
-    steps = plans.steps(rig, plan)
+    steps = plans.steps(rig, plan, trial=trial)
     with ExitStack() as stack:
         motor = stack.enter_context(connect.motor(rig, port=ports.motor_port if ports else None))
         daq = stack.enter_context(connect.daq(rig, port=ports.daq_port if ports else None))

@@ -4,9 +4,12 @@ import math
 from collections.abc import Mapping
 
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 
+from rotorrig.app import cause_words
 from rotorrig.app.wording import SHOWN, bearing_coefficients, change, interval
+from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Estimate, Identification
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
@@ -32,6 +35,17 @@ def identified(found: Identification, truth: Mapping[str, float] | None = None) 
             cells.append(value_with_sigma(estimate, factor))
             cells += [change(estimate, known)] if truth else []
         table.add_row(*cells)
+    return table
+
+
+def causes(found: Diagnosis) -> Table:
+    """Return a table of the causes tried: what was found of each, and what speaks for it."""
+    table = Table(title="Causes tried, best first", box=box.SIMPLE_HEAD, title_justify="left")
+    for heading in ("cause", "size", "evidence", "held-out error", ""):
+        table.add_column(heading, justify="right" if heading == "evidence" else "left")
+    for cause in cause_words.listed(found):
+        cells = (cause.label, cause_words.size(cause), f"{cause.evidence:.0f}", cause_words.heldout(cause))
+        table.add_row(*map(escape, cells), cause_words.standing(cause, found), style="bold" if cause.chosen else "")
     return table
 
 
@@ -72,6 +86,9 @@ def rig_parts(rig: RigConfig) -> Table:
         table.add_row(f"probe {p.name}", f"{p.position * 1e3:g}", f"{angle:g} deg, channel {p.channel}, {gain:g} mV/um")
     if rig.keyphasor:
         table.add_row("keyphasor", "", f"channel {rig.keyphasor.channel}, {rig.keyphasor.edge} edge")
+    for effect in rig.effects:
+        values = ", ".join(f"{name} {value:.4g}" for name, value in effect.parameters.items())
+        table.add_row("effect", "", escape(f"{effect.label}: {values} (SI)"))
     if rig.limits:
         limits = f"{rig.limits.overspeed * RPM:.0f} rpm, {rig.limits.vibration * 1e6:g} um 0-peak"
         table.add_row("limits", "", limits)

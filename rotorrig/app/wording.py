@@ -14,6 +14,9 @@ SHOWN = {
     "m": ("µm", 1e6),
     "Pa": ("GPa", 1e-9),
     "kg/m^3": ("kg/m³", 1.0),
+    "kg m^2": ("kg mm²", 1e6),
+    "N/m^3": ("N/mm³", 1e-9),
+    "s": ("µs", 1e6),
     "": ("", 1.0),
 }
 #: what an estimate's short name stands for
@@ -32,6 +35,14 @@ LONG = {
     "density": "density of the shaft",
     "disk mass": "disk mass",
 }
+UNITS = {
+    "k": "N/m",
+    "c": "N s/m",
+    "u": "kg m",
+    "phase": "rad",
+    "E": "Pa",
+    "density": "kg/m^3",
+}  # by name, or its letter
 NEAR_BOUND = 1e-3  # relative: nearer to a bound than this, an estimate was stopped by it
 UNDETERMINED = "not determined by this data"
 
@@ -53,12 +64,24 @@ def plus_minus(estimate: Estimate) -> str:
     """Return "33.91 ± 0.12 kN/m", or that the data do not determine it."""
     if not determined(estimate):
         return UNDETERMINED
-    name, factor = SHOWN.get(estimate.unit, (estimate.unit, 1.0))
-    if estimate.unit == "" and estimate.nameplate == 0:
-        name, factor = "%", 100.0  # a relative deviation from the nameplate
-    value, sigma = estimate.value * factor, estimate.sigma * factor
+    if estimate.unit == "" and estimate.nameplate == 0:  # a relative deviation from the nameplate
+        return plus_minus_of(100 * estimate.value, 100 * estimate.sigma, "%")
+    return plus_minus_of(estimate.value, estimate.sigma, estimate.unit)
+
+
+def plus_minus_of(value: float, sigma: float, unit: str) -> str:
+    """Return `value` ± `sigma` [SI] in the unit people use; without a finite sigma the value alone.
+
+    >>> plus_minus_of(1.8e-5, 3e-7, "m"), plus_minus_of(-0.5, math.inf, "rad")
+    ('18.00 ± 0.30 µm', '-28.65°')
+    """
+    if not (math.isfinite(sigma) and sigma > 0):
+        return shown(value, unit)
+    name, factor = SHOWN.get(unit, (unit, 1.0))
     gap = "" if name == "°" else " "
-    return f"{_rounded(value, sigma)} ± {_rounded(sigma, sigma)}{gap}{name}".rstrip()
+    return (
+        f"{_rounded(value * factor, sigma * factor)} ± {_rounded(sigma * factor, sigma * factor)}{gap}{name}".rstrip()
+    )
 
 
 def interval(estimate: Estimate, *, unit: bool = True) -> str:
@@ -130,6 +153,18 @@ def long(name: str) -> str:
         if key in LONG:
             return f"{name}, {LONG[key]}"
     return name
+
+
+def unit_of(name: str) -> str:
+    """Return the SI unit of an estimate by its name; empty for a ratio.
+
+    >>> unit_of("spring kxx"), unit_of("u disk 2"), unit_of("disk mass")
+    ('N/m', 'kg m', '')
+    """
+    for key in (name.split()[0], name.split()[-1]):
+        if key in LONG:
+            return UNITS.get(key, UNITS.get(key[0], ""))
+    return ""
 
 
 def at_bound(estimate: Estimate) -> str:

@@ -1,7 +1,7 @@
 """A recording to order vectors, in a few named calls."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from rotorrig.processing.tacho import TURN, ShaftAngle, find_edges, levels, shaf
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import code_version
+from rotorrig.rig.trial_mass import TrialMass, read_trial_mass, trial_unbalance
 
 HYSTERESIS = 0.25  # of the distance between the keyphasor's levels
 
@@ -25,18 +26,21 @@ def track(
     *,
     turns: int = 8,
     orders: tuple[float, ...] = (0.0, 1.0, 2.0),
+    trial: Sequence[TrialMass] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> OrderTrackedResponse:
     """Return the order vectors of a recording, a row per `turns` turns, with their covariance.
 
-    `progress` is told the fraction done. Raises DataError if the recording has no keyphasor pulses, no run or no
-    whole row, or if the window is too short to tell the orders apart.
+    `trial` are the trial masses that were on the rotor, None: those the recording notes. `progress` is told the
+    fraction done. Raises DataError if the recording has no keyphasor pulses, no run or no whole row, or if the window
+    is too short to tell the orders apart.
     """
     orders = tuple(float(order) for order in orders)
     waveforms = Waveforms(recording)
     _check_orders(orders, turns, waveforms.where)
     shaft = read_keyphasor(waveforms)
-    spans = find_runs(recording.events, shaft)
+    masses = recorded_trial_masses(recording) if trial is None else trial
+    spans = find_runs(recording.events, shaft, trial=trial_unbalance(masses))
     rows = lay_rows(shaft, [(span.begin, span.end) for span in spans], turns=turns)
     _check_rows(rows, spans, waveforms.where)
     z = track_orders(waveforms, shaft, rows, orders=orders, progress=progress)
@@ -64,6 +68,12 @@ def track(
         keyphasor_t=shaft.pulses(),
         source=replace(recording.source, config_hash=recording.rig.hash, code_version=code_version()),
     )
+
+
+def recorded_trial_masses(recording: RawRecording) -> tuple[TrialMass, ...]:
+    """Return the trial masses a sweep noted. Raises ConfigError if a note cannot be read."""
+    notes = (event.text for event in recording.events if event.kind == "trial")
+    return tuple(read_trial_mass(text, rig=recording.rig) for text in notes)
 
 
 def read_keyphasor(waveforms: Waveforms) -> ShaftAngle:

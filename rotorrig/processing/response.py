@@ -22,7 +22,8 @@ class Run:
 
     name: str
     direction: int  # +1 speed rises, -1 falls, 0 dwell
-    trial_unbalance: dict[str, complex] = field(default_factory=dict)  # disk -> kg m, angle from the keyphasor mark
+    #: disk -> kg m, angle from the keyphasor mark; on during the whole run, so in a slow roll of that recording too
+    trial_unbalance: dict[str, complex] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

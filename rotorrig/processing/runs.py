@@ -1,7 +1,7 @@
 """Which stretch of a recording is which run: from the marks of the plan, or from the speed where there are none."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,8 +29,13 @@ class Span:
     end: float
 
 
-def find_runs(events: Sequence[Event], shaft: ShaftAngle) -> tuple[Span, ...]:
-    """Return the runs of a recording in order of time, each with a name of its own."""
+def find_runs(
+    events: Sequence[Event], shaft: ShaftAngle, *, trial: Mapping[str, complex] | None = None
+) -> tuple[Span, ...]:
+    """Return the runs of a recording in order of time, each with a name of its own.
+
+    `trial` is the unbalance [kg m] that trial masses add per disk: to every run, the slow roll included.
+    """
     if any(event.kind == "mark" for event in events):
         spans = _from_marks(events, end=float(shaft.t[-1]))
     else:
@@ -40,7 +45,8 @@ def find_runs(events: Sequence[Event], shaft: ShaftAngle) -> tuple[Span, ...]:
     for name, direction, begin, end in spans:
         count[name] = count.get(name, 0) + 1
         own = name if count[name] == 1 else f"{name} {count[name]}"
-        named.append(Span(run=Run(name=own, direction=direction), begin=begin, end=end))
+        run = Run(name=own, direction=direction, trial_unbalance=dict(trial or {}))
+        named.append(Span(run=run, begin=begin, end=end))
     return tuple(named)
 
 

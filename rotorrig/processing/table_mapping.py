@@ -28,8 +28,9 @@ import tomllib
 from pathlib import Path
 from typing import Literal
 
-from rotorrig.rig.description import Angle, Length, Part, RampRate, RigConfig, Speed, UnbalanceAmount, checked
+from rotorrig.rig.description import Angle, Length, Part, RampRate, RigConfig, Speed, checked
 from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.trial_mass import TrialMass
 
 DIRECTIONS = {"up": 1, "down": -1, "dwell": 0}
 
@@ -62,14 +63,6 @@ class VectorColumns(Part):
         return pair[0] or "", pair[1] or ""
 
 
-class Trial(Part):
-    """A known mass on a disk during a run; the angle from the keyphasor mark, in the sense of rotation."""
-
-    disk: str
-    amount: UnbalanceAmount
-    angle: Angle
-
-
 class TableRun(Part):
     """A passage of the rotor: all rows, or those with `value` in the run column."""
 
@@ -79,7 +72,7 @@ class TableRun(Part):
     ramp: RampRate | None = None
     rows: Literal["one per revolution"] | None = None
     revolutions: float | None = None
-    trial: tuple[Trial, ...] = ()
+    trial: tuple[TrialMass, ...] = ()
 
 
 class StatedVector(Part):

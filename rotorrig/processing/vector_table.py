@@ -28,6 +28,7 @@ from rotorrig.processing.table_mapping import (
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance, code_version, file_hash
+from rotorrig.rig.trial_mass import trial_unbalance
 
 BACKWARDS = 0.01  # of the speed: measured speeds of a run-up may fall back by so much, from noise
 PARABOLA = 7  # rows a local parabola is fitted to, for the scatter about it
@@ -310,10 +311,8 @@ def _stated(
 
 
 def _run(described: TableRun) -> Run:
-    trial: dict[str, complex] = {}
-    for mass in described.trial:
-        trial[mass.disk] = trial.get(mass.disk, 0j) + mass.amount * complex(math.cos(mass.angle), math.sin(mass.angle))
-    return Run(name=described.name, direction=DIRECTIONS[described.direction], trial_unbalance=trial)
+    direction = DIRECTIONS[described.direction]
+    return Run(name=described.name, direction=direction, trial_unbalance=trial_unbalance(described.trial))
 
 
 def _revolutions(described: TableRun) -> float:

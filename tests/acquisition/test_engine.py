@@ -9,7 +9,7 @@ import pytest
 
 from rotorrig.acquisition.engine import SweepResult, run_sweep
 from rotorrig.acquisition.mcap_file import RecordingWriter, read_recording
-from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, Step
+from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, Step, Trial
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.description import RigConfig
@@ -97,6 +97,13 @@ def test_a_plan_is_run_in_order_and_the_rotor_stopped_down_the_ramp(bench: MakeB
     assert result.trip == ""
     assert result.gaps == 0
     assert not rig.daq.streaming
+
+
+def test_a_trial_mass_is_noted_before_the_first_run(bench: MakeBench) -> None:
+    rig = bench()
+    rig.sweep((Trial(mass="disk: 12 g mm at 90 deg"), *PLAN))
+    assert rig.marks("trial") == ["disk: 12 g mm at 90 deg"]
+    assert rig.recorded().events[1].kind == "trial"  # the first says when the recording began
 
 
 def test_steps_take_the_time_they_should_by_the_sample_clock(bench: MakeBench) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rotorrig.identify.cause import Cause, Figure
 from rotorrig.identify.diagnosis import Diagnosis, Misfit, Verdict
 from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
 from rotorrig.processing.response import OrderTrackedResponse, Run
@@ -111,6 +112,67 @@ def make_diagnosis(response: OrderTrackedResponse, prediction: NDArray[np.comple
     )
 
 
+def make_cause(label: str, title: str, *, chosen: bool = False, evidence: float, after: float) -> Cause:
+    """A bow of 18 um at 110 degrees, whatever it is called."""
+    effect, _, where = label.partition(", ")
+    size, angle = 18e-6, np.radians(110)
+    return Cause(
+        label=label,
+        effect=effect,
+        where=where,
+        title=title,
+        words=f"The shaft shows a {title} of 18 um at 110 deg.",
+        chosen=chosen,
+        plausible=True,
+        evidence=evidence,
+        lam=evidence + 15,
+        heldout_before=5.2e-6,
+        heldout_after=after,
+        parameters={
+            "bow": Figure(value=size, unit="m", sigma=3e-7),
+            "bow angle": Figure(value=angle, unit="rad", sigma=np.radians(1.0)),
+        },
+        theta={"bow re": size * np.cos(angle), "bow im": size * np.sin(angle)},
+        sigmas={"bow re": 3e-7, "bow im": np.inf},
+    )
+
+
+def make_named(response: OrderTrackedResponse, base: NDArray[np.complex128]) -> Diagnosis:
+    """A bow found in a response that `base` does not describe; the extended model is the closed form itself."""
+    wrong = make_diagnosis(response, base, adequate=False)
+    after = wrong.residual.copy()
+    after[:, :, 1] = response.order(1.0) - prediction_of(response)
+    return dataclasses.replace(
+        wrong,
+        verdict=Verdict.NAMED,
+        sentence="The model is NOT adequate; a bow of the shaft explains it.",
+        causes=(
+            make_cause("bow", "residual bow", chosen=True, evidence=812.0, after=4.1e-7),
+            make_cause("runout, plane 2", "probe runout", evidence=640.0, after=1.3e-6),
+            dataclasses.replace(make_cause("delay", "delay", evidence=-11.0, after=np.nan), plausible=False),
+        ),
+        tied=(("bow", "runout, plane 2"),),
+        next_run={
+            "kind": "trial mass",
+            "words": "A run with a trial mass of 12 g mm would tell bow from runout.",
+            "lam": 210.0,
+            "separates": ["bow", "runout, plane 2"],
+        },
+        gain={
+            "heldout_before": 5.2e-6,
+            "heldout_after": 4.1e-7,
+            "noise_floor": 4e-7,
+            "over_noise_floor": 1.03,
+            "on": "blocks of speeds in turn",
+            "base": {"kxx": {"before": 31200.0, "after": 33900.0, "sigma": 120.0}},
+        },
+        hidden=({"effect": "internal_damping", "smallest": 40.0, "unit": "N s/m", "missing": "a run in reverse"},),
+        character="What is left is strongest at 2X.",
+        extended_residual=after,
+        responses=((response.source.source_hash, len(response.omega)),),
+    )
+
+
 def swept_counts(rig: RigConfig, *, seconds: float = 16.0, rate: float = 10_000.0) -> tuple[NDArray[np.int32], DaqInfo]:
     """Counts (sample, channel) of a run from 480 to 3000 rpm and back to 1500, noise of 3 mV, no runout."""
     t = np.arange(int(seconds * rate)) / rate
@@ -199,6 +261,11 @@ def good(response: OrderTrackedResponse) -> Diagnosis:
 @pytest.fixture(scope="session")
 def poor(response: OrderTrackedResponse) -> Diagnosis:
     return make_diagnosis(response, prediction_of(response, damping=0.055), adequate=False)
+
+
+@pytest.fixture(scope="session")
+def named(response: OrderTrackedResponse) -> Diagnosis:
+    return make_named(response, prediction_of(response, damping=0.055))
 
 
 @pytest.fixture(scope="session")

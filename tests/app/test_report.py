@@ -12,15 +12,18 @@ import pytest
 
 from rotorrig.app import figures
 from rotorrig.app.curves import curves, lag_degrees, phase_window, residual_grid
+from rotorrig.app.diagnosis_part import part_of, predictions
 from rotorrig.app.orbits import orbit, planes
 from rotorrig.app.report import write_report
 from rotorrig.app.rig_drawing import end_view, side_view
 from rotorrig.app.wording import plus_minus, shown
+from rotorrig.identify.cause import Figure
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Estimate, Identification
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
+from tests.app.conftest import make_cause
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 TRUTH = {"kxx": 34000.0, "kyy": 34100.0, "cxx": 14.8, "cyy": 15.0, "u": 1.61e-5, "phase": 0.70}
@@ -124,9 +127,58 @@ def test_an_unexplained_run_claims_no_more_than_was_tried(
 ) -> None:
     write_report(path, response=response, identification=poorly_fitted, diagnosis=poor)
     assert "causes tried" not in Page(path.read_text()).first("h2")
-    tried = dataclasses.replace(poor, causes=({"cause": "bow", "gain": 0.1},))
+    tried = dataclasses.replace(poor, causes=(make_cause("bow", "residual bow", evidence=-3.0, after=5e-6),))
     write_report(path, response=response, identification=poorly_fitted, diagnosis=tried)
     assert Page(path.read_text()).first("h2").endswith("none of the causes tried explains it")
+
+
+def test_a_named_cause_comes_with_its_size_its_evidence_and_what_it_explains(
+    path: Path, response: OrderTrackedResponse, poorly_fitted: Identification, named: Diagnosis
+) -> None:
+    write_report(path, response=response, identification=poorly_fitted, diagnosis=named)
+    page = Page(path.read_text())
+    assert "a cause is named" in page.first("h2")
+    said = page.said()
+    assert named.causes[0].words in said
+    assert "bow 18.00 ± 0.30 µm at 110.0 ± 1.0° 812 827 5.20 → 0.410 µm in the model, tied" in said
+    assert "delay 18.00 ± 0.30 µm at 110.0 ± 1.0° -11 4 – not plausible" in said
+    assert "Tied: bow; runout, plane 2." in said
+    assert "A run with a trial mass of 12 g mm would tell bow from runout." in said
+    assert "goes from 5.2 to 0.41 µm, 1.03 times the noise floor of 0.4 µm." in said
+    assert "kxx 31.2 kN/m 33.90 ± 0.12 kN/m +22.5 σ" in said  # (33900 - 31200) / 120
+    assert "internal_damping: would show from 40 N s/m on; what is missing is a run in reverse" in said
+    assert said.index("Causes") < said.index("Identified values") < said.index("What this data cannot tell")
+
+
+def test_the_extended_model_is_drawn_over_the_base_model(
+    response: OrderTrackedResponse, poorly_fitted: Identification, named: Diagnosis
+) -> None:
+    base, extended = predictions(response, poorly_fitted.fits[0], named)
+    figure = figures.bode(response, 0, prediction=extended, before=base)
+    peak = {
+        trace.name: float(np.nanmax(trace.y))
+        for trace in figure.data
+        if trace.yaxis == "y" and trace.name in ("base model", "up, model")
+    }
+    assert peak["up, model"] == pytest.approx(187.5, rel=0.01)  # e / (2 zeta)
+    assert peak["base model"] == pytest.approx(187.5 * 0.04 / 0.055, rel=0.01)
+
+
+def test_of_several_responses_each_finds_its_own_rows_in_the_diagnosis(
+    path: Path, response: OrderTrackedResponse, poor: Diagnosis
+) -> None:
+    rows = len(response.omega)
+    both = dataclasses.replace(
+        poor,
+        residual=np.concatenate([np.zeros((5, *poor.residual.shape[1:])), poor.residual]),
+        sigmas=np.concatenate([np.zeros((5, *poor.sigmas.shape[1:])), poor.sigmas]),
+        responses=(("of another", 5), (response.source.source_hash, rows)),
+    )
+    mine = part_of(both, response)
+    assert np.array_equal(mine.sigmas, poor.sigmas, equal_nan=True)
+    write_report(path, response=response, diagnosis=both)
+    with pytest.raises(DataError, match="want the diagnosis of this very response"):
+        part_of(dataclasses.replace(both, responses=(("of another", 5),)), response)
 
 
 def test_a_response_alone_makes_a_report(path: Path, response: OrderTrackedResponse) -> None:
@@ -163,8 +215,20 @@ def test_quoted_text_cannot_become_markup(
     rig = response.rig.model_copy(update={"name": evil, "notes": evil})
     runs = tuple(Run(name=evil, direction=run.direction) for run in response.runs)
     fit = dataclasses.replace(identification.fits[0], words=(evil,), objective=evil, stop=evil, name=evil)
+    cause = dataclasses.replace(
+        make_cause(evil, evil, chosen=True, evidence=1.0, after=1e-6),
+        words=evil,
+        parameters={evil: Figure(value=1.0, unit=evil, sigma=0.1)},
+    )
     diagnosis = dataclasses.replace(
-        poor, sentence=evil, causes=({evil: evil},), next_run={evil: [evil]}, tied=((evil,),)
+        poor,
+        sentence=evil,
+        causes=(cause,),
+        next_run={"words": evil},
+        tied=((evil,),),
+        character=evil,
+        hidden=({"effect": evil, "unit": evil, "missing": evil, "smallest": 1.0},),
+        gain={"base": {evil: {"before": 1.0, "after": 2.0, "sigma": 1.0}}},
     )
     write_report(
         path,

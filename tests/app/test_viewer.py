@@ -13,6 +13,7 @@ from rerun.experimental import ViewerClient
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.drawn_axes import Panel
 from rotorrig.app.live_tracking import GrowingBode, LiveTracker
+from rotorrig.app.result_view import verdict_words
 from rotorrig.app.sinks import serve, to_file
 from rotorrig.app.viewer import LiveView, as_rrd, joined, view_file, write_recording_rrd, write_result_rrd
 from rotorrig.identify.diagnosis import Diagnosis
@@ -146,6 +147,16 @@ def test_a_response_file_becomes_a_picture(tmp_path: Path, response: OrderTracke
     write_response(tmp_path / "response.mcap", response)
     made = as_rrd(tmp_path / "response.mcap", tmp_path)
     assert made.stat().st_size > 100_000
+
+
+def test_the_words_beside_the_pictures_name_the_cause_and_what_it_bought(
+    response: OrderTrackedResponse, named: Diagnosis
+) -> None:
+    words = verdict_words(response, None, named, recorded=False)
+    assert words.index("**NAMED**") < words.index(named.causes[0].words)
+    assert "| bow | 18.00 ± 0.30 µm at 110.0 ± 1.0° | 812 | 5.20 → 0.410 µm |" in words
+    assert "1.03 times the noise floor" in words
+    assert "A run with a trial mass" in words
 
 
 def test_a_served_viewer_listens_on_this_machine_alone_and_ends_with_its_sink(tmp_path: Path) -> None:

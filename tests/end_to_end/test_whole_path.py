@@ -105,21 +105,23 @@ def test_replay_and_export_read_what_was_written(healthy: Path) -> None:
     assert (healthy / "vectors.csv").read_text().count("\n") > 100
 
 
-def test_a_sealed_coupling_force_is_called_not_adequate_and_located(folder: Path, hurried_rig: RigConfig) -> None:
+def test_a_sealed_bow_is_named_and_the_extended_model_is_adequate(folder: Path, hurried_rig: RigConfig) -> None:
     sealed = folder / "sealed.json"
-    seal(draw(hurried_rig, seed=SEED + 1, faults=[FaultSpec(name="coupling", parameters={})]), sealed)
+    hidden = FaultSpec(name="bow", parameters={"amount": 30e-6, "angle": 2.0})
+    seal(draw(hurried_rig, seed=SEED + 1, faults=[hidden]), sealed)
     done("sweep", folder / "rig.toml", "--simulate", "--hidden", sealed, "--out", folder / "bad.mcap")
     done("track", folder / "bad.mcap", "--out", folder / "bad_response.mcap")
-    said = done("diagnose", folder / "bad_response.mcap", "--out", folder / "bad.json")
-    assert "NOT adequate" in said
+    extended = folder / "extended.toml"
+    said = done("diagnose", folder / "bad_response.mcap", "--out", folder / "bad.json", "--rig-out", extended)
+    assert "bowed" in said
     diagnosis = json.loads((folder / "bad.json").read_text())
-    assert diagnosis["verdict"] == "unexplained"
-    assert unseal(sealed).faults[0].name == "coupling"
-    rpm = 30 / 3.141592653589793
-    second = [m for m in diagnosis["base"]["worst"] if m["order"] == 2]
-    half_critical = [m for m in second if m["speed_from"] * rpm < 1113 < m["speed_to"] * rpm]
-    assert half_critical, "2X is strongest where twice the speed meets the first critical, 2226 / 2 rpm"
-    assert "2X" in said
+    assert diagnosis["verdict"] in ("named", "tied")
+    first = diagnosis["causes"][0]
+    assert first["name"] == unseal(sealed).faults[0].name == "bow"
+    assert abs(first["parameters"]["bow"]["value"] - 30e-6) < 5e-6
+    again = folder / "again.json"
+    done("diagnose", folder / "bad_response.mcap", "--config", extended, "--out", again)
+    assert json.loads(again.read_text())["verdict"] == "adequate"
 
 
 def test_ctrl_c_stops_the_rotor_and_keeps_what_was_recorded(folder: Path) -> None:

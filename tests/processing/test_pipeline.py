@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.acquisition.recording import RawRecording
+from rotorrig.acquisition.recording import Event, RawRecording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import DataError
+from rotorrig.rig.trial_mass import TrialMass
 from tests.processing.synthetic import FULL_SCALE, VOLTS_PER_COUNT, chirp, falling_notch
 
 RPM = np.pi / 30
@@ -107,6 +108,14 @@ def test_more_orders_and_other_windows_may_be_asked_for(sweep: RawRecording) -> 
     assert found.orders == (0.5, 1.0, 3.0)
     assert np.abs(found.order(0.5)[found.run > 0]).max() < 1e-7
     assert told == sorted(told) and told[-1] == 1.0
+
+
+def test_a_trial_mass_noted_by_the_sweep_is_on_in_every_run_unless_another_is_given(sweep: RawRecording) -> None:
+    noted = Event(t_ns=0, kind="trial", text="disk: 12 g mm at 90 deg")
+    recording = replace(sweep, events=(noted, *sweep.events))
+    for trial, unbalance in ((None, 12e-6j), ([TrialMass(disk="disk", amount="5 g mm", angle="0 deg")], 5e-6)):
+        runs = track(recording, trial=trial).runs
+        assert [run.trial_unbalance["disk"] for run in runs] == [pytest.approx(unbalance)] * 3
 
 
 def test_an_unmarked_recording_is_split_by_its_speed(sweep: RawRecording) -> None:

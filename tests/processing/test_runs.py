@@ -62,3 +62,8 @@ def test_hunting_is_no_run(rng: np.random.Generator) -> None:
     at = np.arange(0, 60, 0.5)
     wandering = [(float(t), float(rpm)) for t, rpm in zip(at, 1200 + 0.6 * rng.standard_normal(len(at)), strict=True)]
     assert [span.run.name for span in find_runs([], shaft_with(wandering))] == ["dwell 1200 rpm"]
+
+
+def test_a_trial_mass_is_on_in_every_run_the_slow_roll_included() -> None:
+    spans = find_runs([], SWEEP, trial={"disk": 12e-6j})
+    assert [span.run.trial_unbalance for span in spans] == [{"disk": 12e-6j}] * 4

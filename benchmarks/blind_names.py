@@ -1,0 +1,228 @@
+"""What the right answer is: which effects of the library a fault of the simulated rig ought to be called, how large.
+
+Faults and effects were written apart and count differently: angles from the shaft's zero or from the keyphasor's edge,
+a force or a stiffness, a place anywhere or on a scan. This table is the only place that knows both. A fault that does
+not stand in it is an outsider, for which the right answer is that no known cause explains it.
+"""
+
+import cmath
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from rotorrig.acquisition.plans import SETTLING_RAMP
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import catalogue, find
+from rotorrig.sims.effects.crack import Crack
+from rotorrig.sims.effects.places import STEP, probe_planes
+from rotorrig.sims.effects.shaft_motion import at_rest, curvature_rows
+from rotorrig.sims.effects.stiffness_over_speed import StiffnessOverSpeed
+from rotorrig.sims.effects.unbalance_plane import UnbalancePlane
+from rotorrig.sims.plant.faults.base import fault
+from rotorrig.sims.plant.truth import FaultSpec, Truth
+from rotorrig.sims.rotor.assembly import assemble
+
+Values = Mapping[str, float]
+Place = TypeVar("Place", Crack, UnbalancePlane)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """The right answers for one hidden fault."""
+
+    labels: tuple[str, ...]  # any of these is right; none: an outsider
+    exact: str = ""  # the one whose size is known
+    theta: Mapping[str, float]  # its parameters, SI; approximate where the two do not mean the same
+    same: tuple[str, ...] = ()  # those of them that do, so that an interval may be asked to hold them
+    disturbed: tuple[str, ...] = ()  # estimates of the base that the fault itself changes
+
+
+OUTSIDER = Answer(labels=(), theta={})
+
+
+def answer(rig: RigConfig, truth: Truth, hidden: FaultSpec) -> Answer:
+    """Return the right answers for a fault in the rig of `truth`."""
+    if hidden.name not in ANSWERS:
+        return OUTSIDER
+    return ANSWERS[hidden.name](rig, truth, fault(hidden.name).PARAMETERS | hidden.parameters)
+
+
+def effect_of(label: str) -> str:
+    """Return the effect's name.
+
+    >>> effect_of("runout, plane 2")
+    'runout'
+    """
+    return label.split(", ")[0]
+
+
+def _plain(label: str, names: Mapping[str, str], *, same: bool = True) -> Callable[[RigConfig, Truth, Values], Answer]:
+    """Return a rule for an effect at one place whose parameters are the fault's by other names."""
+
+    def rule(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+        theta = {own: values[theirs] for own, theirs in names.items()}
+        return _one(label, theta, same=tuple(theta) if same else ())
+
+    return rule
+
+
+def _turning(
+    label: str, name: str, amount: str, angle: str, *, order: int = 1, same: bool = True
+) -> Callable[[RigConfig, Truth, Values], Answer]:
+    """Return a rule for one phasor that turns with the shaft."""
+
+    def rule(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+        theta = _phasor(name, values[amount], order * (values[angle] + truth.keyphasor_offset))
+        return _one(label, theta, same=tuple(theta) if same else ())
+
+    return rule
+
+
+def _bow(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Take a bow of either shape for right; the hidden one is even."""
+    theta = _phasor("bow", values["amount"], values["angle"] + truth.keyphasor_offset)
+    return Answer(labels=("bow, even", "bow"), exact="bow, even", theta=theta, same=tuple(theta))
+
+
+def _coupling(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Turn the 2X force from the offset's angle, fixed in space; the shaft's sag, which adds to it, is left out."""
+    once = _phasor("force 1X", values["bore_force"], values["bore_angle"] + truth.keyphasor_offset)
+    turn = 2 * (values["stiff_diameter"] + truth.keyphasor_offset) - values["offset_angle"]
+    twice = _phasor("force 2X", values["stiffness_variation"] * values["offset"], turn)
+    return _one("coupling", once | twice, same=tuple(once))
+
+
+def _crack(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Bend the hinge by the weight's moment; (1 + cos) / 2 cos^2 has 3/8, 1/4 and 1/8 of it at 1X, 2X and 3X."""
+    places = _nearest(rig, Crack, values["position"])
+    model = assemble(rig)
+    moments = places[0].bending_stiffness * curvature_rows(model, places[0].position) @ at_rest(model, rig.gravity)
+    kink = values["compliance"] * float(np.hypot(*moments))
+    turn = values["angle"] + truth.keyphasor_offset
+    parts = [_phasor(f"kink {n}X", share * kink, n * turn) for n, share in ((1, 3 / 8), (2, 1 / 4), (3, 1 / 8))]
+    return Answer(
+        labels=tuple(e.label for e in places), exact=places[0].label, theta={k: v for p in parts for k, v in p.items()}
+    )
+
+
+def _cross_talk(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    return _one(f"cross_talk, {_plane(rig, values['probe'])}", {"leak": values["share"]}, same=("leak",))
+
+
+def _pedestal(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Name the pedestal along x; across it has no resonance within the sweep and is part of the bearing."""
+    omega = math.tau * values["frequency"]
+    theta = {
+        "lightness": values["compliance"] * omega**2,
+        "omega": omega,
+        "damping ratio": values["damping_ratio"],
+    }
+    return _one("pedestal, x", theta, same=tuple(theta), disturbed=("kyy", "cyy"))
+
+
+def _probe_angle(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    return _one(f"probe_angle, probe {_probe(rig, values)}", {"turn": values["turn"]}, same=("turn",))
+
+
+def _probe_gain(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    return _one(f"probe_gain, probe {_probe(rig, values)}", {"error": values["gain"]}, same=("error",))
+
+
+def _runout(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Take both parts of the track for right; the larger is the one once per turn."""
+    label = f"runout, {_plane(rig, values['probe'])}"
+    theta = _phasor("runout", values["eccentricity"], values["angle"] + truth.keyphasor_offset)
+    return Answer(labels=(label, f"{label}, twice per turn"), exact=label, theta=theta, same=tuple(theta))
+
+
+def _soft_left_bearing(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Count the seat's compliance in parts of the bearing's own."""
+    sought = {name for group in rig.identify.bearings for name in group} if rig.identify else set()
+    stiffest = max(b.constant("kxx") for b in rig.bearings if b.name not in sought)
+    return _one("soft_left_bearing", {"softness": values["compliance"] * stiffest}, same=("softness",))
+
+
+def _stiffness_over_speed(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Go from one reference to the other: both grow with the square of the speed."""
+    label = "stiffness_over_speed"
+    effect = find(rig, label)
+    assert isinstance(effect, StiffnessOverSpeed)
+    return _one(label, {"growth": values["gain"] * (effect.reference / values["reference"]) ** 2}, same=("growth",))
+
+
+def _unbalance_plane(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Take the neighbours for right: a scan has no place exactly there."""
+    places = _nearest(rig, UnbalancePlane, values["position"])
+    theta = _phasor("unbalance", values["amount"], values["angle"] + truth.keyphasor_offset)
+    return Answer(labels=tuple(e.label for e in places), exact=places[0].label, theta=theta)
+
+
+def _unbalance_step(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Say when the plan passes that speed; the drive lags behind it by some tenths of a second."""
+    step = _phasor("step", values["amount"], values["angle"] + truth.keyphasor_offset)
+    plan = rig.plans["default"]
+    settling = plan.start / SETTLING_RAMP + 2.0
+    time = settling + plan.slow_roll_time + max(values["speed"] - plan.start, 0.0) / plan.ramp
+    return _one("unbalance_step", step | {"time": max(time, values["time"])}, same=tuple(step))
+
+
+Rule = Callable[[RigConfig, Truth, Values], Answer]
+ANSWERS: Mapping[str, Rule] = {
+    "bow": _bow,
+    "clearance": _plain("clearance", {"gap": "gap"}),
+    "couple": _turning("couple", "skew", "skew", "angle"),
+    "coupling": _coupling,
+    "crack": _crack,
+    "cross_stiffness": _plain("cross_stiffness", {"k": "stiffness"}),
+    "cross_talk": _cross_talk,
+    "cubic_spring": _plain("cubic_spring", {"k3": "k3"}),
+    "delay": _plain("delay", {"delay": "time"}),
+    "disk_inertia": _plain("disk_inertia", {"polar": "polar", "transverse": "transverse"}),
+    "drag": _plain("drag", {"c2": "coefficient"}),
+    "friction": _plain("friction", {"force": "limit"}, same=False),  # sticks there, creeps here
+    "hysteresis": _plain("hysteresis", {"eta": "loss_factor"}, same=False),  # causal there: k grows too
+    "internal_damping": _plain("internal_damping", {"beta": "time"}, same=False),  # over and above the material's own
+    "line_hum": _turning("line_hum, 50 Hz", "hum", "amount", "phase", same=False),  # from another zero of time
+    "pedestal": _pedestal,
+    "probe_angle": _probe_angle,
+    "probe_gain": _probe_gain,
+    "rub": _plain(
+        "rub, at disk", {"gap": "gap", "stiffness": "stiffness", "friction": "friction"}, same=False
+    ),  # beside the disk there, at it here
+    "runout": _runout,
+    "shaft_asymmetry": _turning("shaft_asymmetry", "asymmetry", "asymmetry", "stiff_plane", order=2),
+    "skew_stiffness": _plain("skew_stiffness", {"k": "stiffness"}),
+    "soft_left_bearing": _soft_left_bearing,
+    "stiffness_over_speed": _stiffness_over_speed,
+    "unbalance_plane": _unbalance_plane,
+    "unbalance_step": _unbalance_step,
+}
+
+
+def _one(label: str, theta: Mapping[str, float], *, same: tuple[str, ...], disturbed: tuple[str, ...] = ()) -> Answer:
+    return Answer(labels=(label,), exact=label, theta=theta, same=same, disturbed=disturbed)
+
+
+def _phasor(name: str, amount: float, angle: float) -> dict[str, float]:
+    z = cmath.rect(amount, angle)
+    return {f"{name} re": z.real, f"{name} im": z.imag}
+
+
+def _probe(rig: RigConfig, values: Values) -> str:
+    return rig.probes[round(values["probe"])].name
+
+
+def _plane(rig: RigConfig, probe: float) -> str:
+    """Return the plane in which a probe of that number is."""
+    sought = rig.probes[round(probe)]
+    return next(name for name, probes in probe_planes(rig).items() if sought in probes)
+
+
+def _nearest(rig: RigConfig, kind: type[Place], position: float) -> list[Place]:
+    """Return the effects of that kind on a scan whose place is no more than a step away, nearest first."""
+    places = [effect for effect in catalogue(rig) if isinstance(effect, kind)]
+    near = [effect for effect in places if abs(effect.position - position) <= STEP]
+    return sorted(near, key=lambda effect: abs(effect.position - position))

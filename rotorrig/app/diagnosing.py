@@ -1,0 +1,106 @@
+"""Diagnose responses of one rig, with a progress bar."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+from rotorrig.app import cause_words, tables
+from rotorrig.app.console import out, progress_bars
+from rotorrig.app.effect_check import check_effects
+from rotorrig.identify.cause import Cause
+from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.response_file import read_response
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import DataError
+from rotorrig.rig.extended_config import extended_by
+from rotorrig.rig.extension import Extension
+
+
+def read_responses(paths: Sequence[Path], *, config: RigConfig | None = None) -> list[OrderTrackedResponse]:
+    """Return the responses, all of one rig; with `config`, as that config models it.
+
+    Raises DataError if they are of different rigs, but for the effects in their configs, or of another than `config`.
+    """
+    if config:
+        check_effects(config)
+    responses = [read_response(path) for path in paths]
+    rig, where = (config, "the config given") if config else (responses[0].rig, str(paths[0]))
+    for path, response in zip(paths, responses, strict=True):
+        if response.rig.nameplate_hash != rig.nameplate_hash:
+            raise DataError(
+                f"{path}: is of another rig ({response.rig.name}, {response.rig.nameplate_hash}) than "
+                f"{where} ({rig.name}, {rig.nameplate_hash}), want responses of one rig"
+            )
+    return [seen_with(response, rig) for response in responses]
+
+
+def seen_with(response: OrderTrackedResponse, rig: RigConfig) -> OrderTrackedResponse:
+    """Return the response as of `rig`, which may have other effects in its model."""
+    return replace(response, rig=rig, source=replace(response.source, config_hash=rig.hash))
+
+
+def diagnosed(
+    responses: Sequence[OrderTrackedResponse],
+    *,
+    holdout: OrderTrackedResponse | None = None,
+    model: Literal["swept", "quasi-static"] = "swept",
+    seed: int = 0,
+) -> Diagnosis:
+    """Return the diagnosis of responses of one rig, its stages shown as they go. Raises DataError, ConfigError."""
+    with progress_bars() as bars:
+        task = bars.add_task("diagnosing", total=1.0, note="")
+
+        def show(stage: str, done: float) -> None:
+            bars.update(task, completed=done, note=stage)
+
+        found = diagnose(responses, holdout=holdout, model=model, seed=seed, progress=show)
+        bars.update(task, completed=1.0, note="")
+    return found
+
+
+def show(found: Diagnosis) -> None:
+    """Print the verdict, the causes with their figures, ties, the next run and the gain."""
+    style = "green" if found.verdict is Verdict.ADEQUATE else "yellow"
+    out.print(found.sentence, style=style, highlight=False, markup=False)
+    for misfit in found.worst[1:4] if found.verdict is Verdict.UNEXPLAINED else ():
+        out.print(f"  {misfit.sentence}", highlight=False, markup=False)
+    if found.causes:
+        out.print(tables.causes(found))
+    in_sentence = found.verdict in (Verdict.NAMED, Verdict.TIED)  # it has the gain
+    said = [
+        *cause_words.ties(found),
+        cause_words.next_run(found),
+        "" if in_sentence else cause_words.gain(found),
+        found.character,
+        cause_words.not_seen(found),
+    ]
+    for words in filter(None, said):
+        out.print(words, highlight=False, markup=False)
+
+
+def write_extended(path: Path, rig: RigConfig, found: Diagnosis) -> RigConfig:
+    """Write and return the config of `rig` extended by what was found. Raises DataError if nothing was."""
+    extended = extended_rig(rig, found)
+    if extended is None:
+        raise DataError(f"{path}: was not written, as no cause was named that would extend the model")
+    try:
+        path.write_text(extended.text, encoding="utf-8")
+    except OSError as error:
+        raise DataError(f"{path}: cannot be written ({error.strerror})") from error
+    return extended
+
+
+def extended_rig(rig: RigConfig, found: Diagnosis) -> RigConfig | None:
+    """Return the rig with the causes that were chosen in its model, beside those it had; None if none was chosen."""
+    chosen = {cause.label: _extension(cause) for cause in found.causes if cause.chosen}
+    if not chosen:
+        return None
+    return extended_by(rig, tuple(({effect.label: effect for effect in rig.effects} | chosen).values()))
+
+
+def _extension(cause: Cause) -> Extension:
+    sigmas = {name: sigma for name, sigma in cause.sigmas.items() if math.isfinite(sigma)}
+    return Extension(name=cause.effect, where=cause.where, parameters=cause.theta, sigmas=sigmas)

@@ -1,0 +1,57 @@
+"""The part of a diagnosis that is about one response."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.identify.diagnosis import Diagnosis
+from rotorrig.identify.identification import Fit
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.errors import DataError
+
+Vectors = NDArray[np.complex128]
+
+
+def part_of(found: Diagnosis, response: OrderTrackedResponse) -> Diagnosis:
+    """Return the diagnosis with its residuals cut to the rows of `response`. Raises DataError if it is of another."""
+    mine = _rows_of(found, response)
+    if found.sigmas[mine].shape != response.z.shape:
+        raise DataError(
+            f"diagnosis: residual is (speed, probe, order) = {found.sigmas[mine].shape}, the response has "
+            f"{response.z.shape}; want the diagnosis of this very response"
+        )
+    after = found.extended_residual
+    return replace(
+        found,
+        residual=found.residual[mine],
+        sigmas=found.sigmas[mine],
+        extended_residual=None if after is None else np.asarray(after[mine]),
+    )
+
+
+def _rows_of(found: Diagnosis, response: OrderTrackedResponse) -> slice:
+    if not found.responses:
+        return slice(None)
+    first = 0
+    for source, rows in found.responses:
+        if source == response.source.source_hash:
+            return slice(first, first + rows)
+        first += rows
+    raise DataError(
+        f"diagnosis: is of {', '.join(source for source, _ in found.responses)}, the response is of "
+        f"{response.source.source_hash} ({response.source.source}); want the diagnosis of this very response"
+    )
+
+
+def predictions(
+    response: OrderTrackedResponse, fit: Fit | None, found: Diagnosis | None
+) -> tuple[Vectors | None, Vectors | None]:
+    """Return 1X as the base model and as the extended model predict it, (speed, probe) [m]; None where there is none.
+
+    `found` is the part of the diagnosis that is about `response`.
+    """
+    measured, place = response.order(1.0), response.orders.index(1.0)
+    base = fit.prediction if fit else measured - found.residual[:, :, place] if found else None
+    after = found.extended_residual if found else None
+    return base, None if after is None else measured - after[:, :, place]

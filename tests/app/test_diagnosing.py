@@ -1,0 +1,166 @@
+"""What `rotor diagnose` makes of a diagnosis: what it prints and writes, and what it refuses."""
+
+import dataclasses
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rotorrig.app import cli, diagnosing
+from rotorrig.app.effect_check import check_effects
+from rotorrig.identify.diagnosis import Diagnosis, Verdict
+from rotorrig.identify.result_files import read_diagnosis
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.response_file import write_response
+from rotorrig.rig.description import load, parse
+from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.extended_config import extended_by
+from rotorrig.rig.extension import Extension
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def rotor(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
+    """Run the command in an empty folder; return its code, standard output and standard error."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(cli.err, "_width", 400)
+    monkeypatch.setattr(cli.out, "_width", 400)
+
+    def run(*words: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["rotor", *words])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        printed = capsys.readouterr()
+        return int(ended.value.code or 0), printed.out, printed.err
+
+    return run
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch, named: Diagnosis) -> dict[str, Any]:
+    """Let every diagnosis be `named`, or what is put under "answer", and keep what was asked."""
+    given: dict[str, Any] = {"answer": named}
+
+    def diagnose(responses: list[OrderTrackedResponse], **more: Any) -> Diagnosis:
+        given.update(more, responses=responses)
+        more["progress"]("causes", 0.5)
+        if isinstance(given["answer"], BaseException):
+            raise given["answer"]
+        return given["answer"]
+
+    monkeypatch.setattr(diagnosing, "diagnose", diagnose)
+    return given
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory, response: OrderTrackedResponse) -> str:
+    path = tmp_path_factory.mktemp("responses") / "response.mcap"
+    write_response(path, response)
+    return str(path)
+
+
+def test_the_verdict_its_causes_ties_next_run_and_gain_are_printed(
+    rotor: Run, asked: dict[str, Any], file: str, named: Diagnosis
+) -> None:
+    code, out, _ = rotor("diagnose", file, "--out", "d.json")
+    assert code == 0
+    assert out.startswith(named.sentence)
+    rows = [" ".join(line.split()) for line in out.splitlines()]
+    assert "bow 18.00 ± 0.30 µm at 110.0 ± 1.0° 812 5.20 → 0.410 µm in the model, tied" in rows
+    for words in ("Tied: bow; runout, plane 2.", "A run with a trial mass", "would not show: internal_damping."):
+        assert words in out
+    assert read_diagnosis(Path("d.json")).verdict is Verdict.NAMED
+
+
+def test_json_is_the_file_without_its_arrays(rotor: Run, asked: dict[str, Any], file: str) -> None:
+    code, out, _ = rotor("diagnose", file, "--out", "d.json", "--json", "--rig-out", "e.toml")
+    assert code == 0
+    said, written = json.loads(out), json.loads(Path("d.json").read_text())
+    assert said == {key: written[key] for key in said}
+    assert {"verdict", "causes", "tied", "next_run", "gain", "hidden", "base"} <= set(said)
+    assert "residual" not in said
+
+
+def test_the_extended_config_carries_what_was_chosen_and_is_taken_by_every_command(
+    rotor: Run, asked: dict[str, Any], file: str, response: OrderTrackedResponse
+) -> None:
+    code, out, _ = rotor("diagnose", file, "--out", "d.json", "--rig-out", "e.toml")
+    assert code == 0
+    assert "e.toml: the config, its model extended by bow" in out
+    extended = load(Path("e.toml"))
+    assert [effect.label for effect in extended.effects] == ["bow"]
+    assert set(extended.effects[0].sigmas) == {"bow re"}  # the other is not known
+    assert extended.nameplate_hash == response.rig.hash
+    code, out, _ = rotor("check", "e.toml")
+    assert code == 0
+    assert "bow: bow re -6.156e-06, bow im 1.691e-05 (SI)" in out  # 18 um at 110 deg
+    assert rotor("diagnose", file, "--config", "e.toml", "--out", "again.json")[0] == 0
+    assert asked["responses"][0].rig.effects == extended.effects
+
+
+def test_effects_of_an_earlier_extension_stay(named: Diagnosis, response: OrderTrackedResponse) -> None:
+    runout = Extension(name="runout", where="plane 2", parameters={"runout re": 1e-6, "runout im": 0.0})
+    extended = diagnosing.extended_rig(extended_by(response.rig, [runout]), named)
+    assert extended is not None
+    assert [effect.label for effect in extended.effects] == ["runout, plane 2", "bow"]
+
+
+def test_with_nothing_named_no_config_is_written(
+    rotor: Run, asked: dict[str, Any], file: str, named: Diagnosis
+) -> None:
+    asked["answer"] = dataclasses.replace(named, verdict=Verdict.ADEQUATE, causes=())
+    code, _, err = rotor("diagnose", file, "--out", "d.json", "--rig-out", "e.toml")
+    assert code == 1
+    assert err.startswith("error: e.toml: was not written, as no cause was named")
+    assert not Path("e.toml").exists()
+    assert Path("d.json").exists()
+
+
+def test_held_out_and_quasi_static_are_passed_on(rotor: Run, asked: dict[str, Any], file: str) -> None:
+    assert rotor("diagnose", file, file, "--holdout", file, "--model", "quasi-static", "--out", "d.json")[0] == 0
+    assert len(asked["responses"]) == 2
+    assert asked["holdout"] is not None
+    assert asked["model"] == "quasi-static"
+
+
+def test_ctrl_c_ends_in_one_sentence_and_leaves_no_file(rotor: Run, asked: dict[str, Any], file: str) -> None:
+    asked["answer"] = KeyboardInterrupt()
+    code, _, err = rotor("diagnose", file, "--out", "d.json")
+    assert code == 130
+    assert err == "interrupted: d.json was not written\n"
+    assert not Path("d.json").exists()
+
+
+def test_responses_of_two_rigs_are_refused(
+    rotor: Run, asked: dict[str, Any], file: str, response: OrderTrackedResponse
+) -> None:
+    other = parse(response.rig.text.replace("0.809 kg", "0.9 kg"), where="other")
+    write_response(Path("other.mcap"), dataclasses.replace(response, rig=other))
+    code, _, err = rotor("diagnose", file, "other.mcap", "--out", "d.json")
+    assert code == 1
+    assert "other.mcap: is of another rig" in err
+    assert "want responses of one rig" in err
+    extended = extended_by(response.rig, [Extension(name="bow", parameters={"bow re": 1e-6, "bow im": 0.0})])
+    write_response(Path("extended.mcap"), dataclasses.replace(response, rig=extended))
+    assert rotor("diagnose", file, "extended.mcap", "--out", "d.json")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("effect", "said"),
+    [
+        (Extension(name="levitation", parameters={}), "effect 'levitation': there is none"),
+        (
+            Extension(name="bow", parameters={"height": 1.0}),
+            r"'bow' has no 'height', want one of \['bow re', 'bow im'\]",
+        ),
+    ],
+)
+def test_an_effect_the_model_does_not_know_is_refused(
+    response: OrderTrackedResponse, effect: Extension, said: str
+) -> None:
+    with pytest.raises(ConfigError, match=said):
+        check_effects(extended_by(response.rig, [effect]))

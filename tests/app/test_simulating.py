@@ -1,0 +1,58 @@
+"""What the simulated rig is told of the config's effects and of trial masses."""
+
+from pathlib import Path
+
+import pytest
+
+from rotorrig.app.simulating import StandIn, faults_of, truth_of
+from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.errors import ConfigError, DataError
+from rotorrig.rig.extended_config import extended_by
+from rotorrig.rig.extension import Extension
+from rotorrig.sims.plant.truth import draw, seal
+
+MASS = "disk: 12 g mm at 90 deg"
+
+
+def test_an_effect_the_plant_has_a_fault_for_is_that_fault(rig: RigConfig) -> None:
+    extended = extended_by(rig, [Extension(name="coupling", parameters={"bore_force": 0.5})])
+    (fault,) = faults_of(extended)
+    assert fault.name == "coupling"
+    assert fault.parameters == {"bore_force": 0.5}
+    assert truth_of(extended, StandIn(seed=3)).faults == (fault,)
+
+
+@pytest.mark.parametrize(
+    ("effect", "said"),
+    [
+        (Extension(name="levitation", parameters={"height": 1e-3}), "fault 'levitation': the plant has none"),
+        (Extension(name="coupling", where="left", parameters={"force": 1.0}), "fault 'coupling': has no parameter"),
+    ],
+)
+def test_an_effect_the_plant_has_no_fault_for_is_refused_in_one_sentence(
+    rig: RigConfig, effect: Extension, said: str
+) -> None:
+    with pytest.raises(ConfigError, match=f"cannot show '{effect.label}': {said}") as caught:
+        truth_of(extended_by(rig, [effect]), StandIn(seed=3))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_sealed_truth_says_what_the_rig_has_whatever_the_config(rig: RigConfig, tmp_path: Path) -> None:
+    seal(draw(rig, seed=5), tmp_path / "sealed.json")
+    extended = extended_by(rig, [Extension(name="levitation", parameters={"height": 1e-3})])
+    assert truth_of(extended, StandIn(seed=3, hidden=tmp_path / "sealed.json")) == draw(rig, seed=5)
+
+
+def test_a_trial_mass_is_on_the_same_rig_in_another_run(rig: RigConfig, tmp_path: Path) -> None:
+    seal(draw(rig, seed=5), tmp_path / "sealed.json")
+    for stand_in in (StandIn(seed=5), StandIn(seed=3, hidden=tmp_path / "sealed.json")):
+        bare, heavy = truth_of(rig, stand_in), truth_of(rig, stand_in, trial=[MASS])
+        assert heavy.trial[0].amount == pytest.approx(12e-6)
+        assert heavy.trial[0].angle == pytest.approx(1.5707963)
+        assert (heavy.unbalances, heavy.bearings, heavy.run) == (bare.unbalances, bare.bearings, bare.run + 1)
+
+
+def test_a_trial_mass_on_a_plane_is_refused_by_the_plant_in_one_sentence(rig: RigConfig) -> None:
+    ringed = parse(rig.text + '\n[[planes]]\nname = "ring"\nposition = "400 mm"\n', where="ringed")
+    with pytest.raises(DataError, match="trial mass on 'ring'"):
+        truth_of(ringed, StandIn(seed=5), trial=["ring: 12 g mm at 90 deg"])
