@@ -108,6 +108,11 @@ class ExtendedProblem:
         return ExtendedProblem(self.recordings, effects, models=self.models, recent=self._recent, count=self._count)
 
     @property
+    def curved(self) -> bool:
+        """Whether an effect has no first order and is begun at its starts: its fits are slow."""
+        return any(q.starts for effect in self.effects for q in effect.parameters)
+
+    @property
     def bounds(self) -> tuple[Reals, Reals]:
         """Lower and upper bounds of the parameters."""
         return self.parameters.bounds

@@ -12,6 +12,7 @@ from rotorrig.identify.selection import Candidate, Selection, Stage, called_for,
 from rotorrig.identify.separation import DETECTABLE, NAMEABLE
 from rotorrig.sims.effects.base import Effect, Parameter, magnitudes
 
+_LEFT = 0.03  # of the excess of chi2 that a force law may leave
 _ENOUGH_VISIBLE = 0.5  # of the known effects, at their typical size: below, data that show nothing say nothing
 
 
@@ -31,7 +32,7 @@ def verdict(selection: Selection, *, adequate_before: bool, adequate_after: bool
         if not adequate_before:
             return Verdict.UNEXPLAINED
         return Verdict.ADEQUATE if visible >= _ENOUGH_VISIBLE else Verdict.CANNOT_TELL
-    if not adequate_after:
+    if not (adequate_after or _nearly_all(selection)):
         return Verdict.UNEXPLAINED
     return Verdict.TIED if ties(selection) else Verdict.NAMED
 
@@ -56,6 +57,15 @@ def tied_candidates(selection: Selection) -> list[list[Candidate]]:
 
 def _rivals(stage: Stage, best: Candidate) -> list[Candidate]:
     return [c for c in stage.tried[1:] if called_for(c) and best.evidence - c.evidence < NAMEABLE]
+
+
+def _nearly_all(selection: Selection) -> bool:
+    """Say whether a force law explains the residual as well as its describing function can.
+
+    Its harmonics do not act back on the first order here: 0.6 % of the peak for a strong cubic spring.
+    """
+    left = selection.polished.chi2 - selection.polished.dof
+    return selection.problem.curved and left < _LEFT * (selection.base.chi2 - selection.base.dof)
 
 
 def visible_share(selection: Selection) -> float:

@@ -7,7 +7,7 @@ cause is taken up if BIC falls by more than `ENOUGH` and chi2 by more than `DETE
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -91,7 +91,9 @@ def select(
             break
         best = stage.tried[0]
         current = best.problem
-        polished = current.solve(best.polished.p)
+        polished = current.solve(best.polished.p, tolerance=_SETTLED, max_steps=_most_steps(current))
+        if current.curved:
+            break  # what a force law leaves is its own harmonics as much as another cause
     if len(current.effects) > len(problem.effects) + 1:
         current, polished = _without_idle(current, polished, kept=len(problem.effects))
     return Selection(start=problem, base=base, stages=tuple(stages), problem=current, polished=polished)
@@ -161,6 +163,7 @@ def _tried(problem: ExtendedProblem, polished: Polished, score: Score) -> Candid
     except (DataError, np.linalg.LinAlgError):
         return None  # no motion is found, or none that is finite
     lam = polished.chi2 - best.chi2
+    best = replace(best, jacobian=np.zeros((0, len(best.p))))  # some 15 MB that nobody asks for again
     return Candidate(problem=larger, polished=best, lam=lam, evidence=lam - _cost(problem, score.effect))
 
 
@@ -171,12 +174,16 @@ def _refined(problem: ExtendedProblem, start: Reals) -> Polished:
     """
     names = problem.parameters
     drawn = np.abs(names.prior_residual(start))
-    if any(q.starts for effect in problem.effects for q in effect.parameters):
+    if problem.curved:
         return problem.solve(start, tolerance=_SETTLED, max_steps=_CURVED_STEPS)
     if drawn.max(initial=0.0) > _DRAWN:
         held = {int(i): 0.0 for i in names.priors if i not in names.linear_nuisances and i < names.own.start}
         start = problem.solve(start, fixed=held, tolerance=1.0, max_steps=_STEPS).p
     return problem.solve(start, tolerance=_SETTLED, max_steps=_STEPS)
+
+
+def _most_steps(problem: ExtendedProblem) -> int:
+    return _CURVED_STEPS if problem.curved else _STEPS
 
 
 def _cost(problem: ExtendedProblem, effect: Effect) -> float:
@@ -204,7 +211,7 @@ def _without_idle(problem: ExtendedProblem, polished: Polished, *, kept: int) ->
                 ),
             ]
         )
-        fit = smaller.solve(polished.p[columns], tolerance=_SETTLED, max_steps=12)
+        fit = smaller.solve(polished.p[columns], tolerance=_SETTLED, max_steps=_most_steps(smaller))
         if fit.chi2 - polished.chi2 < _cost(problem, effect) + ENOUGH:
             return _without_idle(smaller, fit, kept=kept)
     return problem, polished

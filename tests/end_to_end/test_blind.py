@@ -20,8 +20,6 @@ from benchmarks.blind_cases import Case, measure, sizes
 from benchmarks.blind_score import Score, score
 from rotorrig.sims.plant.truth import FaultSpec, unseal
 
-pytestmark = pytest.mark.skip(reason="a diagnosis takes minutes still: nine of them have to fit into two")
-
 LARGE = {
     "cross_stiffness": {"stiffness": 2500.0},  # lam 4.1e3, 2.2e3 to a turned bracket
     "delay": {"time": 3e-4},  # 7.4e3, 270 to unbalance beside the disk

@@ -53,7 +53,9 @@ def selection(*stages: list[Tried], taken: bool = True, seen: Any = ()) -> Selec
         Selection,
         SimpleNamespace(
             start=SimpleNamespace(effects=()),
-            problem=SimpleNamespace(effects=kept, recordings=[recording]),
+            problem=SimpleNamespace(effects=kept, recordings=[recording], curved=False),
+            base=SimpleNamespace(chi2=1e4, dof=100),
+            polished=SimpleNamespace(chi2=1e3, dof=100),
             stages=tuple(
                 SimpleNamespace(tried=tuple(cast(list[Candidate], stage)), scores=tuple(seen)) for stage in stages
             ),
