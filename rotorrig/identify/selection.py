@@ -91,7 +91,7 @@ def select(
             break
         best = stage.tried[0]
         current = best.problem
-        polished = current.solve(best.polished.p, tolerance=_SETTLED, max_steps=_most_steps(current))
+        polished = current.solve(best.polished.p, tolerance=_SETTLED, max_steps=_STEPS)
         if current.curved:
             break  # what a force law leaves is its own harmonics as much as another cause
     if len(current.effects) > len(problem.effects) + 1:
@@ -173,11 +173,14 @@ def _refined(problem: ExtendedProblem, start: Reals) -> Polished:
     From far off a nuisance finds back only slowly: in its valley every other unknown has to move with it.
     """
     names = problem.parameters
-    drawn = np.abs(names.prior_residual(start))
+    drawn = np.abs(names.prior_residual(start)).max(initial=0.0) > _DRAWN
+    held = {int(i): 0.0 for i in names.priors if i not in names.linear_nuisances and i < names.own.start}
     if problem.curved:
-        return problem.solve(start, tolerance=_SETTLED, max_steps=_CURVED_STEPS)
-    if drawn.max(initial=0.0) > _DRAWN:
-        held = {int(i): 0.0 for i in names.priors if i not in names.linear_nuisances and i < names.own.start}
+        begun = start.copy()
+        if drawn:
+            begun[list(held)] = 0.0
+        return problem.solve(begun, tolerance=_SETTLED, max_steps=_CURVED_STEPS)
+    if drawn:
         start = problem.solve(start, fixed=held, tolerance=1.0, max_steps=_STEPS).p
     return problem.solve(start, tolerance=_SETTLED, max_steps=_STEPS)
 
