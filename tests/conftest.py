@@ -1,6 +1,7 @@
 """Shared by all tests: the RK4, a hurried version of its sweep, and what the blind plant answers to it."""
 
 import os
+import signal
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: threads only fight over matrices this small
@@ -18,6 +19,10 @@ CONFIGS = Path(__file__).parents[1] / "configs"
 
 settings.register_profile("patient", deadline=None)  # a busy machine is no defect of the code under test
 settings.load_profile("patient")
+
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # so a shell starts what it puts in the background
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # else the programs under test never hear of a Ctrl-C
 
 
 @pytest.fixture(scope="session")

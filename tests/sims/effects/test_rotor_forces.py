@@ -6,6 +6,7 @@ import pytest
 from rotorrig.rig.description import RigConfig, from_si
 from rotorrig.sims.effects.base import Effect, catalogue, find
 from rotorrig.sims.rotor.assembly import assemble
+from rotorrig.sims.rotor.harmonic import load_columns
 from tests.sims.effects.predicted import Complex, motion, pair_at, predicted, simple_rig
 
 EI = 210e9 * np.pi * 0.01**4 / 64  # of simple_rig
@@ -55,9 +56,21 @@ def test_bow_is_a_constant_and_an_unbalance_of_the_mass_that_stands_off() -> Non
     assert bow == pytest.approx(unbalance + 1e-5 * np.array([1, -1j]), rel=1e-4)
 
 
-def test_a_bow_has_no_place_at_a_bearing() -> None:
+def test_a_shaft_is_not_bent_by_a_push_at_a_bearing_but_may_be_bent_evenly() -> None:
     rig = simple_rig(pair_at(0.2), disks=[{**POINT, "position": LENGTH}])
-    assert "bow" not in {e.name for e in catalogue(rig)}
+    assert [e.label for e in catalogue(rig) if e.name == "bow"] == ["bow, even"]
+
+
+def test_an_even_bow_shows_at_rest_as_the_arc_it_is(rk4: RigConfig) -> None:
+    one = [{"name": n, "position": z, "kxx": 1e7, "kyy": 1e7} for n, z in (("a", 0.065), ("b", 0.481))]
+    table = rk4.model_dump(mode="json", exclude_unset=True) | {"bearings": one, "identify": None}
+    rig = from_si(table)
+    model = assemble(rig)
+    (load,) = find(rig, "bow, even").loads(model, {"bow re": 10e-6, "bow im": 0.0})
+    z = load_columns(model, np.array([1e-3]), [load])[0, :, 0]
+    x = np.array([probe.position for probe in rig.probes])
+    arc = 10e-6 * (1 - (2 * (x - 0.273) / 0.416) ** 2)
+    assert np.abs(z) == pytest.approx(arc, rel=2e-3)
 
 
 def test_unbalance_between_the_parts_acts_as_at_a_plane_there(rk4: RigConfig) -> None:
