@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.extended_parameters import MAINS
 from rotorrig.identify.measurement import SLOW_ROLL, Measurement, measure
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Seen
 from rotorrig.sims.effects.line_hum import leak
 from rotorrig.sims.rotor.assembly import RotorModel
@@ -27,6 +28,7 @@ Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 ORDERS = (1, 2, 3)  # that a model may predict, where they were tracked
+_BEYOND = 0.1  # m: no rotor kit does
 
 
 class Recording:
@@ -120,6 +122,8 @@ class Recording:
         else:
             moving = steady_with_law(model, self._omega, loads, amounts, laws, orders=orders)
         both = np.concatenate([moving, slow])
+        if not np.all(np.abs(both) < _BEYOND):  # NaN too
+            raise DataError(f"under its force laws the rotor moves by more than {_BEYOND:g} m, want a bounded motion")
         return {order: both[..., i] for i, order in enumerate(orders)}
 
     def view(self, order: int) -> Seen:

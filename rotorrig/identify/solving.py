@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.least_squares import TOLERANCE, minimise
+from rotorrig.rig.errors import DataError
 
 Reals = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -78,12 +79,30 @@ def solve(
         whole[free] = part
         return whole
 
+    known: list[int] = []
+
+    def residual(part: Reals) -> Reals:
+        try:
+            r = problem.residual(full(part))
+        except DataError:  # a step too far, to where the model has no motion: not if it began there
+            if not known:
+                raise
+            return np.full(known[0], np.inf)
+        known.append(len(r))
+        return r
+
+    def settle(part: Reals) -> Reals:
+        try:
+            return problem.settled(full(part), free)[free]
+        except DataError:
+            return part
+
     found = minimise(
-        lambda part: problem.residual(full(part)),
+        residual,
         lambda part: problem.jacobian(full(part), free),
         p[free],
         bounds=(low[free], high[free]),
-        settle=lambda part: problem.settled(full(part), free)[free],
+        settle=settle,
         tolerance=tolerance,
         max_steps=max_steps,
     )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.solving import Index, Reals, inverse_information, solve
+from rotorrig.rig.errors import DataError
 
 
 @dataclass(frozen=True)
@@ -70,3 +71,21 @@ def test_what_no_row_restricts_is_said_to_be_unknown_not_well_known() -> None:
     assert (np.diag(covariance) > 1e12).all(), "two rows cannot tell three columns apart"
     alone = inverse_information(np.array([[2.0, 0.0], [0.0, 1e-3]]))
     np.testing.assert_allclose(alone, np.diag([0.25, 1e6]))
+
+
+class Walled(Line):
+    """The same, without an answer beyond a = 2."""
+
+    def residual(self, p: Reals) -> Reals:
+        if p[0] > 2.0:
+            raise DataError("there is no motion")
+        return super().residual(p)
+
+
+def test_a_step_to_where_the_model_has_no_motion_is_taken_back() -> None:
+    assert 0.0 < solve(Walled(X, 3 + 2 * X), np.zeros(2)).p[0] <= 2.0
+
+
+def test_a_fit_that_begins_where_there_is_none_says_so() -> None:
+    with pytest.raises(DataError, match="no motion"):
+        solve(Walled(X, 3 + 2 * X), np.array([3.0, 0.0]))

@@ -35,9 +35,10 @@ class UnbalanceStep(Effect):
     def words(self, theta: Theta) -> str:
         """Say how much it is and since when."""
         size, angle = polar(theta, "step")
+        when = f"{theta['time']:.1f} s into the recording" if theta["time"] > 0 else "before the recording began"
         return (
             f"the unbalance of {self.plane} changed by {1e6 * size:.1f} g mm at {angle:.0f} deg from the keyphasor "
-            f"mark, {theta['time']:.1f} s into the recording"
+            f"mark, {when}"
         )
 
 
