@@ -19,6 +19,7 @@ from rotorrig.identify.adequacy import FALSE_ALARM_RATE, Adequacy, Misfit
 from rotorrig.identify.base_fit import Assessed
 from rotorrig.identify.candidates import candidates
 from rotorrig.identify.cause import Cause
+from rotorrig.identify.moving_speed import moving_speed
 from rotorrig.identify.naming import Verdict
 from rotorrig.identify.recording import Recording
 from rotorrig.identify.selection import Selection, select
@@ -69,12 +70,17 @@ def diagnose(
 ) -> Diagnosis:
     """Judge the base model by recordings of one rig, with and without trial masses, and name what it lacks.
 
+    A "quasi-static" base takes the speed of every row as steady; if that is what is wrong with it, it is the first
+    cause, and the others are looked for beside it.
+
     Effects in the rig's config are part of the base. `holdout` is a recording no fit may see; without one the gain is
-    measured across the recordings, or across blocks of speeds. Names in `without` are not tried. A "quasi-static" base
-    takes the speed of every row as steady. Raises ConfigError if the rig has no [identify] table or an unknown effect,
-    DataError if a recording holds too few rows or other probes or orders than the first.
+    measured across blocks of speeds. Names in `without` are not tried. Raises ConfigError if the rig has no [identify]
+    table or an unknown effect, DataError if a recording holds too few rows or other probes or orders than the first.
     """
     _check(responses)
+    if model == "quasi-static" and (steady := _steady(responses, seed=seed, progress=progress)):
+        found = diagnose(responses, holdout=holdout, without=without, seed=seed, progress=progress)
+        return _with_moving_speed(found, *steady)
     with threadpool_limits(1, user_api="blas"):
         progress("base model", 0.0)
         recordings = [Recording(r, swept=model == "swept", number=i) for i, r in enumerate(responses)]
@@ -105,6 +111,42 @@ def diagnose(
         found = replace(found, model=model, next_run=next_run.cheapest(selection) if verdict is Verdict.TIED else {})
     progress("done", 1.0)
     return found
+
+
+def _steady(
+    responses: Sequence[OrderTrackedResponse], *, seed: int, progress: Progress
+) -> tuple[Assessed, Cause] | None:
+    """Return the quasi-static base and what is wrong with it; None if it is not that the speed was moving."""
+    progress("steady and moving speed", 0.0)
+    with threadpool_limits(1, user_api="blas"):
+        still, moving = (
+            base_fit.fitted(
+                [Recording(r, swept=swept, number=i) for i, r in enumerate(responses)],
+                _in_config(responses[0]),
+                seed=seed,
+            )
+            for swept in (False, True)
+        )
+        cause = moving_speed(still, moving, responses)
+    return (still, cause) if cause else None
+
+
+def _with_moving_speed(found: Diagnosis, still: Assessed, cause: Cause) -> Diagnosis:
+    """Return the diagnosis by the swept model as one of the quasi-static base."""
+    adequacy = still.adequacy
+    return replace(
+        found,
+        model="quasi-static",
+        verdict=Verdict.NAMED if found.verdict is Verdict.ADEQUATE else found.verdict,
+        sentence=diagnosis_words.moving(cause, found.sentence),
+        chi2=still.polished.chi2,
+        dof=still.polished.dof,
+        p=float(chdtrc(still.polished.dof, still.polished.chi2)),
+        worst=adequacy.misfits[:_SHOWN],
+        residual=adequacy.residual,
+        sigmas=adequacy.sigmas,
+        causes=(cause, *found.causes),
+    )
 
 
 def _check(responses: Sequence[OrderTrackedResponse]) -> None:

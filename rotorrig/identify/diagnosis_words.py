@@ -45,6 +45,14 @@ def sentence(
     return f"The model is wrong here: {words}. {bought}"
 
 
+def moving(cause: Cause, rest: str) -> str:
+    """Say what a quasi-static base gets wrong, then what the swept one is told."""
+    return (
+        f"The quasi-static model is wrong here: {cause.words}. With that the error on data no fit saw goes from "
+        f"{cause.heldout_before * UM:.2g} to {cause.heldout_after * UM:.2g} um. {rest}"
+    )
+
+
 def character(adequacy: Adequacy) -> str:
     """Describe a residual that no known cause explains: orders, speeds, directions and probes it is loud at."""
     loud = [m for m in adequacy.misfits if m.sigma > FOCUSED_LIMIT] or list(adequacy.misfits[:1])

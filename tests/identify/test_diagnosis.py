@@ -111,7 +111,10 @@ def test_a_cause_in_one_recording_of_two_is_named_there(rig: RigConfig) -> None:
 def test_a_swept_recording_taken_as_steady_is_wrong_and_says_so(rig: RigConfig, healthy: OrderTrackedResponse) -> None:
     found = judged(healthy, tried={"skew_stiffness"}, model="quasi-static")
     assert found.model == "quasi-static"
-    assert found.verdict is Verdict.UNEXPLAINED
+    assert found.verdict is Verdict.NAMED
+    assert found.causes[0].label == "moving speed"
+    assert found.causes[0].heldout_after < 0.5 * found.causes[0].heldout_before
+    assert found.sentence.startswith("The quasi-static model is wrong here: the speed was moving")
 
 
 def test_bow_and_runout_are_tied_in_one_plane_below_the_critical_speed_and_the_next_run_tells_them_apart(
