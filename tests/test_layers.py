@@ -10,7 +10,17 @@ ROOT = Path(__file__).parents[1] / "rotorrig"
 
 BASE = tuple(
     f"rig.{name}"
-    for name in ("description", "nameplate", "extension", "trial_mass", "provenance", "errors", "clock", "units")
+    for name in [
+        "description",
+        "nameplate",
+        "extension",
+        "trial_mass",
+        "checking",
+        "provenance",
+        "errors",
+        "clock",
+        "units",
+    ]
 )
 
 #: package -> (own modules it may import, third-party packages it may import); the longest prefix counts

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.extended_jacobian import Changes, added_by_laws, columns
-from rotorrig.identify.extended_parameters import MAINS, ExtendedParameters, bends
+from rotorrig.identify.extended_parameters import ExtendedParameters
 from rotorrig.identify.least_squares import TOLERANCE
 from rotorrig.identify.parameters import Reals
+from rotorrig.identify.probe_side import ProbeSide
 from rotorrig.identify.recording import ORDERS, Recording
 from rotorrig.identify.solving import NONE_FIXED, Index, Polished, solve
 from rotorrig.identify.structural import StructuralModel
@@ -73,6 +74,7 @@ class ExtendedProblem:
         self.parameters = ExtendedParameters(
             first.rig, first.probes, orders=orders, recordings=self._count, effects=effects
         )
+        self.probes = ProbeSide(self.parameters)
         self.by_laws: Changes | None = None  # what force laws add to columns, while it is held; None: taken anew
         self._held: dict[tuple[int, int], Complex] = {}  # responses above 1X to a unit of every linear unknown
         base = self.parameters.base
@@ -110,7 +112,7 @@ class ExtendedProblem:
     @property
     def curved(self) -> bool:
         """Whether an effect has no first order and is begun at its starts: its fits are slow."""
-        return any(q.starts for effect in self.effects for q in effect.parameters)
+        return any(effect.curved for effect in self.effects)
 
     @property
     def bounds(self) -> tuple[Reals, Reals]:
@@ -164,7 +166,7 @@ class ExtendedProblem:
         """Return vectors as they should have been measured, per recording: order -> (row + 1, probe) [m]."""
         moving = self.moving(p)
         return [
-            self._seen_by(recording, p, self.motions(recording, p, moving, orders=orders))
+            self.probes.seen(recording, p, self.motions(recording, p, moving, orders=orders))
             for recording in self.recordings
         ]
 
@@ -176,14 +178,14 @@ class ExtendedProblem:
 
     def settled(self, p: Reals, free: Index) -> Reals:
         """Return `p` with unbalance, runout, hum and the amounts of linear effects among `free` at their best."""
-        linear = np.intersect1d(free, self.linear(p))
+        linear = np.intersect1d(free, self.linear())
         J = self.jacobian(p, linear)
         out = p.copy()
         low, high = self.bounds
         out[linear] -= np.linalg.lstsq(J, self.residual(p), rcond=None)[0]
         return np.clip(out, low, high)
 
-    def linear(self, p: Reals) -> Index:
+    def linear(self) -> Index:
         """Return the parameters in which everything is linear."""
         names = self.parameters
         found = [np.arange(part.start, part.stop) for part in (*names.runouts.values(), names.hums)]
@@ -235,12 +237,16 @@ class ExtendedProblem:
         return self.moving(moved).model.dof != self.moving(p).model.dof
 
     def directions(self, p: Reals, model: RotorModel, which: Index) -> list[Direction]:
-        """Return the derivatives of the matrices of `model` by `which`: structure of the base, matrices of effects."""
+        """Return the derivatives of the matrices of `model` by `which`: structure of the base, matrices of effects.
+
+        Those by structure are differences too where an effect may scale what the structure is of.
+        """
         base = self.parameters.base
         values, by = base.structure(p[: len(base)]), base.structure_derivatives(p[: len(base)])
+        plain = not any(type(e).changed is not Effect.changed and not e.slight for e in self.effects)
         found = []
         for i in which:
-            if i < base.structural.stop:
+            if i < base.structural.stop and plain:
                 found.append(self._rotor.direction(model, values, by[i]))
                 continue
             moved = p.copy()
@@ -283,7 +289,12 @@ class ExtendedProblem:
         return self._held[key] @ p[self.parameters.own]
 
     def unit_columns(self, recording: Recording, p: Reals, moving: Moving, order: int) -> Complex:
-        """Return d motion / d unknowns of effects at an order above 1X, (row + 1, 2 probe, unknown)."""
+        """Return d motion / d unknowns of linear effects by their loads, (row + 1, 2 probe, unknown).
+
+        Above 1X of the rotor that `solve` began with.
+        """
+        if order == 1:
+            return self._unit_columns(recording, moving.model, 1)
         self._higher(recording, p, moving, order)
         return self._held[recording.number, order]
 
@@ -332,46 +343,3 @@ class ExtendedProblem:
             if order > 1:
                 found[order] += self.motion_of(recording, p, moving, order=order)
         return found
-
-    def _seen_by(self, recording: Recording, p: Reals, motion: Mapping[int, Complex]) -> dict[int, Complex]:
-        """Return what the probes make of a motion: gain and angle errors, runout, and what effects do there."""
-        found = {}
-        first = self.at_probes(p, motion[1], order=1)
-        for order, moved in motion.items():
-            z = self.at_probes(p, moved, order=order) + self.hum(recording, p, order) + self.bent(p, first, order)
-            found[order] = self.through_effects(recording, p, z, order=order)
-        return found
-
-    def at_probes(self, p: Reals, motion: Complex, *, order: int) -> Complex:
-        """Return vectors (row + 1, probe) of a motion along and across: nuisances of the base applied."""
-        runout = p[self.parameters.runouts[order]]
-        return self.at_probes_linear(p, motion) + runout[0::2] + 1j * runout[1::2]
-
-    def bent(self, p: Reals, first: Complex, order: int) -> Complex:
-        """Return what the curvature of the probes' scale adds to an order, of 1X vectors `first` (row + 1, probe)."""
-        return bends(first, order, odd=p[self.parameters.odd], even=p[self.parameters.even])
-
-    def hum(self, recording: Recording, p: Reals, order: int) -> Complex:
-        """Return what the mains leave in the vectors of every probe, (row + 1, 1)."""
-        own = p[self.parameters.hums].reshape(-1, len(MAINS), 2)[recording.number]
-        return (recording.hum[order] @ (own[:, 0] + 1j * own[:, 1]))[:, None]
-
-    def at_probes_linear(self, p: Reals, change: Complex) -> Complex:
-        """Return changes of vectors (row + 1, probe) by a change of the motion (row + 1, 2 probe)."""
-        gain, cos, sin = self.probes(p)
-        n = len(gain)
-        return gain * (cos * change[:, :n] + sin * change[:, n:])
-
-    def through_effects(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
-        """Return vectors as the effects on the probes' side leave them."""
-        for i, effect in enumerate(self.effects):
-            if effect.recording not in (None, recording.number):
-                continue
-            z = effect.seen(z, recording.view(order), self.parameters.of_effect(p, i))
-        return z
-
-    def probes(self, p: Reals) -> tuple[Reals, Reals, Reals]:
-        """Return gain, and cosine and sine of the angle error, per probe."""
-        base = self.parameters.base
-        angle = p[base.angle]
-        return 1 + p[base.gain], np.cos(angle), np.sin(angle)

@@ -150,7 +150,7 @@ def _exact(problem: ExtendedProblem, recording: Recording, p: Reals, free: Index
             motion = problem.motions(recording, p, moving, orders=(1,))[order]
         elif order > 1 and problem.linear_at(order):
             motion = problem.motion_of(recording, p, moving, order=order)
-            _by_held(problem, recording, p, free, moving, order, found[order])
+            _by_loads(problem, recording, p, free, moving, order, found[order])
         else:
             motion = _by_rotor(problem, recording, p, free, moving, order, found[order])
         if order == 1 or np.any(motion):
@@ -158,11 +158,11 @@ def _exact(problem: ExtendedProblem, recording: Recording, p: Reals, free: Index
         _by_runout(problem, free, order, found[order])
         _by_hum(problem, recording, free, order, found[order])
         if order == 1:
-            first = problem.at_probes(p, motion, order=1)
+            first = problem.probes.of_motion(p, motion, order=1)
         _by_curvature(problem, first, free, order, found[order])
         if any(acts_on_probes(effect) for effect in problem.effects):
-            z = problem.at_probes(p, motion, order=order) + problem.hum(recording, p, order)
-            z = z + problem.bent(p, first, order)
+            z = problem.probes.of_motion(p, motion, order=order) + problem.probes.hum(recording, p, order)
+            z = z + problem.probes.bent(p, first, order)
             _through_effects(problem, recording, p, z, free, order, found[order])
     return found
 
@@ -191,7 +191,7 @@ def _by_rotor(
         unit, by = recording.derivatives(moving.model, loads, directions, order=order)
         for k, i in enumerate(structural):
             d = np.einsum("rpl,rl->rp", by[k], amounts)
-            found[..., np.searchsorted(free, i)] = problem.at_probes_linear(p, d)
+            found[..., np.searchsorted(free, i)] = problem.probes.linear(p, d)
     elif loads:
         unit = recording.columns(moving.model, loads, order=order)
     if loads:
@@ -201,13 +201,13 @@ def _by_rotor(
         for i in free[(free >= base.unbalance.start) & (free < base.unbalance.stop)]:
             plane, part = divmod(int(i) - base.unbalance.start, 2)
             column = unit[..., problem.planes.index(sought[plane])] * (1j if part else 1)
-            found[..., np.searchsorted(free, i)] = problem.at_probes_linear(p, column)
+            found[..., np.searchsorted(free, i)] = problem.probes.linear(p, column)
         if problem.parameters.keyphasor in free:
             turned = [1j * trial for trial in problem.trials(recording, p).values()]
             d = np.einsum("rpl,rl->rp", unit[..., : len(planes)], np.stack(turned, axis=-1))
-            found[..., np.searchsorted(free, problem.parameters.keyphasor)] = problem.at_probes_linear(p, d)
+            found[..., np.searchsorted(free, problem.parameters.keyphasor)] = problem.probes.linear(p, d)
     if not moving.laws:
-        _by_linear_effects(problem, recording, p, free, moving, order, found)
+        _by_loads(problem, recording, p, free, moving, order, found)
     return motion
 
 
@@ -224,46 +224,29 @@ def _structural(problem: ExtendedProblem, p: Reals, free: Index) -> Index:
     return free[(free < names.base.structural.stop) | np.isin(free, own)]
 
 
-def _by_held(
+def _by_loads(
     problem: ExtendedProblem, recording: Recording, p: Reals, free: Index, moving: Moving, order: int, found: Complex
 ) -> None:
-    """Fill in the columns by linear effects above 1X, of the rotor the solution began with."""
-    own = problem.parameters.own
-    units = problem.unit_columns(recording, p, moving, order)
-    for i in free[free >= own.start]:
-        if (unit := units[..., int(i) - own.start]).any():
-            found[..., np.searchsorted(free, i)] = problem.at_probes_linear(p, unit)
-
-
-def _by_linear_effects(
-    problem: ExtendedProblem,
-    recording: Recording,
-    p: Reals,
-    free: Index,
-    moving: Moving,
-    order: int,
-    found: Complex,
-) -> None:
+    """Fill in the columns by the loads of linear effects; those of effects on the probes too are differences."""
     names = problem.parameters
-    loads, column = [], []
-    for effect, part in zip(problem.effects, names.theta, strict=True):
-        if not effect.linear or acts_on_probes(effect) or effect.recording not in (None, recording.number):
-            continue
-        zero = dict.fromkeys((q.name for q in effect.parameters), 0.0)
-        for i, q in zip(range(part.start, part.stop), effect.parameters, strict=True):
-            if i in free:
-                unit = [load for load in effect.loads(moving.model, zero | {q.name: q.size}) if load.order == order]
-                loads += unit
-                column += [int(np.searchsorted(free, i))] * len(unit)
-    by_load = recording.columns(moving.model, loads, order=order)
-    for k, c in enumerate(column):
-        found[..., c] += problem.at_probes_linear(p, by_load[..., k])
+    mine = [
+        i
+        for effect, part in zip(problem.effects, names.theta, strict=True)
+        if effect.linear and not acts_on_probes(effect)
+        for i in range(part.start, part.stop)
+        if i in free
+    ]
+    if not mine:
+        return
+    units = problem.unit_columns(recording, p, moving, order)
+    for i in mine:
+        found[..., np.searchsorted(free, i)] = problem.probes.linear(p, units[..., i - names.own.start])
 
 
 def _by_probes(problem: ExtendedProblem, p: Reals, motion: Complex, free: Index, found: Complex) -> None:
     """Fill in the columns by gain and angle error."""
     base = problem.parameters.base
-    gain, cos, sin = problem.probes(p)
+    gain, cos, sin = problem.probes.figures(p)
     n = len(gain)
     along, across = motion[:, :n], motion[:, n:]
     for part, d in (
@@ -306,15 +289,15 @@ def _through_effects(
 ) -> None:
     """Take columns of what the probes read through the effects behind them; fill in those by these effects."""
     names = problem.parameters
-    before = problem.through_effects(recording, p, z, order=order)
+    before = problem.probes.through_effects(recording, p, z, order=order)
     for k in range(found.shape[-1]):
         if found[..., k].any():  # what an effect does there is linear in the vectors, but for a constant
-            found[..., k] = problem.through_effects(recording, p, z + found[..., k], order=order) - before
+            found[..., k] = problem.probes.through_effects(recording, p, z + found[..., k], order=order) - before
     for effect, part in zip(problem.effects, names.theta, strict=True):
         if not on_probes_alone(effect) or effect.recording not in (None, recording.number):
             continue
         for i in free[(free >= part.start) & (free < part.stop)]:
             moved = p.copy()
             moved[i] += STEP
-            there = problem.through_effects(recording, moved, z, order=order)
+            there = problem.probes.through_effects(recording, moved, z, order=order)
             found[..., np.searchsorted(free, i)] = (there - before) / STEP

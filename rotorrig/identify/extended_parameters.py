@@ -118,10 +118,6 @@ class ExtendedParameters:
         parameters = self.effects[i].parameters
         return {q.name: float(v * q.size) for q, v in zip(parameters, p[self.theta[i]], strict=True)}
 
-    def sigmas_of_effect(self, sigma: Reals, i: int) -> dict[str, float]:
-        """Return their standard deviations, from those of the whole vector."""
-        return self.of_effect(sigma, i)
-
     def prior_residual(self, p: Reals) -> Reals:
         """Return the nuisances in units of their priors' sigmas."""
         return (p[self.priors] - self._nothing[self.priors]) / self.prior_sigma[self.priors]

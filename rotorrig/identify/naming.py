@@ -96,7 +96,7 @@ def _visible(selection: Selection) -> dict[str, tuple[Effect, float]]:
     """Return by effect's name the place where it would show best, and lambda there at its typical size."""
     best: dict[str, tuple[Effect, float]] = {}
     for score in selection.stages[0].scores if selection.stages else ():
-        if any(q.starts for q in score.effect.parameters):
+        if score.effect.curved:
             continue  # no first order: what it would show depends on the motion
         name = score.effect.name
         if name not in best or score.visible > best[name][1]:

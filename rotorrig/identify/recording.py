@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.extended_parameters import MAINS
-from rotorrig.identify.measurement import SLOW_ROLL, Measurement, measure
+from rotorrig.identify.measurement import Measurement, measure
+from rotorrig.identify.trial_masses import trial_unbalance
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Seen
@@ -56,7 +57,7 @@ class Recording:
                 revolutions=response.revolutions[self.rows],
                 window=response.window,
             )
-        self.trial = _trial(response, self.rows)
+        self.trial = trial_unbalance(response, self.rows)
         self._views = {order: self._view(order) for order in self.orders}
         self.hum = {order: self._leaks(order) for order in self.orders}
 
@@ -163,12 +164,3 @@ class Recording:
         pulses = self.response.keyphasor_t
         first = pulses[0] if len(pulses) else -np.inf
         return np.array([load.since <= first for load in loads], dtype=bool)
-
-
-def _trial(response: OrderTrackedResponse, rows: NDArray[np.intp]) -> dict[str, Complex]:
-    """Return the known added unbalance per disk, (row + 1,) kg m; the slow roll's is that of its own run, if any."""
-    runs = response.runs
-    slow = next((run.trial_unbalance for run in runs if run.name == SLOW_ROLL), {})
-    disks = dict.fromkeys(disk for run in runs for disk in run.trial_unbalance)
-    per_run = {d: np.array([run.trial_unbalance.get(d, 0) for run in runs], dtype=complex) for d in disks}
-    return {disk: np.append(amounts[response.run[rows]], slow.get(disk, 0)) for disk, amounts in per_run.items()}

@@ -98,7 +98,7 @@ def _by_loads(
             c += 1
     z = _responses(recording, moving.model, loads, order)
     for k, (c, by) in enumerate(zip(column, share, strict=True)):
-        found[..., c] += by * problem.at_probes_linear(p, z[..., k])
+        found[..., c] += by * problem.probes.linear(p, z[..., k])
 
 
 def _responses(recording: Recording, model: RotorModel, loads: Sequence[Load], order: int) -> Complex:
@@ -140,7 +140,7 @@ def _by_matrices(
     amounts = problem.amounts(recording, p)
     unit = recording.derivatives(moving.model, moving.planes, directions, order=1).by
     for k, c in enumerate(column):
-        found[..., c] += problem.at_probes_linear(p, np.einsum("rpl,rl->rp", unit[k], amounts))
+        found[..., c] += problem.probes.linear(p, np.einsum("rpl,rl->rp", unit[k], amounts))
 
 
 def _at_probes(
@@ -152,12 +152,12 @@ def _at_probes(
     order: int,
     found: Complex,
 ) -> None:
-    z = problem.at_probes(p, motion, order=order) + problem.hum(recording, p, order)
+    z = problem.probes.of_motion(p, motion, order=order) + problem.probes.hum(recording, p, order)
     if any(acts_on_probes(effect) for effect in problem.effects):
-        seen = problem.through_effects(recording, p, z, order=order)
+        seen = problem.probes.through_effects(recording, p, z, order=order)
         for c in range(found.shape[-1]):
             if found[..., c].any():
-                found[..., c] = problem.through_effects(recording, p, z + found[..., c], order=order) - seen
+                found[..., c] = problem.probes.through_effects(recording, p, z + found[..., c], order=order) - seen
         z = seen
     view = recording.view(order)
     c = 0

@@ -35,9 +35,9 @@ def scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> 
     Those that have no first order, as a clearance, are left to `curved_scores`.
     """
     Q, r = _projection(problem, p)
-    able = [e for e in candidates if not any(q.starts for q in e.parameters)]
-    columns = dict(zip((e.label for e in able), score_columns(problem, p, able), strict=True))
-    found = [_score(effect, columns[effect.label], Q, r) for effect in able]
+    able = [effect for effect in candidates if not effect.curved]
+    columns = score_columns(problem, p, able)
+    found = [_score(effect, own, Q, r) for effect, own in zip(able, columns, strict=True)]
     return sorted(found, key=lambda score: -score.lam)
 
 
@@ -45,8 +45,8 @@ def curved_scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effec
     """Return the scores of the others: by the whole change at 1X that the best of its starts makes."""
     Q, r = _projection(problem, p)
     at = problem.residual(p, orders=(1,))
-    curved = [e for e in candidates if any(q.starts for q in e.parameters)]
-    return sorted((_curved(problem, p, effect, Q, r, at) for effect in curved), key=lambda score: -score.lam)
+    found = [_curved(problem, p, effect, Q, r, at) for effect in candidates if effect.curved]
+    return sorted(found, key=lambda score: -score.lam)
 
 
 def _projection(problem: ExtendedProblem, p: Reals) -> tuple[Reals, Reals]:
@@ -81,18 +81,15 @@ def _curved(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Rea
     return best
 
 
-def _score(effect: Effect, columns: Reals | None, Q: Reals, r: Reals) -> Score:
+def _score(effect: Effect, columns: Reals, Q: Reals, r: Reals) -> Score:
     step = np.zeros(len(effect.parameters))
-    nothing = Score(effect=effect, lam=0.0, step=step, visible=0.0)
-    if columns is None:
-        return nothing
     length = np.linalg.norm(columns, axis=0)
     left = columns - Q @ (Q.T @ columns)
     left -= Q @ (Q.T @ left)
     size = np.linalg.norm(left, axis=0)
     seen = size > _OPEN * np.maximum(length, 1e-300)
     if not seen.any():
-        return nothing
+        return Score(effect=effect, lam=0.0, step=step, visible=0.0)
     basis, triangle = np.linalg.qr(left[:, seen])
     along = basis.T @ r
     step[seen] = -np.linalg.lstsq(triangle, along, rcond=1e-9)[0]

@@ -28,7 +28,8 @@ import tomllib
 from pathlib import Path
 from typing import Literal
 
-from rotorrig.rig.description import Angle, Length, Part, RampRate, RigConfig, Speed, checked
+from rotorrig.rig.checking import checked
+from rotorrig.rig.description import Angle, Length, Part, RampRate, RigConfig, Speed
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.trial_mass import TrialMass
 

@@ -3,7 +3,8 @@
 import cmath
 from collections.abc import Iterable
 
-from rotorrig.rig.description import RigConfig, checked
+from rotorrig.rig.checking import checked
+from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.nameplate import Angle, Part, UnbalanceAmount
 

@@ -6,12 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.blind_run import record
 from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
+from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig, load
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.extension import Extension
 from rotorrig.sims.effects.base import catalogue, find
+from rotorrig.sims.plant.truth import FaultSpec
 from tests.conftest import CONFIGS
 from tests.identify.swept import DRAWN, SIGMA, C, K, U, swept_response
 
@@ -246,3 +249,14 @@ def test_recordings_that_do_not_go_together_are_refused(
     }
     with pytest.raises(DataError):
         judged(*given[unlike])
+
+
+def test_a_force_twice_per_turn_is_located_where_it_meets_the_first_critical_speed(hurried_rig: RigConfig) -> None:
+    hidden = FaultSpec(name="coupling", parameters={})
+    response = track(record(hurried_rig, seed=12, faults=(hidden,)))
+    found = diagnose([response], without={effect.name for effect in catalogue(hurried_rig)})
+    assert found.verdict is Verdict.UNEXPLAINED
+    assert "2X" in found.sentence
+    rpm = 30 / np.pi
+    half = [m for m in found.worst if m.order == 2 and m.speed_from * rpm < 1113 < m.speed_to * rpm]
+    assert half, "2X is strongest where twice the speed meets the first critical, 2226 / 2 rpm"

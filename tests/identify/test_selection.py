@@ -46,7 +46,7 @@ def test_the_hidden_effect_is_taken_up_and_nothing_else(
     found = selected(response, hidden)
     assert [e.label for e in found.problem.effects] == [label]
     own = found.problem.parameters
-    sigma = own.sigmas_of_effect(found.polished.sigma, 0)
+    sigma = own.of_effect(found.polished.sigma, 0)
     for name, value in own.of_effect(found.polished.p, 0).items():
         assert abs(value - theta[name]) < 4 * sigma[name], name
 

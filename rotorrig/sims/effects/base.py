@@ -94,10 +94,15 @@ class Effect:
         """The parameters at which it vanishes."""
         return {p.name: p.nothing for p in self.parameters}
 
-    def starting(self, **starts: tuple[float, ...]) -> Self:
-        """Return the effect with other starts for the parameters of those names: times, say, that a recording tells."""
-        changed = (replace(p, starts=tuple(starts.get(p.name, p.starts))) for p in self.parameters)
-        return replace(self, parameters=tuple(changed))
+    @property
+    def curved(self) -> bool:
+        """Whether it has no first order at nothing: it is begun at the starts of its parameters."""
+        return any(p.starts for p in self.parameters)
+
+    @property
+    def slight(self) -> bool:
+        """Whether it is a nuisance of the base, every unknown of it with a prior."""
+        return all(math.isfinite(p.prior) for p in self.parameters)
 
     def within(self, orders: Collection[float]) -> Self:
         """Return the effect without the parameters that vectors of these orders cannot show."""

@@ -20,7 +20,7 @@ LONGEST = 1e6  # s of a recording
 class UnbalanceStep(Effect):
     """The phasor "step" [kg m] that is added at "time" [s] on the recording's clock.
 
-    The recording tells the times worth a try, the starts of its runs first: `starting(time=...)`.
+    The recordings tell the times worth a try: identify.candidates.
     """
 
     name = "unbalance_step"

@@ -232,11 +232,6 @@ def test_phasors_are_told_by_magnitude_and_angle() -> None:
     ]
 
 
-def test_starts_may_be_told_by_a_recording() -> None:
-    step = find(RIG, "unbalance_step").starting(time=(12.0, 80.0))
-    assert {p.name: p.starts for p in step.parameters} == {"step re": (), "step im": (), "time": (12.0, 80.0)}
-
-
 def test_a_rig_without_gravity_has_no_effect_that_needs_it() -> None:
     names = {e.name for e in catalogue(RIG.model_copy(update={"gravity": "none"}))}
     assert set(FILES) - names == {"crack", "shaft_asymmetry"}

@@ -108,7 +108,8 @@ def test_a_node_more_changes_nothing_at_rest(rig, where):
     split = coarse(RigConfig.model_validate(table, context={"si": True}))
     force = {rig.disks[0].name: (1.0, 0.3j)}
     want = probe_response(coarse(rig), 0.0, force=force, order=0.0)
-    assert_same(probe_response(split, 0.0, force=force, order=0.0), want, 1e-5)
+    rounding = np.finfo(float).eps * np.linalg.cond(matrices(split, 0.0).K)  # seen: 3 % of this, at most
+    assert_same(probe_response(split, 0.0, force=force, order=0.0), want, min(max(1e-6, 0.1 * rounding), 1e-5))
 
 
 @few

@@ -1,0 +1,62 @@
+"""What the probes make of a motion: the base's nuisances of the measuring chain, then the effects behind them."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.identify.extended_parameters import MAINS, ExtendedParameters, bends
+from rotorrig.identify.parameters import Reals
+from rotorrig.identify.recording import Recording
+
+Complex = NDArray[np.complex128]
+
+
+class ProbeSide:
+    """Vectors of an order, (row + 1, probe) [m], of a motion along and across every probe, (row + 1, 2 probe)."""
+
+    def __init__(self, parameters: ExtendedParameters) -> None:
+        """Serve the vectors `p` of these parameters."""
+        self._parameters = parameters
+
+    def seen(self, recording: Recording, p: Reals, motion: Mapping[int, Complex]) -> dict[int, Complex]:
+        """Return vectors as they should have been measured, of motions at 1X and other orders."""
+        found = {}
+        first = self.of_motion(p, motion[1], order=1)
+        for order, moved in motion.items():
+            z = self.of_motion(p, moved, order=order) + self.hum(recording, p, order) + self.bent(p, first, order)
+            found[order] = self.through_effects(recording, p, z, order=order)
+        return found
+
+    def of_motion(self, p: Reals, motion: Complex, *, order: int) -> Complex:
+        """Return vectors of a motion: gain and angle errors and runout applied."""
+        runout = p[self._parameters.runouts[order]]
+        return self.linear(p, motion) + runout[0::2] + 1j * runout[1::2]
+
+    def linear(self, p: Reals, change: Complex) -> Complex:
+        """Return changes of vectors by a change of the motion."""
+        gain, cos, sin = self.figures(p)
+        n = len(gain)
+        return gain * (cos * change[:, :n] + sin * change[:, n:])
+
+    def bent(self, p: Reals, first: Complex, order: int) -> Complex:
+        """Return what the curvature of the probes' scale adds to an order, of 1X vectors `first`."""
+        return bends(first, order, odd=p[self._parameters.odd], even=p[self._parameters.even])
+
+    def hum(self, recording: Recording, p: Reals, order: int) -> Complex:
+        """Return what the mains leave in the vectors of every probe, (row + 1, 1)."""
+        own = p[self._parameters.hums].reshape(-1, len(MAINS), 2)[recording.number]
+        return (recording.hum[order] @ (own[:, 0] + 1j * own[:, 1]))[:, None]
+
+    def through_effects(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
+        """Return vectors as the effects on the probes' side leave them."""
+        for i, effect in enumerate(self._parameters.effects):
+            if effect.recording in (None, recording.number):
+                z = effect.seen(z, recording.view(order), self._parameters.of_effect(p, i))
+        return z
+
+    def figures(self, p: Reals) -> tuple[Reals, Reals, Reals]:
+        """Return gain, and cosine and sine of the angle error, per probe."""
+        base = self._parameters.base
+        angle = p[base.angle]
+        return 1 + p[base.gain], np.cos(angle), np.sin(angle)
