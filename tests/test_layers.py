@@ -37,7 +37,10 @@ TABLE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "sims.matched": (("sims.effects", "sims.rotor", *BASE), ("scipy", "numba")),
     "sims.plant": (("sims.plant", *BASE), ("scipy", "numba")),
     "sims.wire": (("sims.wire", "sims.plant.plant", "sims.plant.truth", *BASE), ("serial", "pymodbus", "can")),
-    "identify": (("identify", "processing.response", "sims.rotor", "sims.effects", *BASE), ("scipy", "threadpoolctl")),
+    "identify": (
+        ("identify", "processing.response", "processing.probe_planes", "sims.rotor", "sims.effects", *BASE),
+        ("scipy", "threadpoolctl"),
+    ),
     "identify.chea": (("identify.chea",), ("scipy",)),
     "app": (
         ("rig", "acquisition", "processing", "sims", "identify", "app"),

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import rerun as rr
 import rerun.blueprint as rrb
 
-from rotorrig.app.orbits import planes
+from rotorrig.processing.probe_planes import planes
 from rotorrig.rig.description import RigConfig
 
 BACKGROUND = (20, 23, 27)

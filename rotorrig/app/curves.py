@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.processing.probe_planes import measured_planes, whirl
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import RPM
 
@@ -123,9 +124,7 @@ def residual_grid(
 
     `sigmas` is (speed, probe, order) as in `Diagnosis`; NaN where nothing usable falls into a bin.
     """
-    rpm = response.omega * RPM
-    moving = np.isin(response.run, sweeps(response))
-    edges = np.linspace(rpm[moving].min(), rpm[moving].max(), bins + 1) if moving.any() else np.array([0.0, 1.0])
+    rpm, edges = response.omega * RPM, _speed_edges(response, bins)
     labels, grid = [], []
     for p, probe in enumerate(response.probes):
         for i in sweeps(response):
@@ -133,6 +132,31 @@ def residual_grid(
             labels.append(f"{probe} {response.runs[i].name}")
             grid.append(_binned_rms(rpm[rows], sigmas[rows, p, response.orders.index(order)], edges))
     return labels, edges, np.array(grid).reshape(len(labels), len(edges) - 1)
+
+
+def whirl_grid(
+    response: OrderTrackedResponse, residual: NDArray[np.complex128], *, order: float = 1.0, bins: int = 110
+) -> tuple[list[str], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the same of forward and backward whirl, rms in um 0-peak (row, bin), per pair of probes and run.
+
+    `residual` is (speed, probe, order) [m] as in `Diagnosis`; no row where no plane has two probes.
+    """
+    labels, grid = [], []
+    z = residual[:, :, response.orders.index(order)]
+    edges = _speed_edges(response, bins)
+    for plane, pair in measured_planes(response.rig, response.probes):
+        seen = whirl(plane, z[:, pair], rotation=response.rig.rotation)
+        for i in sweeps(response):
+            rows = (response.run == i) & response.usable[:, pair].all(axis=1)
+            for vectors, way in zip(seen, ("forward", "backward"), strict=True):
+                labels.append(f"{'+'.join(plane.probes)} {response.runs[i].name}, {way}")
+                grid.append(_binned_rms(response.omega[rows] * RPM, np.abs(vectors[rows]) * UM, edges))
+    return labels, edges, np.array(grid).reshape(len(labels), len(edges) - 1)
+
+
+def _speed_edges(response: OrderTrackedResponse, bins: int) -> NDArray[np.float64]:
+    rpm = response.omega[np.isin(response.run, sweeps(response))] * RPM
+    return np.linspace(rpm.min(), rpm.max(), bins + 1) if rpm.size else np.array([0.0, 1.0])
 
 
 def _binned_rms(

@@ -11,19 +11,22 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from rotorrig.app.curves import Curve, curves, residual_grid
+from rotorrig.app.curves import Curve, curves, residual_grid, whirl_grid
 from rotorrig.processing.response import OrderTrackedResponse
+
+Reals = NDArray[np.float64]
 
 COLOURS = {+1: "#3182bd", -1: "#e6792b", 0: "#808890"}  # speed rises, falls, neither
 SIGMA_CEILING = 8.0  # of the residual map's colours: 8 sigma and 80 are equally wrong
 #: calm to about 2 sigma, then ever louder
-SIGMA_COLOURS = [
+SIGMA_COLOURS: list[list[float | str]] = [
     [0.0, "rgba(128,136,144,0.10)"],
     [2.0 / SIGMA_CEILING, "rgba(128,136,144,0.35)"],
     [3.0 / SIGMA_CEILING, "#f2c14e"],
     [5.0 / SIGMA_CEILING, "#e6792b"],
     [1.0, "#b3123b"],
 ]
+MICROMETRE_COLOURS: list[list[float | str]] = [[0.0, "rgba(128,136,144,0.10)"], [0.5, "#6aaed6"], [1.0, "#08306b"]]
 
 
 def bode(
@@ -58,28 +61,41 @@ def bode(
 def residual_map(response: OrderTrackedResponse, sigmas: NDArray[np.float64], *, order: float = 1.0) -> go.Figure:
     """Return a map of the residual in standard deviations: speed across, a row per probe and run."""
     labels, edges, grid = residual_grid(response, sigmas, order=order)
+    figure = _map(labels, edges, grid, unit="σ", ceiling=SIGMA_CEILING, colours=SIGMA_COLOURS)
+    figure.data[0].colorbar.update(tickvals=[0, 2, 3, 5, 8], ticktext=["0", "2", "3", "5", "8 +"])
+    return figure
+
+
+def whirl_map(response: OrderTrackedResponse, residual: NDArray[np.complex128]) -> go.Figure | None:
+    """Return a map of the 1X residual in µm as forward and backward whirl; None if no plane has two probes."""
+    labels, edges, grid = whirl_grid(response, residual)
+    if not labels:
+        return None
+    ceiling = float(np.max(grid, initial=0.0, where=np.isfinite(grid)))
+    return _map(labels, edges, grid, unit="µm", ceiling=ceiling, colours=MICROMETRE_COLOURS)
+
+
+def _map(
+    labels: list[str], edges: Reals, grid: Reals, *, unit: str, ceiling: float, colours: list[list[float | str]]
+) -> go.Figure:
     heat = go.Heatmap(
         x=edges,
         y=[escape(label) for label in labels],
-        z=np.round(grid, 2),
+        z=np.round(grid, 3),
         zmin=0,
-        zmax=SIGMA_CEILING,
-        colorscale=SIGMA_COLOURS,
+        zmax=ceiling,
+        colorscale=colours,
         ygap=2,
         hoverongaps=False,
-        hovertemplate="%{y}, %{x:.0f} rpm: %{z:.1f} σ<extra></extra>",
-        colorbar={
-            "title": {"text": "σ", "side": "top"},
-            "thickness": 12,
-            "tickvals": [0, 2, 3, 5, 8],
-            "outlinewidth": 0,
-        },
+        hovertemplate=f"%{{y}}, %{{x:.0f}} rpm: %{{z:.2f}} {unit}<extra></extra>",
+        colorbar={"title": {"text": unit, "side": "top"}, "thickness": 12, "outlinewidth": 0},
     )
-    heat.colorbar.ticktext = ["0", "2", "3", "5", "8 +"]
     figure = go.Figure(heat)
     figure.update_xaxes(title="speed, rpm", showgrid=False)
     figure.update_yaxes(autorange="reversed", showgrid=False, type="category")
-    return _styled(figure, height=110 + 26 * len(labels))
+    _styled(figure, height=110 + 26 * len(labels))
+    figure.update_layout(modebar_orientation="h")  # above the map, not across its scale
+    return figure
 
 
 def order_amplitudes(response: OrderTrackedResponse, order: float) -> go.Figure:

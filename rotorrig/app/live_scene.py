@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from rotorrig.app.curves import RPM, UM, phase_window
 from rotorrig.app.drawn_axes import DOWN, MARK, UP
 from rotorrig.app.live_tracking import GrowingBode, LiveTracker, Waveform
-from rotorrig.app.orbits import Plane, planes
 from rotorrig.app.rerun_pictures import BodePicture, OrbitPicture, fastest_rpm
+from rotorrig.processing.probe_planes import Plane, planes
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 

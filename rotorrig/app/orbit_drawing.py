@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.app.curves import RPM, UM, sweeps, vectors
-from rotorrig.app.orbits import Plane, orbit, planes, representative_rows
+from rotorrig.app.orbits import orbit, representative_rows
+from rotorrig.processing.probe_planes import Plane, planes
 from rotorrig.processing.response import OrderTrackedResponse
 
 SIDE = 100.0  # half the picture's width, in drawing units

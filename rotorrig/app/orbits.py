@@ -1,42 +1,10 @@
 """Orbits: what two probes at the same place along the shaft say of its path."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.processing.probe_planes import Plane
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
-
-PARALLEL = 0.1  # |sin| of the angle between two probes below which they see one axis, not an orbit
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Plane:
-    """Two probes at one position, and how their readings make x and y."""
-
-    position: float  # m
-    probes: tuple[str, str]
-    to_xy: NDArray[np.float64]  # (2, 2): (x, y) = to_xy @ (first reading, second reading)
-
-    @property
-    def name(self) -> str:
-        """What to call it: "1x, 1y at 250.5 mm"."""
-        return f"{', '.join(self.probes)} at {self.position * 1e3:g} mm"
-
-
-def planes(rig: RigConfig) -> tuple[Plane, ...]:
-    """Return the probe planes of a rig from the coupling outwards; probes without a partner make none."""
-    found = []
-    for position in sorted({probe.position for probe in rig.probes}):
-        here = [probe for probe in rig.probes if probe.position == position]
-        pairs = [(a, b) for i, a in enumerate(here) for b in here[i + 1 :]]
-        # the pair nearest to a right angle resolves the orbit best
-        a, b = max(pairs, key=lambda pair: abs(np.sin(pair[1].angle - pair[0].angle)), default=(here[0], here[0]))
-        if abs(np.sin(b.angle - a.angle)) > PARALLEL:
-            rows = np.array([[np.cos(a.angle), np.sin(a.angle)], [np.cos(b.angle), np.sin(b.angle)]])
-            found.append(Plane(position=position, probes=(a.name, b.name), to_xy=np.linalg.inv(rows)))
-    return tuple(found)
 
 
 def orbit(

@@ -161,6 +161,16 @@ def _residuals(response: OrderTrackedResponse, diagnosis: Diagnosis | None) -> s
         )
         for order in present
     ]
+    if (turning := figures.whirl_map(response, diagnosis.residual)) is not None:
+        plots.insert(
+            1,
+            _figure(
+                "whirl",
+                turning,
+                caption="The same in µm 0-peak, split into forward and backward whirl",
+                label="Map of the forward and backward whirl of the 1X residual over speed, a row per plane and run.",
+            ),
+        )
     said = "<p>Grey is noise (below 2 σ); yellow, orange and red are what the model does not describe.</p>"
     return _section("residuals", "Where model and measurement part", said, *plots, report_tables.misfits(diagnosis))
 

@@ -111,10 +111,13 @@ def misfits(diagnosis: Diagnosis) -> str:
             f"{m.residual * UM:.3g}",
             "–" if math.isnan(m.relative) else f"{100 * m.relative:+.1f} %",
             "–" if math.isnan(m.phase) else f"{math.degrees(m.phase):+.1f}°",
+            "–" if math.isnan(m.backward) else f"{100 * m.backward:.0f} %",
+            m.other_run or "–",
         ]
         for m in diagnosis.worst[:LISTED_MISFITS]
     ]
-    header = ["where", "rpm", "σ, rms", "largest, µm 0-peak", "amplitude off", "phase off (late is negative)"]
+    header = ["where", "rpm", "σ, rms", "largest, µm 0-peak", "amplitude off", "phase off (− late)"]
+    header += ["backward whirl", "other direction"]
     fine = diagnosis.verdict is Verdict.ADEQUATE
     return table("Largest residuals, all within the noise" if fine else "Misfits, most serious first", header, rows)
 

@@ -15,12 +15,13 @@ from rotorrig.app.blueprint import result_blueprint
 from rotorrig.app.curves import RPM, UM, model_vectors, phase_window, residual_grid, slow_roll_known, sweeps, vectors
 from rotorrig.app.diagnosis_part import part_of, predictions
 from rotorrig.app.drawn_axes import DOWN, GRID, MODEL_DOWN, MODEL_UP, SOFT, UP, Panel, step_for, texts
-from rotorrig.app.orbits import Plane, orbit, planes, representative_rows
+from rotorrig.app.orbits import Plane, orbit, representative_rows
 from rotorrig.app.rerun_pictures import BodePicture, OrbitPicture
 from rotorrig.app.sinks import to_file
 from rotorrig.app.wording import plus_minus, shown
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
+from rotorrig.processing.probe_planes import planes
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.waveform import Waveforms
 

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.measurement import measure
+from rotorrig.identify.misfit import Misfit, Stretch, misfit
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.units import RPM
 
 Predicted = Mapping[int, NDArray[np.complex128]]  # order -> (speed, probe) m as measured, runout included
 
@@ -26,22 +26,6 @@ STRETCH = 8  # rows
 GLOBAL_LIMIT = 1.0  # chi2 per degree of freedom
 FOCUSED_LIMIT = 2.5  # rms sigma of the worst stretch
 FALSE_ALARM_RATE = 0.03  # 95 % bound from no alarm in 100 simulated healthy rigs
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Misfit:
-    """A stretch of one probe, order and run where model and measurement part."""
-
-    run: str
-    probe: str
-    order: float
-    speed_from: float  # rad/s
-    speed_to: float  # rad/s
-    sigma: float  # root mean square of the whitened residual over the stretch
-    residual: float  # m, largest 0-peak magnitude in it
-    relative: float  # mean (|measured| - |model|) / |model|; NaN where the model has no such order
-    phase: float  # rad, mean arg(measured / model); NaN likewise
-    sentence: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,7 +51,7 @@ def assess(response: OrderTrackedResponse, prediction: Predicted, *, reduced_chi
         adequate=bool(reduced_chi2 <= GLOBAL_LIMIT and worst <= FOCUSED_LIMIT),
         reduced_chi2=reduced_chi2,
         worst_sigma=worst,
-        misfits=tuple(_misfit(response, prediction, residual, sigmas, s) for s in loud),
+        misfits=tuple(misfit(response, prediction, residual, _tight(s, sigmas)) for s in loud),
         residual=residual,
         sigmas=sigmas,
         noise_floor=float(np.median(measure(response).sigma[:-1])),
@@ -97,16 +81,7 @@ def residual_maps(
     return residual, sigmas
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Stretch:
-    run: int
-    probe: int
-    order: int
-    rows: NDArray[np.intp]
-    sigma: float
-
-
-def _stretches(response: OrderTrackedResponse, sigmas: NDArray[np.float64]) -> Iterator[_Stretch]:
+def _stretches(response: OrderTrackedResponse, sigmas: NDArray[np.float64]) -> Iterator[Stretch]:
     """Yield consecutive groups of rows per run, probe and order, in the order of measurement."""
     for run in range(len(response.runs)):
         rows = np.flatnonzero((response.run == run) & np.isfinite(sigmas).any(axis=(1, 2)))
@@ -119,65 +94,24 @@ def _stretches(response: OrderTrackedResponse, sigmas: NDArray[np.float64]) -> I
                     values = sigmas[group, probe, order]
                     if np.isfinite(values).any():
                         rms = float(np.sqrt(np.nanmean(values**2)))
-                        yield _Stretch(run=run, probe=probe, order=order, rows=group, sigma=rms)
+                        yield Stretch(run=run, probe=probe, order=order, rows=group, sigma=rms)
 
 
-def _merged(stretches: list[_Stretch]) -> list[_Stretch]:
+def _merged(stretches: list[Stretch]) -> list[Stretch]:
     """Join neighbouring stretches of one run, probe and order; loudest first, its sigma the loudest part's."""
-    joined: list[_Stretch] = []
+    joined: list[Stretch] = []
     for s in sorted(stretches, key=lambda s: (s.run, s.probe, s.order, s.rows[0])):
         last = joined[-1] if joined else None
         same = last is not None and (last.run, last.probe, last.order) == (s.run, s.probe, s.order)
         if last is not None and same and s.rows[0] - last.rows[-1] <= 1 + STRETCH:
             both = np.concatenate([last.rows, s.rows])
-            joined[-1] = _Stretch(run=s.run, probe=s.probe, order=s.order, rows=both, sigma=max(last.sigma, s.sigma))
+            joined[-1] = Stretch(run=s.run, probe=s.probe, order=s.order, rows=both, sigma=max(last.sigma, s.sigma))
         else:
             joined.append(s)
     return sorted(joined, key=lambda s: -s.sigma)
 
 
-def _misfit(
-    response: OrderTrackedResponse,
-    prediction: Predicted,
-    residual: NDArray[np.complex128],
-    sigmas: NDArray[np.float64],
-    s: _Stretch,
-) -> Misfit:
+def _tight(s: Stretch, sigmas: NDArray[np.float64]) -> Stretch:
+    """Return the stretch from its first loud row to its last: a stretch is coarser than its cause."""
     odd = s.rows[sigmas[s.rows, s.probe, s.order] > FOCUSED_LIMIT]
-    s = replace(s, rows=np.arange(odd[0], odd[-1] + 1)) if len(odd) else s  # a stretch is coarser than its cause
-    off = residual[s.rows, s.probe, s.order]
-    peak = float(np.nanmax(np.abs(off)))
-    at = float(response.omega[s.rows[np.nanargmax(np.abs(off))]])
-    omega = response.omega[s.rows]
-    order = response.orders[s.order]
-    relative = phase = float("nan")
-    if order == 1:
-        model = prediction[1][s.rows, s.probe]
-        measured = response.z[s.rows, s.probe, s.order]
-        relative = float(np.nanmean(np.abs(measured)) / np.nanmean(np.abs(model)) - 1)
-        phase = float(np.angle(np.nansum(measured * np.conj(model))))
-    where = f"in the {response.runs[s.run].name} run, {omega.min() * RPM:.0f} to {omega.max() * RPM:.0f} rpm"
-    seen = f"{peak * 1e6:.2g} um 0-peak at {at * RPM:.0f} rpm, {s.sigma:.0f} sigma"
-    name = response.probes[s.probe]
-    if order == 1:
-        what = f"probe {name} departs from the model by up to {seen} ({_relation(relative, phase)})"
-    else:
-        what = f"probe {name} shows {order:g}X of up to {seen}, where the linear model has none"
-    return Misfit(
-        run=response.runs[s.run].name,
-        probe=name,
-        order=order,
-        speed_from=float(omega.min()),
-        speed_to=float(omega.max()),
-        sigma=s.sigma,
-        residual=peak,
-        relative=relative,
-        phase=phase,
-        sentence=f"{where[0].upper()}{where[1:]}, {what}.",
-    )
-
-
-def _relation(relative: float, phase: float) -> str:
-    """Say how the measurement stands to the model; a falling phase is a growing lag."""
-    size = f"{abs(relative):.1%} {'high' if relative > 0 else 'low'}"
-    return f"on average {size} and {abs(np.degrees(phase)):.1f} deg {'early' if phase > 0 else 'late'}"
+    return replace(s, rows=np.arange(odd[0], odd[-1] + 1)) if len(odd) else s

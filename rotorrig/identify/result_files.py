@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.cause import Cause, Figure
-from rotorrig.identify.diagnosis import Diagnosis, Misfit, Verdict
+from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
+from rotorrig.identify.misfit import Misfit
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
 
@@ -99,7 +100,7 @@ def write_diagnosis(path: Path, found: Diagnosis) -> None:
 
 def diagnosis_table(found: Diagnosis) -> dict[str, Any]:
     """Return what diagnosis.json holds, less its arrays and its provenance."""
-    misfit = "run probe order speed_from speed_to sigma residual relative phase sentence"
+    misfit = "run probe order speed_from speed_to sigma residual relative phase backward other_run sentence"
     return {
         "verdict": str(found.verdict),
         **_plain(found, "sentence model false_alarm_rate noise_floor"),
@@ -115,7 +116,8 @@ def read_diagnosis(path: Path) -> Diagnosis:
     try:
         base = table["base"]
         worst = tuple(
-            Misfit(**{**m, "relative": _number(m["relative"]), "phase": _number(m["phase"])}) for m in base["worst"]
+            Misfit(**{**m, **{key: _number(m.get(key)) for key in ("relative", "phase", "backward")}})
+            for m in base["worst"]
         )
         return Diagnosis(
             verdict=Verdict(table["verdict"]),

@@ -9,8 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.cause import Cause, Figure
-from rotorrig.identify.diagnosis import Diagnosis, Misfit, Verdict
+from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
+from rotorrig.identify.misfit import Misfit
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.description import RigConfig, load
 from rotorrig.rig.probes.base import DaqInfo

@@ -11,15 +11,16 @@ import numpy as np
 import pytest
 
 from rotorrig.app import figures
-from rotorrig.app.curves import curves, lag_degrees, phase_window, residual_grid
+from rotorrig.app.curves import curves, lag_degrees, phase_window, residual_grid, whirl_grid
 from rotorrig.app.diagnosis_part import part_of, predictions
-from rotorrig.app.orbits import orbit, planes
+from rotorrig.app.orbits import orbit
 from rotorrig.app.report import write_report
 from rotorrig.app.rig_drawing import end_view, side_view
 from rotorrig.app.wording import plus_minus, shown
 from rotorrig.identify.cause import Figure
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Estimate, Identification
+from rotorrig.processing.probe_planes import planes
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
@@ -309,6 +310,20 @@ def test_residual_map_is_red_at_resonance_for_wrong_damping_only(
     assert np.nanmax(residual_grid(response, good.sigmas)[2]) < 3.5
 
 
+def test_the_whirl_of_a_residual_is_drawn_by_plane_run_and_sense(
+    response: OrderTrackedResponse, poor: Diagnosis
+) -> None:
+    x, y = (response.probes.index(name) for name in ("1x", "1y"))
+    residual = np.zeros_like(poor.residual)
+    residual[:, x, response.orders.index(1.0)] = 3e-6
+    residual[:, y, response.orders.index(1.0)] = 3e-6j  # x leads: y moves a quarter of a turn before it
+    labels, _, grid = whirl_grid(response, residual)
+    rows = dict(zip(labels, grid, strict=True))
+    assert labels[:4] == ["1x+1y up, forward", "1x+1y up, backward", "1x+1y down, forward", "1x+1y down, backward"]
+    assert np.nanmax(rows["1x+1y up, forward"]) < 1e-9
+    assert np.nanmin(rows["1x+1y up, backward"]) == pytest.approx(3)
+
+
 def test_second_order_peaks_at_half_the_critical_speed(response: OrderTrackedResponse) -> None:
     figure = figures.order_amplitudes(response, 2.0)
     trace = figure.data[0]
@@ -373,7 +388,7 @@ def test_the_plots_are_drawn_in_a_browser_without_errors(full: Path, page: Page,
     drawn = done.stdout.split("<main", 1)[1]
     assert page.elements.count("figure") == drawn.count("<figure")
     canvases = drawn.split('class="canvas')[1:]
-    assert len(canvases) == 6  # four Bode plots, the residual map at 1X, the second order
+    assert len(canvases) == 7  # four Bode plots, two maps of the residual at 1X, the second order
     assert all('class="main-svg"' in canvas for canvas in canvases)
     # what the page itself complains of, a refused fetch included; the rest of the log is the browser's own
     assert [line for line in done.stderr.splitlines() if "CONSOLE" in line] == []
