@@ -4,10 +4,10 @@
     python benchmarks/blind.py --write                                   (all; docs/blind.md; `make blind`)
     python benchmarks/blind.py --summary --json      (of the cases that are done; JSON on the last line)
 
-Every case is sealed, swept, tracked and diagnosed on its own, and leaves two files in the folder: the sealed truth,
-written before the sweep, and the diagnosis. Then lam of every case of one fault is computed (blind_lam.py). What is
-there is not run again, but for cases that ended in an error, and Ctrl-C loses only what is under way. Judging is done
-afterwards, from the files alone.
+Every case is sealed, swept, tracked and diagnosed on its own, and leaves in the folder what was measured (kept until
+the plant changes), the sealed truth, written before the sweep, and the diagnosis. Then lam of every case of one fault
+is computed (blind_lam.py). What is there is not run again, but for cases that ended in an error, and Ctrl-C loses only
+what is under way. Judging is done afterwards, from the files alone.
 """
 
 import argparse
@@ -33,12 +33,12 @@ from benchmarks.blind_cases import (
     Design,
     cases,
     files,
-    measure,
     modelled,
     outsiders,
     write_whole,
 )
 from benchmarks.blind_lam import compute, lam_file, lam_of, template
+from benchmarks.blind_measured import measured
 from benchmarks.blind_page import page, text
 from benchmarks.blind_score import FAILED, Score, score, summarise
 from rotorrig.identify.diagnosis import diagnose
@@ -107,16 +107,15 @@ def run(job: Job) -> str:
     """Run one case and return its name; whatever goes wrong is written down as its result."""
     case, folder = job
     path, sealed = files(case, folder)
-    sealed.parent.mkdir(parents=True, exist_ok=True)
-    began = measured = time.perf_counter()
+    began = swept = time.perf_counter()
     with tempfile.TemporaryDirectory() as scratch:
         try:
-            responses = measure(case, sealed=sealed, folder=Path(scratch))
-            measured = time.perf_counter()
+            responses = measured(case, folder, sealed=sealed)
+            swept = time.perf_counter()
             found = diagnosed(responses, Path(scratch) / "diagnosis.json")
         except Exception:  # a case that crashes counts against the diagnosis and must not end a night's run
             found = {"verdict": FAILED, "error": traceback.format_exc()}
-    seconds = {"measure": measured - began, "diagnose": time.perf_counter() - measured}
+    seconds = {"measure": swept - began, "diagnose": time.perf_counter() - swept}
     write_whole(path, {"code_version": code_version(), "seconds": seconds, "diagnosis": found})
     return f"{case.design} {case.name}"
 

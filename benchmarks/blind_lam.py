@@ -19,14 +19,14 @@ from typing import Any, TypedDict
 
 import numpy as np
 
-from benchmarks.blind_cases import Case, Design, files, measure, write_whole
+from benchmarks.blind_cases import Case, Design, files, write_whole
+from benchmarks.blind_measured import measured
 from benchmarks.blind_names import Answer, answer
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.parameters import Reals
 from rotorrig.identify.recording import Recording
 from rotorrig.identify.scores import scores
 from rotorrig.identify.separation import DETECTABLE, NAMEABLE, fitted, separation
-from rotorrig.processing.response_file import read_response, write_response
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import Effect, catalogue, find
 from rotorrig.sims.plant.truth import Truth, identified_truth, unseal
@@ -118,16 +118,7 @@ def _vector(problem: ExtendedProblem, sought: dict[str, float], hidden: Answer) 
 
 @cache
 def template(design: Design, folder: Path) -> tuple[Recording, ...]:
-    """Return the recordings of a healthy rig of a design, made once and kept in `folder`."""
-    count = 2 if design == "P2" else 1
-    paths = [folder / design / f"template-{i + 1}.mcap" for i in range(count)]
-    if not all(path.exists() for path in paths):
-        with TemporaryDirectory() as scratch:
-            case = Case(design=design, seed=TEMPLATE_SEED)
-            responses = measure(case, sealed=Path(scratch) / "sealed.json", folder=Path(scratch))
-        for path, response in zip(paths, responses, strict=True):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            part = path.with_suffix(".part")
-            write_response(part, response)
-            part.replace(path)
-    return tuple(Recording(read_response(path)) for path in paths)
+    """Return the recordings of a healthy rig of a design, kept in `folder`."""
+    with TemporaryDirectory() as scratch:
+        case = Case(design=design, seed=TEMPLATE_SEED)
+        return tuple(Recording(r) for r in measured(case, folder, sealed=Path(scratch) / "sealed.json"))
