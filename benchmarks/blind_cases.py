@@ -31,7 +31,6 @@ from rotorrig.sims.plant.faults.base import names
 from rotorrig.sims.plant.truth import FaultSpec, draw, draw_fault, seal
 
 CONFIG = Path(__file__).parents[1] / "configs/rk4.toml"
-ORDERS = (0.0, 1.0, 2.0, 3.0)
 TRIAL = {"disk": (12e-6, math.pi / 2)}  # kg m, rad from the keyphasor mark in the sense of rotation
 FIRST_PLANE = ("1x", "1y")
 HURRY = 3.0
@@ -155,7 +154,7 @@ def nameplate(design: Design) -> RigConfig:
 
 def _tracked(recording: RawRecording, path: Path) -> OrderTrackedResponse:
     write_recording(path, recording)
-    response = track(read_recording(path), orders=ORDERS)
+    response = track(read_recording(path))
     return replace(response, source=replace(response.source, source=path.stem))
 
 

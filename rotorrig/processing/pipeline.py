@@ -18,6 +18,7 @@ from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import code_version
 from rotorrig.rig.trial_mass import TrialMass, read_trial_mass, trial_unbalance
 
+ORDERS = (0.0, 0.5, 1.0, 2.0, 3.0)  # the gap, half and whole multiples of the speed that faults are known by
 HYSTERESIS = 0.25  # of the distance between the keyphasor's levels
 
 
@@ -25,7 +26,7 @@ def track(
     recording: RawRecording,
     *,
     turns: int = 8,
-    orders: tuple[float, ...] = (0.0, 1.0, 2.0),
+    orders: tuple[float, ...] = ORDERS,
     trial: Sequence[TrialMass] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> OrderTrackedResponse:
