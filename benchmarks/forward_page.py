@@ -36,7 +36,7 @@ bearings alike. Four probes each. {versions}.
 {tables}
 
 The cost of a candidate does not depend on the number of elements, and for many speeds is proportional to their number;
-a mesh whose matrices are narrow bands (from about thirty elements) is condensed as such. The dense solve is timed up to
+a mesh whose matrices are narrow bands (from about eight elements) is condensed as such. The dense solve is timed up to
 about {LARGEST_DENSE} elements. "k, c, u" counts the parameters that the derivatives are taken by.
 """
 

@@ -25,11 +25,12 @@ _SLOW = (20, 0.05)  # steps that gain less than this share of the squared misfit
 _AGREED = 0.01  # of the value: rounds that end so close ended, but for what `_SLOW` leaves, in one minimum
 _ENOUGH = 6  # rounds that agree: two in five end in a wide basin of f1
 _RADIUS = 0.05  # of the cube: first step of a descent in sums of absolute values
-_DESCENT = 300  # calls of one
-_FIT = 100  # of a least-squares fit
+_DESCENT = 300  # calls of a descent to the end
+_BRIEF = 30  # of one that shows what a start is worth
+_CARRIED = 8  # of these go on
 _SCATTERED = 8  # starts about the best
 _SCATTER = 0.02  # of the cube: in stiffness a factor of 1.4
-_SAME = 1e-5  # of the cube: ends of fits this close are one
+_SAME = 1e-3  # of the cube: places this close are one, a factor of 1.02 in stiffness
 _INSIDE = 1e-9  # of the cube: scipy's method wants starts that far inside
 
 
@@ -52,8 +53,7 @@ def black_box(amplitudes: Amplitudes, *, objective: Name, seed: int) -> tuple[Re
     size, power = amplitudes.size(objective), 0.5 if objective == "f1" else 1.0
 
     def misfit(points: Real) -> Real:
-        candidates = _coefficients(amplitudes, points)
-        return np.array([(amplitudes.least_cost(u, objective=objective)[0] / size) ** power for u in candidates])
+        return (amplitudes.least_cost(_coefficients(amplitudes, points), objective=objective)[0] / size) ** power
 
     rng = np.random.default_rng(seed)
     ends: list[_End] = []
@@ -62,9 +62,9 @@ def black_box(amplitudes: Amplitudes, *, objective: Name, seed: int) -> tuple[Re
         ends.append(_round(misfit, amplitudes.steady.dim, budget=BUDGET - calls, rng=rng))
         calls += ends[-1].calls
     best = _descend(misfit, min(ends, key=lambda end: end.misfit), budget=BUDGET - calls, rng=rng)
-    u = _coefficients(amplitudes, best.point[None])[0]
-    least, amount = amplitudes.least_cost(u, objective=objective)
-    return np.array(amplitudes.theta(np.append(u, amount))), least, calls + best.calls
+    u = _coefficients(amplitudes, best.point[None])
+    (least,), (amount,) = amplitudes.least_cost(u, objective=objective)
+    return np.array(amplitudes.theta(np.append(u, amount))), float(least), calls + best.calls
 
 
 class _End(NamedTuple):
@@ -139,22 +139,45 @@ def least_of_many(
 
     Of the random starts half are uniform in the logarithmic box, half where rotors answer to their bearings. Sums of
     absolute values descend from none of them (f3 ended seven times too high in 40 of 40): there the logarithmic
-    amplitudes are fitted first. More starts, for descents on the objective itself, are scattered about the best. All
-    local methods but that for absolute values are scipy's.
+    amplitudes are fitted first. All descend a little way; the lowest of those that are apart go on to the end. More
+    starts, for descents on the objective itself, are scattered about the best. All local methods but that for absolute
+    values are scipy's.
     """
     low, high = np.log(box(amplitudes)).T
-    best, least = _descended(amplitudes, objective, np.clip((np.log(near) - low) / (high - low), 0.0, 1.0))
-    seen: list[Real] = []
+    nearby = np.clip((np.log(near) - low) / (high - low), 0.0, 1.0)
+    ends: list[_Descent] = []
     for start in _starts(amplitudes, starts, rng):
-        v = start if objective == "f1" else _least_squares(amplitudes.log_ratios, start)[0]
-        if any(np.abs(v - other).max() < _SAME for other in seen):
-            continue
-        seen.append(v)
-        best, least = min((best, least), _descended(amplitudes, objective, v), key=lambda end: end[1])
+        v = start if objective == "f1" else _least_squares(amplitudes.log_ratios, start, calls=_BRIEF).v
+        if all(np.abs(v - end.start).max() > _SAME for end in ends):
+            ends.append(_descended(amplitudes, objective, v, calls=_BRIEF))
+    best = _descended(amplitudes, objective, nearby)
+    for v in _lowest_apart(ends):
+        best = min(best, _descended(amplitudes, objective, v), key=_value)
     for _ in range(_SCATTERED):
-        v = np.clip(best + _SCATTER * rng.standard_normal(len(best)), 0.0, 1.0)
-        best, least = min((best, least), _descended(amplitudes, objective, v), key=lambda end: end[1])
-    return least
+        v = np.clip(best.v + _SCATTER * rng.standard_normal(len(best.v)), 0.0, 1.0)
+        best = min(best, _descended(amplitudes, objective, v), key=_value)
+    return best.value
+
+
+class _Descent(NamedTuple):
+    """Where a descent began and ended, (5,) of the cube, and the value there."""
+
+    start: Real
+    v: Real
+    value: float
+
+
+def _value(descent: _Descent) -> float:
+    return descent.value
+
+
+def _lowest_apart(ends: list[_Descent]) -> list[Real]:
+    """Return the lowest ends, `_CARRIED` of them, no two of them the same."""
+    apart: list[Real] = []
+    for end in sorted(ends, key=_value):
+        if len(apart) < _CARRIED and all(np.abs(end.v - other).max() > _SAME for other in apart):
+            apart.append(end.v)
+    return apart
 
 
 def _starts(amplitudes: Amplitudes, count: int, rng: np.random.Generator) -> Iterator[Real]:
@@ -163,31 +186,32 @@ def _starts(amplitudes: Amplitudes, count: int, rng: np.random.Generator) -> Ite
         yield np.append(u, amplitudes.amount(u))
 
 
-def _descended(amplitudes: Amplitudes, objective: Name, v: Real) -> tuple[Real, float]:
+def _descended(amplitudes: Amplitudes, objective: Name, v: Real, *, calls: int = _DESCENT) -> _Descent:
     fun = amplitudes.vector(objective)
     if objective == "f1":
-        return _least_squares(fun, v)
-    return descend_absolute(fun, v, radius=_RADIUS, max_calls=_DESCENT)[:2]
+        return _least_squares(fun, v, calls=calls)
+    return _Descent(v, *descend_absolute(fun, v, radius=_RADIUS, max_calls=calls)[:2])
 
 
-def _least_squares(fun: Residual, v: Real) -> tuple[Real, float]:
-    """Return the end of scipy's trust region within bounds, and the sum of squares there."""
+def _least_squares(fun: Residual, start: Real, *, calls: int) -> _Descent:
+    """Return the end of scipy's trust region within bounds, with the sum of squares there."""
+    last: dict[bytes, tuple[Real, Real]] = {}
 
-    def residual(v: Real) -> Real:
-        return fun(v)[0]
-
-    def jacobian(v: Real) -> Real:
-        return fun(v)[1]
+    def once(v: Real) -> tuple[Real, Real]:  # scipy asks for residuals and derivatives one after the other
+        if (key := v.tobytes()) not in last:
+            last.clear()
+            last[key] = fun(v)
+        return last[key]
 
     found = least_squares(
-        residual,
-        np.clip(v, _INSIDE, 1 - _INSIDE),
-        jac=jacobian,
+        lambda v: once(v)[0],
+        np.clip(start, _INSIDE, 1 - _INSIDE),
+        jac=lambda v: once(v)[1],
         bounds=(0.0, 1.0),
         x_scale="jac",
         ftol=1e-12,
         xtol=1e-12,
         gtol=None,
-        max_nfev=_FIT,
+        max_nfev=calls,
     )
-    return found.x, 2 * float(found.cost)
+    return _Descent(start, found.x, 2 * float(found.cost))

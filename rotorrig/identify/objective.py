@@ -103,25 +103,28 @@ class Amplitudes:
         """Return that amount as a coordinate of the unit cube."""
         return float(np.clip((-self._log_ratios(u)[0].mean() - self._lowest) / self._range, 0.0, 1.0))
 
-    def least_cost(self, u: Real, *, objective: Name) -> tuple[float, float]:
-        """Return f1 [um^2], f2 or f3 [um] at `u` (dim - 1,) for the amount that suits it best, and that coordinate.
+    def least_cost(self, u: Real, *, objective: Name) -> tuple[Real, Real]:
+        """Return f1 [um^2], f2 or f3 [um] of candidates (candidate, dim - 1), and the amount that suits each best.
 
-        The amount enters as a factor: least squares give it for f1, a median for f2, a weighted median for f3.
+        Both (candidate,), the amount as a coordinate of the unit cube; no derivatives are taken. The amount enters as a
+        factor: least squares give it for f1, a median for f2, a weighted median for f3.
         """
-        ratio = np.exp(self._log_ratios(u)[0])  # predicted for 1 kg m over measured
+        log_ratio = np.log(np.abs(self._compared(self.steady.responses(u)[:, 0])) / self._measured)
         measured = self._measured / _MICROMETRE
-        predicted = ratio * measured
+        predicted = np.exp(log_ratio) * measured  # for 1 kg m
         if objective == "f1":
-            amount = float(predicted @ measured / (predicted @ predicted))
+            amount = np.log(predicted @ measured / (predicted**2).sum(axis=1))
         elif objective == "f2":
-            amount = float(np.exp(-np.median(np.log(ratio))))
+            amount = -np.median(log_ratio, axis=1)
         else:
-            order = np.argsort(ratio)
-            weight = np.cumsum(predicted[order])
-            amount = float(1 / ratio[order][np.searchsorted(weight, weight[-1] / 2)])
-        within = float(np.clip((np.log(amount) - self._lowest) / self._range, 0.0, 1.0))
-        off = self.vector(objective)(np.append(u, within))[0]
-        return float(off @ off if objective == "f1" else np.abs(off).sum()), within
+            amount = -_weighted_median(log_ratio, predicted)
+        amount = np.clip(amount, self._lowest, self._lowest + self._range)
+        if objective == "f2":
+            cost = np.abs(log_ratio + amount[:, None]).sum(axis=1) / _LN10
+        else:
+            off = predicted * np.exp(amount)[:, None] - measured
+            cost = (off**2 if objective == "f1" else np.abs(off)).sum(axis=1)
+        return cost, (amount - self._lowest) / self._range
 
     def size(self, objective: Name) -> float:
         """Return the objective of a prediction of nothing, f1 [um^2] or f3 [um]; for f2 of one e times too large."""
@@ -151,11 +154,14 @@ class Amplitudes:
     def _log_ratios(self, u: Real) -> tuple[Real, Real]:
         """Return ln of predicted, for 1 kg m, over measured, (figure,), and d/du."""
         z, by_u = self.steady(u)
-        z, by_u = z[0], by_u[:, 0]
-        if self._slow_roll:
-            z, by_u = z[:-1] - z[-1], by_u[:, :-1] - by_u[:, -1:]
-        z, by_u = z.ravel()[self._used], by_u.reshape(len(by_u), -1)[:, self._used]
+        z, by_u = self._compared(z[0]), self._compared(by_u[:, 0])
         return np.log(np.abs(z) / self._measured), (by_u / z).real.T
+
+    def _compared(self, z: Complex) -> Complex:
+        """Return what is compared, (..., figure), of responses (..., speed, probe) or their derivatives."""
+        if self._slow_roll:
+            z = z[..., :-1, :] - z[..., -1:, :]
+        return z.reshape(*z.shape[:-2], -1)[..., self._used]
 
     def _with_amount(self, by: Real) -> Real:
         return np.column_stack([by, np.full(len(by), self._range)])
@@ -224,7 +230,7 @@ class ComplexResidual:
             trials = self._cleared((whole * self._known[..., None]).sum(axis=1))
             off, by = off + trials[:, 0], trials[:, 1:]
         normal = columns.T @ columns
-        normal.flat[:: 2 * n + 1] += _PLANES_APART * np.trace(normal)
+        normal.flat[:: 2 * n + 1] += _PLANES_APART * normal.diagonal().sum()
         inverse = np.linalg.inv(normal)
         x = -inverse @ (columns.T @ off)
         by = by + np.einsum("fpdk,pk->fd", change, x.reshape(2, n))
@@ -238,6 +244,14 @@ class ComplexResidual:
         pairs[:, :, 1] = z.imag.transpose(1, 2, 0)
         white = (self._whiten @ pairs.reshape(speeds, 2 * probes, n)).reshape(-1, n)
         return white - self._runout @ (self._runout.T @ white)
+
+
+def _weighted_median(values: Real, weights: Real) -> Real:
+    """Return the median of each row, (row,), of values (row, figure) that count as much as their weights."""
+    order = values.argsort(axis=1)
+    below = np.cumsum(np.take_along_axis(weights, order, axis=1), axis=1)
+    middle = (below < below[:, -1:] / 2).sum(axis=1, keepdims=True)
+    return np.take_along_axis(values, np.take_along_axis(order, middle, axis=1), axis=1)[:, 0]
 
 
 def thinned(rows: NDArray[np.intp], most: int) -> NDArray[np.intp]:

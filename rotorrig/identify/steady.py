@@ -39,6 +39,7 @@ class Steady:
             (_FIELDS[name[0]], i // len(space.coefficients), "xy".index(name[1]), "xy".index(name[2]))
             for i, name in enumerate(names)
         ]
+        self._linear = np.stack(space.matrices(np.eye(len(space))), axis=1).reshape(len(space), -1)
         self._low, high = space.working_bounds[: self.dim].T
         self._width = high - self._low
         self._either_sign = np.array([unknown.low < 0 for unknown in space.unknowns[: self.dim]])
@@ -59,7 +60,7 @@ class Steady:
     def __call__(self, u: Real) -> tuple[Complex, Complex]:
         """Return the responses at `u`, (plane, speed, probe) m per kg m, and d/du, (dim, plane, speed, probe)."""
         values = self.values(u)
-        K, C = self.space.matrices(values)
+        K, C = (values @ self._linear).reshape(2, -1, 2, 2)  # as `Space.matrices`, in a tenth of the time
         slopes = (self.space.slopes(values)[: self.dim] * self._width)[:, None, None]
         loads, speeds, probes = len(self._units), len(self.receptance.omega), self.receptance.probes
         z = np.empty((loads, speeds, probes), dtype=complex)
@@ -71,9 +72,16 @@ class Steady:
                 np.multiply(slopes[n], answer[by][group, row, column], out=by_u[n, i])
         return z, by_u
 
+    def responses(self, u: Real) -> Complex:
+        """Return the responses alone of candidates (candidate, dim), (candidate, plane, speed, probe) m per kg m."""
+        K, C = self.space.matrices(self.values(u))
+        return self.receptance.general_response(K[:, None], C[:, None], self._units)
+
     def values(self, u: Real) -> Real:
-        """Return the unknowns of the space in SI, (unknown,); modulus and density as the nameplate says."""
-        working = np.append(self._low + u * self._width, self._fixed_working)
+        """Return the unknowns of the space in SI, (..., unknown); modulus and density as the nameplate says."""
+        working = np.empty((*u.shape[:-1], len(self.space)))
+        working[..., : self.dim] = self._low + u * self._width
+        working[..., self.dim :] = self._fixed_working
         return self.space.from_working(working)
 
     def starts(self, points: Real) -> Real:

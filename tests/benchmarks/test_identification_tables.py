@@ -51,6 +51,16 @@ def test_brute_force_from_the_true_values_stays_there(monkeypatch, objective, ex
     assert least <= exact.cost(truth[None], objective=objective)[0] * (1 + 1e-9)
 
 
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_brute_force_from_a_few_starts_meets_what_the_search_finds(monkeypatch, objective) -> None:
+    monkeypatch.setattr("benchmarks.identification_searches._SCATTERED", 1)
+    monkeypatch.setattr("benchmarks.identification_searches._CARRIED", 1)
+    amplitudes, rng = table8.noisy(1), np.random.default_rng(2)
+    optima, _, _ = search_amplitudes(amplitudes, objective=objective, rng=rng)
+    least = least_of_many(amplitudes, objective=objective, starts=2, near=table8.TRUTH, rng=rng)
+    assert least == pytest.approx(optima[0].cost, rel=1e-6)
+
+
 def test_a_black_box_keeps_to_the_budget_and_the_bounds(monkeypatch, exact: Amplitudes) -> None:
     monkeypatch.setattr("benchmarks.identification_searches.BUDGET", 60)
     theta, cost, calls = black_box(exact, objective="f2", seed=1)

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.objective import Amplitudes, ComplexResidual, Vector
+from rotorrig.identify.objective import Amplitudes, ComplexResidual, Name, Vector
 from rotorrig.identify.space import Space
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.description import RigConfig, from_si
@@ -64,6 +64,28 @@ def test_their_sums_are_f1_f2_and_f3(amplitudes: Amplitudes) -> None:
         ("f3", np.abs(micrometres).sum()),
     ):
         assert amplitudes.cost(theta[None], objective=objective)[0] == pytest.approx(total)
+
+
+@pytest.mark.parametrize("objective", ["f1", "f2", "f3"])
+def test_the_value_alone_is_that_of_the_residuals_with_derivatives(amplitudes: Amplitudes, objective: Name) -> None:
+    points = np.random.default_rng(3).random((20, 4))
+    costs, amounts = amplitudes.least_cost(points, objective=objective)
+    for u, cost, amount in zip(points, costs, amounts, strict=True):
+        off, _ = amplitudes.vector(objective)(np.append(u, amount))
+        assert cost == pytest.approx(off @ off if objective == "f1" else np.abs(off).sum(), rel=1e-11)
+        alone, _ = amplitudes.least_cost(u[None], objective=objective)
+        assert alone[0] == pytest.approx(cost, rel=1e-11)
+
+
+@pytest.mark.parametrize("objective", ["f1", "f2", "f3"])
+def test_no_other_amount_within_bounds_costs_less(amplitudes: Amplitudes, objective: Name) -> None:
+    points = np.random.default_rng(4).random((10, 4))
+    costs, amounts = amplitudes.least_cost(points, objective=objective)
+    for u, cost, amount in zip(points, costs, amounts, strict=True):
+        assert 0 <= amount <= 1
+        for other in np.clip([amount - 0.01, amount - 1e-4, amount + 1e-4, amount + 0.01], 0, 1):
+            theta = np.array(amplitudes.theta(np.append(u, other)))
+            assert amplitudes.cost(theta[None], objective=objective)[0] >= cost * (1 - 1e-9)
 
 
 def test_the_shape_is_that_of_the_best_amount(amplitudes: Amplitudes) -> None:

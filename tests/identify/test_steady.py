@@ -5,7 +5,7 @@ import pytest
 
 from rotorrig.identify.space import Space
 from rotorrig.identify.steady import Steady, shaft_stiffness
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.description import RigConfig, from_si
 from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.harmonic import probe_response
@@ -26,6 +26,17 @@ def test_the_response_is_that_of_the_whole_model(rig_config: RigConfig) -> None:
     full = with_bearing(assemble(rig_config), "spring", np.diag([kxx, kyy]), np.diag([cxx, cyy]))
     want = probe_response(full, OMEGA, unbalance={"disk": 1.0})[:, :3]
     assert np.abs(one(u)[0][0] - want).max() < 1e-4 * np.abs(want).max()
+
+
+def test_without_derivatives_it_is_the_same_for_every_group_and_plane(rig_config: RigConfig) -> None:
+    rig = from_si(rig_config.model_dump(mode="json") | {"planes": [{"name": "end", "position": 0.45}]})
+    one = steady(sought(rig, **EIGHT, also=["youngs_modulus"]), planes=("disk", "end"))
+    points = np.random.default_rng(1).random((5, one.dim))
+    alone = one.responses(points)
+    assert alone.shape == (5, 2, len(OMEGA), 3)
+    for u, z in zip(points, alone, strict=True):
+        with_derivatives = one(u)[0]
+        assert np.abs(z - with_derivatives).max() < 1e-12 * np.abs(with_derivatives).max()
 
 
 def test_the_ends_of_the_cube_are_the_bounds(rig_config: RigConfig) -> None:

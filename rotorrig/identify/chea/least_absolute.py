@@ -7,6 +7,7 @@ residuals that vanish there, and convergence is quadratic (Osborne and Watson 19
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.chea.box_absolute import minimize_absolute_on_box
 from rotorrig.identify.chea.levenberg_marquardt import Residual
 
 Array = NDArray[np.float64]
@@ -26,7 +27,7 @@ def descend_absolute(
     r, J = fun(u)
     value, calls = float(np.abs(r).sum()), 1
     while calls < max_calls and radius > _SHORTEST:
-        step = _program(r, J, np.maximum(-u, -radius), np.minimum(1 - u, radius))
+        step = minimize_absolute_on_box(r, J, np.maximum(-u, -radius), np.minimum(1 - u, radius))
         promised = value - float(np.abs(r + J @ step).sum())
         if promised <= tolerance * value:
             break
@@ -41,22 +42,3 @@ def descend_absolute(
         if value_moved < value:
             u, r, J, value = moved, r_moved, J_moved, value_moved
     return u, value, calls
-
-
-def _program(r: Array, J: Array, low: Array, high: Array) -> Array:
-    """Return the step s (dim,) between `low` and `high` of least sum |r + J s|.
-
-    Solved as its dual, maximise y r + p low - q high over |y| <= 1 and p, q >= 0 where J^T y = p - q: that has as few
-    rows as there are parameters, and s are their multipliers.
-    """
-    from scipy.optimize import linprog  # a quarter of a second, which a search for least squares does without
-
-    figures, dim = J.shape
-    found = linprog(
-        -np.concatenate([r, low, -high]),
-        A_eq=np.hstack([J.T, -np.eye(dim), np.eye(dim)]),
-        b_eq=np.zeros(dim),
-        bounds=[(-1.0, 1.0)] * figures + [(0.0, np.inf)] * (2 * dim),
-        method="highs",
-    )
-    return np.clip(found.eqlin.marginals, low, high) if found.status == 0 else np.zeros(dim)

