@@ -38,6 +38,7 @@ HEALTHY = "healthy"
 
 Design = Literal["P1", "P2", "fast"]
 DESIGNS: tuple[Design, ...] = ("P1", "P2")
+RUNS: Mapping[Design, int] = {"P1": 1, "P2": 2, "fast": 1}  # recordings of the rig
 Kind = Literal["healthy", "single", "pair", "outsider"]
 
 
@@ -104,7 +105,7 @@ def outsiders() -> tuple[str, ...]:
 
 def sizes(case: Case) -> tuple[FaultSpec, ...]:
     """Draw the parameters of the faults of a case."""
-    return tuple(draw_fault(case.rig, name, seed=case.plant_seed) for name in case.faults)
+    return tuple(draw_fault(case.rig, name, seed=case.plant_seed, runs=RUNS[case.design]) for name in case.faults)
 
 
 def measure(

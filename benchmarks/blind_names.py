@@ -11,19 +11,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
-import numpy as np
-
 from rotorrig.acquisition.plans import SETTLING_RAMP
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.description import RigConfig, RunUpCoastDown
 from rotorrig.sims.effects.base import catalogue, find
 from rotorrig.sims.effects.crack import Crack
 from rotorrig.sims.effects.places import STEP, probe_planes
-from rotorrig.sims.effects.shaft_motion import at_rest, curvature_rows
 from rotorrig.sims.effects.stiffness_over_speed import StiffnessOverSpeed
 from rotorrig.sims.effects.unbalance_plane import UnbalancePlane
 from rotorrig.sims.plant.faults.base import fault
+from rotorrig.sims.plant.motor import DRAG_CONSTANT, DRAG_LINEAR
 from rotorrig.sims.plant.truth import FaultSpec, Truth
-from rotorrig.sims.rotor.assembly import assemble
+from rotorrig.sims.rotor.loads import ONE_RECORDING, between
 
 Values = Mapping[str, float]
 Place = TypeVar("Place", Crack, UnbalancePlane)
@@ -92,20 +90,31 @@ def _coupling(rig: RigConfig, truth: Truth, values: Values) -> Answer:
     once = _phasor("force 1X", values["bore_force"], values["bore_angle"] + truth.keyphasor_offset)
     turn = 2 * (values["stiff_diameter"] + truth.keyphasor_offset) - values["offset_angle"]
     twice = _phasor("force 2X", values["stiffness_variation"] * values["offset"], turn)
-    return _one("coupling", once | twice, same=tuple(once))
+    diameter = 2 * (values["stiff_diameter"] + truth.keyphasor_offset)
+    stiffness = _phasor("stiffness", values["stiffness_variation"], diameter)
+    return _one("coupling", once | twice | stiffness, same=tuple(once | stiffness))
+
+
+def _friction(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Take the creep as the effect has it at first: it comes of the bearings' shaking, which is in no fault."""
+    theta = {"force": values["limit"], "give": values["limit"] / values["stuck_stiffness"], "creep": 1e-4}
+    return _one("friction", theta, same=())
 
 
 def _crack(rig: RigConfig, truth: Truth, values: Values) -> Answer:
-    """Bend the hinge by the weight's moment; (1 + cos) / 2 cos^2 has 3/8, 1/4 and 1/8 of it at 1X, 2X and 3X."""
+    """Name the place and the angle of the scan that are nearest; any angle near that place is right."""
     places = _nearest(rig, Crack, values["position"])
-    model = assemble(rig)
-    moments = places[0].bending_stiffness * curvature_rows(model, places[0].position) @ at_rest(model, rig.gravity)
-    kink = values["compliance"] * float(np.hypot(*moments))
-    turn = values["angle"] + truth.keyphasor_offset
-    parts = [_phasor(f"kink {n}X", share * kink, n * turn) for n, share in ((1, 3 / 8), (2, 1 / 4), (3, 1 / 8))]
-    return Answer(
-        labels=tuple(e.label for e in places), exact=places[0].label, theta={k: v for p in parts for k, v in p.items()}
-    )
+    mouth = values["angle"] + truth.keyphasor_offset
+    nearest = [crack for crack in places if crack.position == places[0].position]
+    crack = min(nearest, key=lambda crack: abs(_between(crack.mouth, mouth)))
+    turn, shift = _between(crack.mouth, mouth), values["position"] - crack.position
+    theta = {"compliance": values["compliance"], "turn": turn, "shift": shift}
+    return Answer(labels=tuple(e.label for e in places), exact=crack.label, theta=theta, same=tuple(theta))
+
+
+def _between(a: float, b: float) -> float:
+    """Return the angle from a to b [rad], -pi to pi."""
+    return math.remainder(b - a, math.tau)
 
 
 def _cross_talk(rig: RigConfig, truth: Truth, values: Values) -> Answer:
@@ -163,10 +172,21 @@ def _unbalance_plane(rig: RigConfig, truth: Truth, values: Values) -> Answer:
 def _unbalance_step(rig: RigConfig, truth: Truth, values: Values) -> Answer:
     """Say when the plan passes that speed; the drive lags behind it by some tenths of a second."""
     step = _phasor("step", values["amount"], values["angle"] + truth.keyphasor_offset)
-    plan = rig.plans["default"]
-    settling = plan.start / SETTLING_RAMP + 2.0
-    time = settling + plan.slow_roll_time + max(values["speed"] - plan.start, 0.0) / plan.ramp
-    return _one("unbalance_step", step | {"time": max(time, values["time"])}, same=tuple(step))
+    number = math.ceil(values["run"])
+    time = between(number)
+    if number == values["run"]:
+        time = number * ONE_RECORDING + max(_passed(rig.plans["default"], values["speed"]), values["time"])
+    return _one("unbalance_step", step | {"time": time}, same=tuple(step))
+
+
+def _passed(plan: RunUpCoastDown, speed: float) -> float:
+    """Return when a plan passes a speed on the way up [s], or if negative falls to it on the way down."""
+    up = plan.start / SETTLING_RAMP + 2.0 + plan.slow_roll_time
+    if speed >= 0:
+        return up + max(speed - plan.start, 0.0) / plan.ramp
+    down = up + (plan.end - plan.start) / plan.ramp + 1.0
+    coast = (DRAG_CONSTANT + DRAG_LINEAR * plan.end) / (DRAG_CONSTANT - DRAG_LINEAR * speed)
+    return down + math.log(coast) / DRAG_LINEAR
 
 
 Rule = Callable[[RigConfig, Truth, Values], Answer]
@@ -182,7 +202,7 @@ ANSWERS: Mapping[str, Rule] = {
     "delay": _plain("delay", {"delay": "time"}),
     "disk_inertia": _plain("disk_inertia", {"polar": "polar", "transverse": "transverse"}),
     "drag": _plain("drag", {"c2": "coefficient"}),
-    "friction": _plain("friction", {"force": "limit"}, same=False),  # sticks there, creeps here
+    "friction": _friction,
     "hysteresis": _plain("hysteresis", {"eta": "loss_factor"}, same=False),  # causal there: k grows too
     "internal_damping": _plain("internal_damping", {"beta": "time"}, same=False),  # over and above the material's own
     "line_hum": _turning("line_hum, 50 Hz", "hum", "amount", "phase", same=False),  # from another zero of time

@@ -4,15 +4,17 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rotorrig.identify.measurement import SLOW_ROLL
 from rotorrig.identify.recording import Recording
 from rotorrig.rig.description import RigConfig
-from rotorrig.sims.effects.base import Effect, Parameter, catalogue
+from rotorrig.sims.effects.base import Effect, catalogue
 from rotorrig.sims.effects.internal_damping import InternalDamping
-from rotorrig.sims.effects.unbalance_step import UnbalanceStep
+from rotorrig.sims.effects.unbalance_step import Stretch, UnbalanceStep
+from rotorrig.sims.rotor.loads import ONE_RECORDING, between
 
-BEFORE = -1e6  # s: before any recording
+MOMENTS = 16  # of a recording that are tried first for what may happen at any of them
 
 
 def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()) -> list[Effect]:
@@ -25,7 +27,8 @@ def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()
         if not able.parameters:
             continue
         if isinstance(able, UnbalanceStep):
-            found += _steps(able, recordings)
+            if (step := _scanned(able, recordings)).scan:
+                found.append(step)
         elif able.per_recording and len(recordings) > 1:
             found += [
                 replace(able, recording=r.number, where=_joined(able.where, f"recording {r.number + 1}"))
@@ -45,26 +48,31 @@ def background(rig: RigConfig) -> list[Effect]:
     ]
 
 
-def _steps(effect: UnbalanceStep, recordings: Sequence[Recording]) -> Iterator[Effect]:
-    """Yield a step at the start of every run but the first, and one before every recording but the first."""
+def _scanned(effect: UnbalanceStep, recordings: Sequence[Recording]) -> UnbalanceStep:
+    """Return a step to be looked for before every recording but the first, and within each whose times are known."""
+    stretches: list[tuple[float, ...]] = []
+    runs: list[Stretch] = []
     for r in recordings:
         if r.number:
-            yield _at(effect, r, BEFORE, f"before recording {r.number + 1}")
-        begun: list[str] = []
-        for i, run in enumerate(r.response.runs):
-            t = r.response.t[r.response.run == i]
-            if run.name == SLOW_ROLL or not len(t) or not np.isfinite(t).all():
-                continue
-            if begun:
-                suffix = f" of recording {r.number + 1}" if len(recordings) > 1 else ""
-                yield _at(effect, r, float(t.min()), f"from run '{run.name}'{suffix} on")
-            begun.append(run.name)
+            stretches.append((between(r.number),))
+        begins = r.number * ONE_RECORDING
+        own = [Stretch(run=name, t=begins + t, omega=omega) for name, t, omega in _timed_runs(r)]
+        if own:
+            t = np.sort(np.concatenate([run.t for run in own]))
+            stretches.append(tuple(float(x) for x in np.unique(t[np.linspace(0, len(t) - 1, MOMENTS).astype(int)])))
+        runs += own
+    return replace(effect, scan=tuple(stretches), runs=tuple(runs))
 
 
-def _at(effect: UnbalanceStep, recording: Recording, time: float, where: str) -> Effect:
-    fixed = Parameter(name="time", unit="s", low=time, high=time, size=1.0, nothing=time)
-    parameters = tuple(fixed if p.name == "time" else p for p in effect.parameters)
-    return replace(effect, parameters=parameters, recording=recording.number, where=_joined(effect.where, where))
+def _timed_runs(recording: Recording) -> Iterator[tuple[str, NDArray[np.float64], NDArray[np.float64]]]:
+    """Yield name, times and speeds of every run but a slow roll; none where a time is not known."""
+    response = recording.response
+    for i, run in enumerate(response.runs):
+        mine = response.run == i
+        t = response.t[mine]
+        if run.name != SLOW_ROLL and len(t) and np.isfinite(t).all():
+            order = np.argsort(t)
+            yield run.name, t[order], response.omega[mine][order]
 
 
 def _joined(*parts: str) -> str:

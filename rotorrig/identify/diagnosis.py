@@ -106,6 +106,7 @@ def diagnose(
             adequate_before=base.adequacy.adequate,
             adequate_after=extended.adequacy.adequate,
             visible=naming.visible_share(selection),
+            worse=predictions.worse,
         )
         progress("next run", 0.9)
         found = _report(responses, selection, base, extended, verdict, predictions)
@@ -168,7 +169,8 @@ def _in_config(response: OrderTrackedResponse) -> list[tuple[Effect, dict[str, f
             effect = find(response.rig, extension.label)
         except ValueError as error:
             raise ConfigError(f"{response.rig.name}: {error}") from error
-        found.append((effect, effect.at_nothing | extension.parameters))
+        theta = effect.at_nothing | extension.parameters
+        found.append((effect.held(theta), theta))
     return found
 
 

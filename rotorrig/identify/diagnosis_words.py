@@ -32,7 +32,14 @@ def sentence(
         chosen = [cause for cause in causes if cause.chosen]
         tried = "None of the known causes explains it"
         if chosen:
-            tried = f"Not even with {' and '.join(cause.label for cause in chosen)} is it adequate"
+            labels = " and ".join(cause.label for cause in chosen)
+            if predictions.worse:
+                errors = f"{predictions.after.error * UM:.2g} um, not {predictions.before.error * UM:.2g} um"
+                return (
+                    f"The model is NOT adequate: {_figures(before)}. {_worst(before)} With {labels} it fits better, "
+                    f"but predicts data no fit saw ({predictions.on}) worse: by {errors}."
+                )
+            tried = f"Not even with {labels} is it adequate"
         return f"The model is NOT adequate: {_figures(before)}. {_worst(before)} {tried}: {_figures(after)}."
     words = "; ".join(cause.words for cause in causes if cause.chosen)
     bought = (
@@ -48,8 +55,9 @@ def sentence(
 def moving(cause: Cause, rest: str) -> str:
     """Say what a quasi-static base gets wrong, then what the swept one is told."""
     return (
-        f"The quasi-static model is wrong here: {cause.words}. With that the error on data no fit saw goes from "
-        f"{cause.heldout_before * UM:.2g} to {cause.heldout_after * UM:.2g} um. {rest}"
+        f"The quasi-static model is wrong here: {cause.words}. With that the error on data no fit saw (blocks of "
+        f"speeds in turn) goes from {cause.heldout_before * UM:.2g} to {cause.heldout_after * UM:.2g} um. With the "
+        f"moving speed in it {rest[:1].lower()}{rest[1:]}"
     )
 
 

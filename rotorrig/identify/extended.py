@@ -1,25 +1,28 @@
 """The least-squares problem of one or more recordings of a rig, its model extended by effects.
 
 What polish.Problem is for one recording at 1X, with the same unknowns first. Columns by the rotor's own parameters are
-exact; those by an effect's are differences, of its loads alone where it is linear. Under a force law the motion is not
-linear in anything, and all but the probes' columns are differences.
+exact; so are those by an effect's matrices and by loads that are linear, others are differences. Under a force law the
+motion is not linear in anything: its columns come from the march, law_columns.py.
 """
 
 import copy
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.extended_jacobian import Changes, added_by_laws, columns
+from rotorrig.identify.extended_jacobian import MARCHED, columns
 from rotorrig.identify.extended_parameters import ExtendedParameters
-from rotorrig.identify.least_squares import TOLERANCE
+from rotorrig.identify.least_squares import TOLERANCE, Stop, Worth, always
 from rotorrig.identify.parameters import Reals
 from rotorrig.identify.probe_side import ProbeSide
+from rotorrig.identify.real_amounts import halved_amounts, halved_loads
 from rotorrig.identify.recording import ORDERS, Recording
 from rotorrig.identify.solving import NONE_FIXED, Index, Polished, solve
 from rotorrig.identify.structural import StructuralModel
+from rotorrig.identify.unit_responses import UnitResponses
 from rotorrig.sims.effects.base import Effect, Theta
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.directions import Direction, between
@@ -28,9 +31,7 @@ from rotorrig.sims.rotor.loads import Load, unbalance_pattern
 
 Complex = NDArray[np.complex128]
 
-MARCHED = 2  # the highest order at which a force law is followed
 STEP = 1e-5  # of an effect's size: its matrices
-ROUGH = 1.0  # of chi2: how far a fit under force laws goes before their part in the derivatives is known
 RECENT = 4  # rotors kept: the next question is often about the same one
 Models = dict[tuple[tuple[str, float], ...], StructuralModel]
 Recent = dict[Hashable, RotorModel]
@@ -41,9 +42,14 @@ class Moving:
     """The rotor of one candidate and what moves it."""
 
     model: RotorModel
-    planes: tuple[Load, ...]  # a unit of unbalance on every plane
+    planes: tuple[Load, ...]  # a unit of unbalance on every plane; in real halves where a stiffness turns
     effects: tuple[tuple[int | None, Load], ...]  # loads of effects, amounts in, and the recording they act in alone
     laws: tuple[ForceLaw, ...]
+
+    @property
+    def halved(self) -> bool:
+        """Whether the response is linear in real amounts only."""
+        return self.model.added.T is not None
 
     def loads(self, recording: Recording, order: int) -> list[Load]:
         """Return the loads of effects of that order in a recording."""
@@ -61,10 +67,11 @@ class ExtendedProblem:
         models: Models | None = None,
         recent: Recent | None = None,
         count: int = 0,
+        exact: bool = False,
     ) -> None:
         """Set up; `models` keeps the reduced rotors that several problems of one rig share, `recent` those of vectors.
 
-        `count` is how many recordings there are in all, if more than these.
+        `count` is how many recordings there are in all, if more than these; `exact` as of UnitResponses.
         """
         first = recordings[0].response
         self.recordings = tuple(recordings)
@@ -75,8 +82,11 @@ class ExtendedProblem:
             first.rig, first.probes, orders=orders, recordings=self._count, effects=effects
         )
         self.probes = ProbeSide(self.parameters)
-        self.by_laws: Changes | None = None  # what force laws add to columns, while it is held; None: taken anew
-        self._held: dict[tuple[int, int], Complex] = {}  # responses above 1X to a unit of every linear unknown
+        self.units = UnitResponses(self.parameters, self.effects, exact=exact)
+        self._marched: dict[tuple[Hashable, ...], dict[int, Complex]] = {}  # motions under force laws, the latest
+        self._above: RotorModel | None = None  # the rotor at the start of a fit, for what laws do above 1X
+        self._resizes: dict[tuple[int, bytes], bool] = {}
+        self._directions: tuple[tuple[bytes, bytes], list[Direction]] = ((b"", b""), [])  # the latest
         base = self.parameters.base
         trial = dict.fromkeys(disk for r in recordings for disk in r.trial)
         self.planes = tuple(dict.fromkeys((*base.space.planes, *trial)))
@@ -86,7 +96,7 @@ class ExtendedProblem:
 
     def on(self, recordings: Sequence[Recording]) -> "ExtendedProblem":
         """Return the same problem of other recordings or rows."""
-        return ExtendedProblem(recordings, self.effects, models=self.models, recent=self._recent, count=self._count)
+        return self._of(recordings, self.effects)
 
     def seeing(self, places: Mapping[str, float]) -> "ExtendedProblem":
         """Return the same problem with a rotor that has these places [m] too."""
@@ -107,7 +117,11 @@ class ExtendedProblem:
 
     def extended(self, effects: Sequence[Effect]) -> "ExtendedProblem":
         """Return the problem of the same recordings with these effects instead."""
-        return ExtendedProblem(self.recordings, effects, models=self.models, recent=self._recent, count=self._count)
+        return self._of(self.recordings, effects)
+
+    def _of(self, recordings: Sequence[Recording], effects: Sequence[Effect]) -> "ExtendedProblem":
+        models, recent, exact = self.models, self._recent, self.units.exact
+        return ExtendedProblem(recordings, effects, models=models, recent=recent, count=self._count, exact=exact)
 
     @property
     def curved(self) -> bool:
@@ -131,27 +145,32 @@ class ExtendedProblem:
         fixed: Mapping[int, float] = NONE_FIXED,
         tolerance: float = TOLERANCE,
         max_steps: int = 50,
+        worth: Worth = always,
     ) -> Polished:
         """Refine by least squares within the bounds, the parameters in `fixed` held: solving.solve.
 
-        Responses above 1X are those of the rotor at the start, and where there are any, once more of that at the end.
-        Under force laws the derivatives by other unknowns are first those without the laws, then with what these add to
-        them at the end of that: differences for all of them at every step would take five times as long.
+        Responses above 1X are first those of the rotor at the start; where it matters, from then on exact, or under
+        force laws once more those of the rotor at the end.
         """
         fixed = {**self.parameters.frozen, **fixed}
-        laws = bool(self.moving(start).laws)
-        self._held, self.by_laws = {}, {} if laws else None
-        try:
-            rough = max(tolerance, ROUGH) if laws else tolerance
-            found = solve(self, start, fixed=fixed, tolerance=rough, max_steps=max_steps)
-            if laws:
-                self.by_laws = added_by_laws(self, found.p, np.setdiff1d(np.arange(len(start)), list(fixed)))
-            if laws or any(held.any() for held in self._held.values()):
-                self._held = {}
-                found = solve(self, found.p, fixed=fixed, tolerance=tolerance, max_steps=max_steps)
-        finally:
-            self.by_laws = None
+        laws = self._hold(start)
+        refine = partial(solve, self, fixed=fixed, tolerance=tolerance, max_steps=max_steps, worth=worth, damped=laws)
+        found = refine(start)
+        if (laws or self.units.seen) and not self.units.exact and found.stop is not Stop.GIVEN_UP:
+            before = self.residual(found.p)
+            self._hold(found.p)
+            if np.sum((self.residual(found.p) - before) ** 2) > tolerance:
+                self.units.exact = not laws
+                found = refine(found.p)
         return found
+
+    def _hold(self, p: Reals) -> bool:
+        """Take responses above 1X from here on as those of the rotor of `p`; say whether it is under force laws."""
+        moving = self.moving(p)
+        self.units.release()
+        self._marched = {}
+        self._above = moving.model if moving.laws else None
+        return bool(moving.laws)
 
     def residual(self, p: Reals, *, orders: Sequence[int] = ORDERS) -> Reals:
         """Return whitened residuals, model less measured, then the priors' [sigma]; 0 at orders not asked for."""
@@ -194,22 +213,25 @@ class ExtendedProblem:
             found += [
                 np.arange(part.start, part.stop)
                 for effect, part in zip(self.effects, names.theta, strict=True)
-                if effect.linear
+                if effect.linear and type(effect).changed is Effect.changed
             ]
         return np.concatenate(found)
 
     def moving(self, p: Reals) -> Moving:
         """Return the rotor of `p` and what moves it."""
-        names = self.parameters
-        thetas = [names.of_effect(p, i) for i in range(len(self.effects))]
+        thetas = [self.parameters.of_effect(p, i) for i in range(len(self.effects))]
         model = self._model(p, thetas)
         each = list(zip(self.effects, thetas, strict=True))
+        planes = tuple(Load(pattern=unbalance_pattern(model, {name: 1.0}), law="unbalance") for name in self.planes)
         return Moving(
             model=model,
-            planes=tuple(Load(pattern=unbalance_pattern(model, {name: 1.0}), law="unbalance") for name in self.planes),
+            planes=planes if model.added.T is None else halved_loads(planes),
             effects=tuple((effect.recording, load) for effect, theta in each for load in effect.loads(model, theta)),
             laws=tuple(law for effect, theta in each for law in effect.laws(model, theta)),
         )
+
+    def _model_of(self, p: Reals) -> RotorModel:
+        return self._model(p, [self.parameters.of_effect(p, i) for i in range(len(self.effects))])
 
     def _model(self, p: Reals, thetas: Sequence[Theta]) -> RotorModel:
         """Return the rotor of `p`, the same object as long as what it depends on is the same."""
@@ -232,15 +254,24 @@ class ExtendedProblem:
 
     def resized(self, p: Reals, i: int) -> bool:
         """Say whether a step of unknown `i` changes the number of coordinates, as at a pedestal of no lightness."""
-        moved = p.copy()
-        moved[i] += STEP
-        return self.moving(moved).model.dof != self.moving(p).model.dof
+        key = (i, (p[self.parameters.own] == 0).tobytes())
+        if key not in self._resizes:
+            moved = p.copy()
+            moved[i] += STEP
+            self._resizes[key] = self._model_of(moved).dof != self._model_of(p).dof
+        return self._resizes[key]
 
     def directions(self, p: Reals, model: RotorModel, which: Index) -> list[Direction]:
         """Return the derivatives of the matrices of `model` by `which`: structure of the base, matrices of effects.
 
         Those by structure are differences too where an effect may scale what the structure is of.
         """
+        key = (p.tobytes(), which.tobytes())
+        if self._directions[0] != key:  # every recording asks, at every order
+            self._directions = key, self._directed(p, model, which)
+        return self._directions[1]
+
+    def _directed(self, p: Reals, model: RotorModel, which: Index) -> list[Direction]:
         base = self.parameters.base
         values, by = base.structure(p[: len(base)]), base.structure_derivatives(p[: len(base)])
         plain = not any(type(e).changed is not Effect.changed and not e.slight for e in self.effects)
@@ -251,13 +282,14 @@ class ExtendedProblem:
                 continue
             moved = p.copy()
             moved[i] += STEP
-            found.append(between(model, self.moving(moved).model, STEP))
+            found.append(between(model, self._model_of(moved), STEP))
         return found
 
-    def amounts(self, recording: Recording, p: Reals) -> Complex:
-        """Return the unbalance on every plane, trial masses included, (row + 1, plane) kg m."""
+    def amounts(self, recording: Recording, p: Reals, *, halved: bool = False) -> Complex:
+        """Return the unbalance on every plane, trial masses included, (row + 1, plane) kg m, or its real halves."""
         sought = self.parameters.base.amounts(p[: len(self.parameters.base)])
-        return np.stack([sought.get(plane, 0) + trial for plane, trial in self.trials(recording, p).items()], axis=-1)
+        whole = np.stack([sought.get(plane, 0) + trial for plane, trial in self.trials(recording, p).items()], axis=-1)
+        return halved_amounts(whole) if halved else whole
 
     def trials(self, recording: Recording, p: Reals) -> dict[str, Complex]:
         """Return the trial masses of every plane, (row + 1,) kg m, turned by the error of the keyphasor's mark."""
@@ -268,54 +300,19 @@ class ExtendedProblem:
     def motion_of(self, recording: Recording, p: Reals, moving: Moving, *, order: int) -> Complex:
         """Return the motion along and across every probe, (row + 1, 2 probe), without force laws."""
         if order > 1 and self.linear_at(order):
-            return self._higher(recording, p, moving, order)
+            return self.units.of(recording, p, moving.model, order) @ p[self.parameters.own]
         mine = moving.loads(recording, order)
         if order != 1:
             return recording.columns(moving.model, mine, order=order).sum(axis=-1)
         units = recording.columns(moving.model, [*moving.planes, *mine], order=1)
         planes = len(moving.planes)
-        z = np.einsum("rpl,rl->rp", units[..., :planes], self.amounts(recording, p))
+        amounts = self.amounts(recording, p, halved=moving.halved)
+        z = np.einsum("rpl,rl->rp", units[..., :planes], amounts)
         return z + units[..., planes:].sum(axis=-1)
 
     def linear_at(self, order: int) -> bool:
         """Say whether the effects that could push at that order are all linear."""
         return all(e.linear for e in self.effects if order in e.orders and type(e).loads is not Effect.loads)
-
-    def _higher(self, recording: Recording, p: Reals, moving: Moving, order: int) -> Complex:
-        """Return the motion at an order above 1X, of the rotor that `solve` began with."""
-        key = recording.number, order
-        if key not in self._held:
-            self._held[key] = self._unit_columns(recording, moving.model, order)
-        return self._held[key] @ p[self.parameters.own]
-
-    def unit_columns(self, recording: Recording, p: Reals, moving: Moving, order: int) -> Complex:
-        """Return d motion / d unknowns of linear effects by their loads, (row + 1, 2 probe, unknown).
-
-        Above 1X of the rotor that `solve` began with.
-        """
-        if order == 1:
-            return self._unit_columns(recording, moving.model, 1)
-        self._higher(recording, p, moving, order)
-        return self._held[recording.number, order]
-
-    def _unit_columns(self, recording: Recording, model: RotorModel, order: int) -> Complex:
-        own = self.parameters.own
-        found = np.zeros((len(recording.rows) + 1, len(model.probes), own.stop - own.start), complex)
-        loads: list[Load] = []
-        column: list[int] = []
-        c = 0
-        for effect in self.effects:
-            zero = dict.fromkeys((q.name for q in effect.parameters), 0.0)
-            acts = effect.recording in (None, recording.number) and type(effect).loads is not Effect.loads
-            for q in effect.parameters:
-                if acts and effect.linear:
-                    unit = [u for u in effect.loads(model, zero | {q.name: q.size}) if u.order == order]
-                    loads, column = loads + unit, column + [c] * len(unit)
-                c += 1
-        by_load = recording.columns(model, loads, order=order)
-        for k, c in enumerate(column):
-            found[..., c] += by_load[..., k]
-        return found
 
     def motions(
         self, recording: Recording, p: Reals, moving: Moving, *, orders: Sequence[int] = ORDERS
@@ -327,16 +324,29 @@ class ExtendedProblem:
         return self._lawful(recording, p, moving, wanted)
 
     def _lawful(self, recording: Recording, p: Reals, moving: Moving, wanted: Sequence[int]) -> dict[int, Complex]:
-        """Return the motion under force laws; one march for every set of trial masses there is in the recording."""
+        """Return the motion under force laws, the last few kept: most unknowns of a fit do not change it."""
+        names = self.parameters
+        moves = (*p[names.base.structural], *p[names.base.unbalance], p[names.keyphasor], *p[names.own])
+        key = (recording.number, tuple(wanted), moves)
+        if key not in self._marched:
+            self._marched[key] = self._marched_anew(recording, p, moving, wanted)
+            for old in list(self._marched)[: -RECENT * len(self.recordings)]:
+                del self._marched[old]
+        return self._marched[key]
+
+    def _marched_anew(
+        self, recording: Recording, p: Reals, moving: Moving, wanted: Sequence[int]
+    ) -> dict[int, Complex]:
+        """Return that; one march for every set of trial masses there is in the recording."""
         first = moving.loads(recording, 1)
         loads = [*moving.planes, *first]
-        each = self.amounts(recording, p)
+        each = self.amounts(recording, p, halved=moving.halved)
         sets, which = np.unique(each, axis=0, return_inverse=True)
         marched = [order for order in wanted if order <= MARCHED]
         found = {order: np.zeros((len(each), len(moving.model.probes)), complex) for order in wanted}
         for i, amounts in enumerate(sets):
             amounts = np.append(amounts, np.ones(len(first)))
-            z = recording.with_laws(moving.model, loads, amounts, moving.laws, orders=marched)
+            z = recording.with_laws(moving.model, loads, amounts, moving.laws, orders=marched, above=self._above)
             for order, part in z.items():
                 found[order][which.ravel() == i] = part[which.ravel() == i]
         for order in wanted:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.extended_parameters import MAINS, bends
+from rotorrig.identify.law_columns import LawColumns, under_laws
 from rotorrig.identify.parameters import Reals
-from rotorrig.identify.recording import ORDERS, Recording
+from rotorrig.identify.real_amounts import halved_amounts
+from rotorrig.identify.recording import Recording
 from rotorrig.sims.effects.base import Effect
 
 if TYPE_CHECKING:
@@ -21,46 +22,27 @@ Index = NDArray[np.intp]
 
 Changes = dict[int, list[dict[int, Complex]]]  # unknown -> per recording: order -> (row + 1, probe)
 
+MARCHED = 2  # the highest order at which a force law is followed
 STEP = 1e-4  # of an effect's size
-STEP_UNDER_LAWS = 1e-3  # of an unknown in working coordinates, where a march settles to 1e-6
 
 
 def columns(problem: ExtendedProblem, p: Reals, free: Index) -> Reals:
     """Return d whitened vectors / d p of the columns `free`, (figure, column): recordings, orders, rows, probes."""
     moving = problem.moving(p)
-    by_difference = [i for i in free if _differenced(problem, p, moving, int(i))]
-    added: Changes = {}
-    if problem.by_laws is not None:
-        by_difference = _differenced_anyway(problem, p, moving, by_difference)
-        added = {i: change for i, change in problem.by_laws.items() if i in free}
-    differences = _differences(problem, p, by_difference, under_laws=bool(moving.laws))
+    by_difference = [int(i) for i in free if _differenced(problem, p, moving, int(i))]
+    differences = _differences(problem, p, by_difference)
+    lawful = LawColumns(problem, p, moving, free) if moving.laws else None
     parts = []
     for n, recording in enumerate(problem.recordings):
-        found = _exact(problem, recording, p, free, moving)
+        found = _exact(problem, recording, p, free, moving, lawful)
         for order, measured in recording.measured.items():
             d = found[order]
             for i, change in differences.items():
                 if order in change[n]:
                     d[..., np.searchsorted(free, i)] = change[n][order]
-            for i, change in added.items():
-                d[..., np.searchsorted(free, i)] += change[n].get(order, 0)
             sigmas = measured.sigmas(d)
             parts.append(sigmas.reshape(-1, len(free)))
     return np.concatenate(parts)
-
-
-def added_by_laws(problem: ExtendedProblem, p: Reals, free: Index) -> Changes:
-    """Return what force laws add to the columns `free` that are exact without them: the differences less those."""
-    moving = problem.moving(p)
-    by_difference = [int(i) for i in free if _differenced(problem, p, moving, int(i))]
-    anyway = _differenced_anyway(problem, p, moving, by_difference)
-    which = np.array([i for i in by_difference if i not in anyway])
-    differences = _differences(problem, p, list(which), under_laws=True)
-    linear = [_exact(problem, recording, p, which, moving) for recording in problem.recordings]
-    return {
-        i: [{n: z - without[n][..., k] for n, z in part.items()} for part, without in zip(change, linear, strict=True)]
-        for k, (i, change) in enumerate(differences.items())
-    }
 
 
 def acts_on_probes(effect: Effect) -> bool:
@@ -74,12 +56,15 @@ def on_probes_alone(effect: Effect) -> bool:
     return kind.changed is Effect.changed and kind.loads is Effect.loads and kind.laws is Effect.laws
 
 
-def by_matrices_alone(effect: Effect) -> bool:
-    """Say whether an effect changes matrices and nothing else, and so has exact derivatives."""
+def by_matrices(effect: Effect) -> bool:
+    """Say whether an effect changes matrices, and has nothing beside them but loads that are linear in its unknowns.
+
+    It then has exact derivatives.
+    """
     kind = type(effect)
     return (
         kind.changed is not Effect.changed
-        and kind.loads is Effect.loads
+        and (kind.loads is Effect.loads or effect.linear)
         and kind.laws is Effect.laws
         and kind.seen is Effect.seen
     )
@@ -88,67 +73,52 @@ def by_matrices_alone(effect: Effect) -> bool:
 def _differenced(problem: ExtendedProblem, p: Reals, moving: Moving, i: int) -> bool:
     """Say whether column `i` is taken as a difference of the whole prediction."""
     names = problem.parameters
-    of_motion = (
-        i < names.base.structural.stop
-        or names.base.unbalance.start <= i < names.base.unbalance.stop
-        or i == names.keyphasor
-    )
-    if moving.laws and of_motion:
-        return True
     if i < names.own.start:
         return False
     effect = next(e for e, part in zip(problem.effects, names.theta, strict=True) if part.start <= i < part.stop)
     if on_probes_alone(effect):
         return False
-    if by_matrices_alone(effect) and not moving.laws:
+    if moving.laws:
+        return not under_laws(problem, p, effect, i)
+    if by_matrices(effect):
         return problem.resized(p, i)
-    return bool(moving.laws) or not effect.linear or acts_on_probes(effect)
+    return not effect.linear or acts_on_probes(effect)
 
 
-def _differenced_anyway(problem: ExtendedProblem, p: Reals, moving: Moving, which: list[int]) -> list[int]:
-    """Return those of the columns that are differences without force laws too."""
-    without = replace(moving, laws=())
-    return [i for i in which if _of_laws(problem, i) or _differenced(problem, p, without, i)]
-
-
-def _of_laws(problem: ExtendedProblem, i: int) -> bool:
-    """Say whether unknown `i` is that of a force law."""
-    parts = zip(problem.effects, problem.parameters.theta, strict=True)
-    return any(type(e).laws is not Effect.laws and part.start <= i < part.stop for e, part in parts)
-
-
-def _differences(problem: ExtendedProblem, p: Reals, which: list[int], *, under_laws: bool) -> Changes:
+def _differences(problem: ExtendedProblem, p: Reals, which: list[int]) -> Changes:
     """Return (prediction(p + h e_i) - prediction(p)) / h for every i, one-sided, within the bounds."""
     if not which:
         return {}
-    names, (low, high) = problem.parameters, problem.bounds
-    orders = (1,) if under_laws else ORDERS
-    at = problem.predict(p, orders=orders)
-    amount = float(np.abs(p[names.base.unbalance]).max())
+    low, high = problem.bounds
+    at = problem.predict(p)
     found = {}
     for i in which:
-        h = STEP_UNDER_LAWS if under_laws else STEP
-        if names.base.unbalance.start <= i < names.base.unbalance.stop:
-            h *= amount
+        h = STEP
         if p[i] + h > high[i] and p[i] - h >= low[i]:
             h = -h
         moved = p.copy()
         moved[i] += h
-        there = problem.predict(moved, orders=orders)
-        found[i] = [{n: (b[n] - a[n]) / h for n in a} for a, b in zip(at, there, strict=True)]
+        there = problem.predict(moved)
+        found[i] = [{n: (b[n] - a[n]) / h for n in b} for a, b in zip(at, there, strict=True)]
     return found
 
 
-def _exact(problem: ExtendedProblem, recording: Recording, p: Reals, free: Index, moving: Moving) -> dict[int, Complex]:
+def _exact(
+    problem: ExtendedProblem,
+    recording: Recording,
+    p: Reals,
+    free: Index,
+    moving: Moving,
+    lawful: LawColumns | None,
+) -> dict[int, Complex]:
     """Return every column that is no difference, order -> (row + 1, probe, column)."""
     rows, probes = len(recording.rows) + 1, len(recording.response.probes)
     found = {order: np.zeros((rows, probes, len(free)), complex) for order in recording.orders}
     for order in recording.orders:
-        if moving.laws and order == 1:
-            if problem.by_laws is not None:  # as without the laws, what they add being known
-                _by_rotor(problem, recording, p, free, replace(moving, laws=()), order, found[order])
-            motion = problem.motions(recording, p, moving, orders=(1,))[order]
-        elif order > 1 and problem.linear_at(order):
+        if lawful is not None and order == 1:
+            marched = tuple(n for n in recording.orders if n <= MARCHED)
+            motion = lawful.fill(recording, found, orders=marched)
+        elif order > 1 and problem.linear_at(order) and not problem.units.exact:
             motion = problem.motion_of(recording, p, moving, order=order)
             _by_loads(problem, recording, p, free, moving, order, found[order])
         else:
@@ -182,10 +152,11 @@ def _by_rotor(
     rows = len(recording.rows) + 1
     amounts = np.ones((rows, len(loads)), complex)
     if order == 1:
-        amounts[:, : len(planes)] = problem.amounts(recording, p)
+        amounts[:, : len(planes)] = problem.amounts(recording, p, halved=moving.halved)
     if not loads:
         motion = np.zeros((rows, len(moving.model.probes)), complex)
-    structural = _structural(problem, p, free) if order == 1 else free[:0]  # at 2X and 3X only amounts count
+    counts = order == 1 or problem.units.exact  # else at 2X and 3X only amounts do
+    structural = _structural(problem, p, free) if counts else free[:0]
     if loads and len(structural):
         directions = problem.directions(p, moving.model, structural)
         unit, by = recording.derivatives(moving.model, loads, directions, order=order)
@@ -200,24 +171,25 @@ def _by_rotor(
         sought = base.space.planes
         for i in free[(free >= base.unbalance.start) & (free < base.unbalance.stop)]:
             plane, part = divmod(int(i) - base.unbalance.start, 2)
-            column = unit[..., problem.planes.index(sought[plane])] * (1j if part else 1)
+            k = problem.planes.index(sought[plane])
+            column = unit[..., 2 * k + part] if moving.halved else unit[..., k] * (1j if part else 1)
             found[..., np.searchsorted(free, i)] = problem.probes.linear(p, column)
         if problem.parameters.keyphasor in free:
-            turned = [1j * trial for trial in problem.trials(recording, p).values()]
-            d = np.einsum("rpl,rl->rp", unit[..., : len(planes)], np.stack(turned, axis=-1))
+            turned = np.stack([1j * trial for trial in problem.trials(recording, p).values()], axis=-1)
+            turned = halved_amounts(turned) if moving.halved else turned
+            d = np.einsum("rpl,rl->rp", unit[..., : len(planes)], turned)
             found[..., np.searchsorted(free, problem.parameters.keyphasor)] = problem.probes.linear(p, d)
-    if not moving.laws:
-        _by_loads(problem, recording, p, free, moving, order, found)
+    _by_loads(problem, recording, p, free, moving, order, found)
     return motion
 
 
 def _structural(problem: ExtendedProblem, p: Reals, free: Index) -> Index:
-    """Return the unknowns that change matrices: of the base, and of effects that do nothing else."""
+    """Return the unknowns that change matrices: of the base, and of effects."""
     names = problem.parameters
     own = [
         i
         for effect, part in zip(problem.effects, names.theta, strict=True)
-        if by_matrices_alone(effect)
+        if by_matrices(effect)
         for i in range(part.start, part.stop)
         if i in free and not problem.resized(p, i)
     ]
@@ -238,9 +210,9 @@ def _by_loads(
     ]
     if not mine:
         return
-    units = problem.unit_columns(recording, p, moving, order)
+    units = problem.units.of(recording, p, moving.model, order)
     for i in mine:
-        found[..., np.searchsorted(free, i)] = problem.probes.linear(p, units[..., i - names.own.start])
+        found[..., np.searchsorted(free, i)] += problem.probes.linear(p, units[..., i - names.own.start])
 
 
 def _by_probes(problem: ExtendedProblem, p: Reals, motion: Complex, free: Index, found: Complex) -> None:

@@ -98,11 +98,11 @@ class ExtendedParameters:
 
     @property
     def frozen(self) -> dict[int, float]:
-        """The unknowns that are no unknowns, as their bounds coincide: parameter -> value."""
+        """The unknowns that no fit moves, as their bounds coincide or a scan finds them: parameter -> value."""
         return {
             i: p.nothing / p.size
             for i, p in zip(range(self.own.start, self.own.stop), self._own, strict=True)
-            if p.low == p.high
+            if p.low == p.high or p.scanned
         }
 
     def start(self, base: Reals) -> Reals:

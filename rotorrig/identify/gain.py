@@ -7,9 +7,11 @@ import numpy as np
 
 from rotorrig.identify.base_fit import Assessed
 from rotorrig.identify.held_out import Prediction, held_out, predicted
+from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.recording import Recording
 from rotorrig.identify.selection import Candidate, Selection, called_for
 
+_WORSE = 1.1  # times the error of the base: a cause at 2X leaves it as it was, give or take
 _MEASURED = 3  # causes whose prediction is measured
 
 
@@ -21,6 +23,11 @@ class Predictions:
     after: Prediction
     by_label: dict[str, tuple[Prediction, Prediction]]
     on: str  # what was held out, in words
+
+    @property
+    def worse(self) -> bool:
+        """Whether the extended model predicts clearly worse than the base."""
+        return self.after.error > _WORSE * self.before.error
 
 
 def predictions(selection: Selection, *, holdout: Recording | None = None) -> Predictions:
@@ -34,14 +41,20 @@ def predictions(selection: Selection, *, holdout: Recording | None = None) -> Pr
         return predicted(where.on([holdout]), p) if holdout else held_out(where, p)
 
     before = of(None)
-    tried = [c for c in (stages[0].tried if stages else ()) if called_for(c)][:_MEASURED]
+    tried = [c for c in (stages[0].tried if stages else ()) if _fitted_to_the_end(c) and called_for(c)][:_MEASURED]
     by_label = {candidate.effect.label: (before, of(candidate)) for candidate in tried}
     after = before
-    if selection.problem.effects != problem.effects:
+    if tried and selection.problem is tried[0].problem:
+        after = by_label[tried[0].effect.label][1]
+    elif selection.problem.effects != problem.effects:
         p, where = selection.polished.p, selection.problem
         after = predicted(where.on([holdout]), p) if holdout else held_out(where, p)
     on = "the recording held out" if holdout else "blocks of speeds in turn"
     return Predictions(before=before, after=after, by_label=by_label, on=on)
+
+
+def _fitted_to_the_end(candidate: Candidate) -> bool:
+    return candidate.polished.stop is not Stop.GIVEN_UP
 
 
 def table(base: Assessed, selection: Selection, found: Predictions) -> dict[str, Any]:

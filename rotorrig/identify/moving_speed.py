@@ -5,8 +5,10 @@ causes); both follow from the keyphasor's pulses and the window alone.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rotorrig.identify.base_fit import Assessed
 from rotorrig.identify.cause import Cause
@@ -28,17 +30,12 @@ def moving_speed(still: Assessed, swept: Assessed, responses: Sequence[OrderTrac
     lam = still.polished.chi2 - swept.polished.chi2
     if lam <= DETECTED:
         return None
-    alpha = np.concatenate([np.abs(r.alpha[np.isfinite(r.alpha)]) for r in responses])
-    turns = float(np.median(np.concatenate([r.revolutions for r in responses])))
     return Cause(
         label=LABEL,
         effect="moving_speed",
         where="",
         title="moving speed and tracking window",
-        words=(
-            f"the speed was moving, by {np.quantile(alpha, 0.9) * RPM:.0f} rpm/s, and each row averages {turns:.0f} "
-            "turns: the response lags behind the steady one, and its peak is lower"
-        ),
+        words=f"the speed was moving, {_history(responses)}: {_lags(still, swept)}",
         chosen=False,
         plausible=True,
         evidence=lam,
@@ -49,3 +46,69 @@ def moving_speed(still: Assessed, swept: Assessed, responses: Sequence[OrderTrac
         theta={},
         sigmas={},
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lag:
+    """By how much the passing response differs from the steady one of the same rotor."""
+
+    probe: str
+    shift: float  # rad/s, from the steady peak to the passing one, in the sense in which the speed moves
+    lower: float  # of the steady peak
+    apart: float  # m, largest distance of the two vectors
+    omega: float  # rad/s, where that is
+
+
+def lag(still: Assessed, swept: Assessed) -> Lag:
+    """Return the lag at 1X, where steady and passing responses to the unbalance of the swept fit part most.
+
+    The two problems have the same unknowns, so the steady one can be asked for the rotor that the swept one found.
+    """
+    p = swept.polished.p
+    each = zip(swept.problem.recordings, still.problem.predict(p), swept.problem.predict(p), strict=True)
+    return max(
+        (
+            _lag(recording.response, recording.rows, steady[1][:-1], passing[1][:-1])
+            for recording, steady, passing in each
+        ),
+        key=lambda found: found.apart,
+    )
+
+
+def _lag(
+    response: OrderTrackedResponse,
+    rows: NDArray[np.intp],
+    steady: NDArray[np.complex128],
+    passing: NDArray[np.complex128],
+) -> Lag:
+    """Compare steady and passing vectors (row, probe) of the rows of one recording."""
+    apart = np.abs(passing - steady)
+    row, probe = np.unravel_index(np.argmax(apart), apart.shape)
+    run, omega = response.run[rows], response.omega[rows]
+    same = run == run[row]
+    old, new = np.abs(steady[same, probe]), np.abs(passing[same, probe])
+    moved = omega[same][new.argmax()] - omega[same][old.argmax()]
+    return Lag(
+        probe=response.probes[probe],
+        shift=float(response.runs[run[row]].direction * moved),
+        lower=float(1 - new.max() / old.max()),
+        apart=float(apart[row, probe]),
+        omega=float(omega[row]),
+    )
+
+
+def _history(responses: Sequence[OrderTrackedResponse]) -> str:
+    alpha = np.concatenate([np.abs(r.alpha[np.isfinite(r.alpha)]) for r in responses])
+    turns = float(np.median(np.concatenate([r.revolutions for r in responses])))
+    averaged = "a single turn" if turns == 1 else f"{turns:.0f} turns"
+    return f"by {np.quantile(alpha, 0.9) * RPM:.0f} rpm/s, with {averaged} to a row"
+
+
+def _lags(still: Assessed, swept: Assessed) -> str:
+    """Say how far off a steady rotor of the same parameters is, and what becomes of its peak."""
+    found = lag(still, swept)
+    off = f"a model in steady motion is off by {found.apart * 1e6:.2g} um at {found.omega * RPM:.0f} rpm"
+    words = f"{off}, at probe {found.probe}"
+    if found.shift > 0 and found.lower > 0:
+        words += f"; the peak comes {found.shift * RPM:.0f} rpm late and is {100 * found.lower:.0f} % lower"
+    return words

@@ -26,13 +26,18 @@ class Verdict(StrEnum):
     CANNOT_TELL = "cannot tell"
 
 
-def verdict(selection: Selection, *, adequate_before: bool, adequate_after: bool, visible: float) -> Verdict:
-    """Conclude; `visible` is the share of the known effects that this data could show."""
+def verdict(
+    selection: Selection, *, adequate_before: bool, adequate_after: bool, visible: float, worse: bool = False
+) -> Verdict:
+    """Conclude; `visible` is the share of the known effects that this data could show.
+
+    `worse` says that the extended model predicts data no fit saw worse than the base: then it is no explanation.
+    """
     if selection.problem.effects == selection.start.effects:
         if not adequate_before:
             return Verdict.UNEXPLAINED
         return Verdict.ADEQUATE if visible >= _ENOUGH_VISIBLE else Verdict.CANNOT_TELL
-    if not (adequate_after or _nearly_all(selection)):
+    if worse or not (adequate_after or _nearly_all(selection)):
         return Verdict.UNEXPLAINED
     return Verdict.TIED if ties(selection) else Verdict.NAMED
 
@@ -159,7 +164,7 @@ def _cause(
     effect = candidate.effect
     names = problem.parameters
     theta = names.of_effect(polished.p, index)
-    sigmas = names.of_effect(polished.sigma, index)
+    sigmas = names.of_effect(polished.sigma, index) | {q.name: q.spread for q in effect.parameters if q.scanned}
     before, after = predictions.get(effect.label, (None, None))
     return Cause(
         label=effect.label,

@@ -75,7 +75,8 @@ class Problem:
 
     def solve(self, start: Reals, *, fixed: Mapping[int, float] = NONE_FIXED, tolerance: float = TOLERANCE) -> Polished:
         """Refine by least squares within the bounds, the parameters in `fixed` held: solving.solve."""
-        return solve(self, start, fixed=fixed, tolerance=tolerance)
+        # damped: a search may end far off, where full steps of a wrong model run to the bounds
+        return solve(self, start, fixed=fixed, tolerance=tolerance, damped=True)
 
     def at_bound(self, p: Reals, i: int) -> bool:
         """Say whether unknown number `i` ended within a per cent of its bound."""

@@ -1,6 +1,7 @@
 """One recording of a diagnosis: its rows at every order, whitened, and the rotor model swept through them."""
 
 import copy
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -18,10 +19,12 @@ from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.directions import Derivatives, Direction, steady_derivatives
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
-from rotorrig.sims.rotor.loads import Load
-from rotorrig.sims.rotor.steady_law import steady_with_law
+from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives
+from rotorrig.sims.rotor.loads import Load, in_recording
+from rotorrig.sims.rotor.steady_law import steady_law_derivatives, steady_with_law
 from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
 from rotorrig.sims.rotor.swept_law import swept_with_law
+from rotorrig.sims.rotor.swept_law_derivatives import swept_law_derivatives
 from rotorrig.sims.rotor.timeline import Timeline
 from rotorrig.sims.rotor.tracking import tracked_rows
 
@@ -47,7 +50,8 @@ class Recording:
         self.rows = self.measured[1].rows
         slow = response.slow_roll_omega
         self._omega = response.omega[self.rows]
-        self._slow = np.array([slow if np.isfinite(slow) else 0.0])
+        # without a slow roll its row is not usable, but a force law has no motion at rest
+        self._slow = np.array([slow if np.isfinite(slow) else np.min(self._omega, initial=np.inf)])
         known = len(response.keyphasor_t) > 3 and bool(np.isfinite(response.t[self.rows]).all())
         self._tracked = None
         if swept and known:
@@ -80,24 +84,36 @@ class Recording:
         other.measured = measured
         return other
 
+    def begins(self, load: Load) -> float:
+        """Return when a load begins on the clock of this recording [s]: -inf before it, inf after its end."""
+        since = in_recording(load, self.number).since
+        pulses = self.response.keyphasor_t
+        if not len(pulses):
+            return -math.inf if since <= 0 else since
+        return -math.inf if since <= pulses[0] else math.inf if since > pulses[-1] else since
+
     def columns(self, model: RotorModel, loads: Sequence[Load], *, order: int) -> Complex:
         """Return the response to each of `loads`, all of that order, (row + 1, probe, load) m per its unit."""
         if not loads:
             return np.zeros((len(self.rows) + 1, len(model.probes), 0), dtype=complex)
+        loads = self._own(loads)
         if self._tracked is not None:
             moving = swept_columns(model, self._tracked, loads=loads, order=order)
         else:
-            moving = load_columns(model, self._omega, loads)
+            moving = load_columns(model, self._omega, loads) * self._begun(loads)[:, None]
         return np.concatenate([moving, self._early(load_columns(model, self._slow, loads), loads)])
 
     def derivatives(
         self, model: RotorModel, loads: Sequence[Load], directions: Sequence[Direction], *, order: int
     ) -> Derivatives:
         """Return that and its derivatives along `directions`, (direction, row + 1, probe, load)."""
+        loads = self._own(loads)
         if self._tracked is not None:
             moving = swept_derivatives(model, self._tracked, loads=loads, directions=directions, order=order)
         else:
-            moving = steady_derivatives(model, self._omega, loads=loads, directions=directions, order=order)
+            steady = steady_derivatives(model, self._omega, loads=loads, directions=directions, order=order)
+            begun = self._begun(loads)[:, None]
+            moving = Derivatives(steady.z * begun, steady.by * begun)
         slow = steady_derivatives(model, self._slow, loads=loads, directions=directions, order=order)
         return Derivatives(
             np.concatenate([moving.z, self._early(slow.z, loads)]),
@@ -112,20 +128,52 @@ class Recording:
         laws: Sequence[ForceLaw],
         *,
         orders: Sequence[int],
+        above: RotorModel | None = None,
     ) -> dict[int, Complex]:
         """Return the motion under loads of 1X times `amounts` (load,) and force laws, order -> (row + 1, probe).
 
-        Raises DataError where the force is not found.
+        `above` is another model for the orders above 1, see swept_with_law. A stiffness that turns with the shaft is
+        left out. Raises DataError where the force is not found.
         """
+        model = _without_turning(model)
+        loads = self._own(loads)
         slow = steady_with_law(model, self._slow, loads, amounts * self._acting(loads), laws, orders=orders)
         if self._tracked is not None:
-            moving = swept_with_law(model, self._tracked, loads, amounts, laws, orders=orders)
+            moving = swept_with_law(model, self._tracked, loads, amounts, laws, orders=orders, above=above)
         else:
             moving = steady_with_law(model, self._omega, loads, amounts, laws, orders=orders)
         both = np.concatenate([moving, slow])
         if not np.all(np.abs(both) < _BEYOND):  # NaN too
             raise DataError(f"under its force laws the rotor moves by more than {_BEYOND:g} m, want a bounded motion")
         return {order: both[..., i] for i, order in enumerate(orders)}
+
+    def law_derivatives(
+        self,
+        model: RotorModel,
+        loads: Sequence[Load],
+        amounts: Complex,
+        laws: Sequence[ForceLaw],
+        changes: Sequence[LawChange],
+        *,
+        orders: Sequence[int],
+    ) -> LawDerivatives:
+        """Return the motion of 1X under them, (row + 1, probe), and its derivatives, order -> (row + 1, probe, change).
+
+        Above 1X those of the laws' forces. A stiffness that turns with the shaft is left out. Raises DataError where
+        the force is not found.
+        """
+        model = _without_turning(model)
+        changes = [c if c.direction is None else replace(c, direction=c.direction._replace(T=0.0)) for c in changes]
+        loads = self._own(loads)
+        acting = self._acting(loads)
+        early = [c if c.amounts is None else replace(c, amounts=c.amounts * acting) for c in changes]
+        slow = steady_law_derivatives(model, self._slow, loads, amounts * acting, laws, changes=early, orders=orders)
+        if self._tracked is not None:
+            moving = swept_law_derivatives(model, self._tracked, loads, amounts, laws, changes=changes, orders=orders)
+        else:
+            moving = steady_law_derivatives(model, self._omega, loads, amounts, laws, changes=changes, orders=orders)
+        by = {order: np.concatenate([moving.by[order], slow.by[order]]) for order in orders}
+        return LawDerivatives(np.concatenate([moving.z, slow.z]), by)
 
     def view(self, order: int) -> Seen:
         """Return what a probe-side effect may know."""
@@ -155,6 +203,15 @@ class Recording:
                 found[:-1, i] = leak(self.view(order), np.arange(len(t)), frequency)
         return found
 
+    def _own(self, loads: Sequence[Load]) -> list[Load]:
+        """Return loads, which come on the clock of all recordings, on that of this one."""
+        return [in_recording(load, self.number) for load in loads]
+
+    def _begun(self, loads: Sequence[Load]) -> NDArray[np.bool_]:
+        """Return which loads act at which row of a steady model, (row, load); a row without a time is one at 0."""
+        t = np.nan_to_num(self.response.t[self.rows])
+        return t[:, None] >= np.array([load.since for load in loads])
+
     def _early(self, z: Complex, loads: Sequence[Load]) -> Complex:
         """Return responses at the slow roll, nothing of the loads that act only later."""
         return z * self._acting(loads)
@@ -162,5 +219,10 @@ class Recording:
     def _acting(self, loads: Sequence[Load]) -> NDArray[np.bool_]:
         """Return which loads act at the slow roll already."""
         pulses = self.response.keyphasor_t
-        first = pulses[0] if len(pulses) else -np.inf
+        first = pulses[0] if len(pulses) else 0.0
         return np.array([load.since <= first for load in loads], dtype=bool)
+
+
+def _without_turning(model: RotorModel) -> RotorModel:
+    """Return the model itself where no stiffness turns with its shaft: what is known of it serves on."""
+    return model if model.added.T is None else replace(model, added=model.added._replace(T=None))

@@ -4,7 +4,9 @@ Every candidate stands at nothing, so each is told by its own verb alone, and th
 are columns of it, changes of matrices are directions, and what happens at the probes needs none.
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +14,11 @@ from numpy.typing import NDArray
 from rotorrig.identify.extended import ExtendedProblem, Moving
 from rotorrig.identify.extended_jacobian import acts_on_probes
 from rotorrig.identify.parameters import Reals
+from rotorrig.identify.real_amounts import halved_loads
 from rotorrig.identify.recording import Recording
 from rotorrig.sims.effects.base import Effect, Parameter
 from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.directions import between
+from rotorrig.sims.rotor.directions import Direction, between
 from rotorrig.sims.rotor.loads import Load
 
 Complex = NDArray[np.complex128]
@@ -33,33 +36,42 @@ def score_columns(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effec
         return []
     wide = problem.seeing({name: z for effect in candidates for name, z in effect.places.items()})
     moving = wide.moving(p)
-    parts = [_of_recording(wide, recording, p, moving, candidates) for recording in wide.recordings]
-    priors = len(problem.parameters.priors)
-    return [
-        np.concatenate([*(part[i] for part in parts), np.zeros((priors, len(effect.parameters)))])
-        for i, effect in enumerate(candidates)
-    ]
-
-
-def _of_recording(
-    problem: ExtendedProblem, recording: Recording, p: Reals, moving: Moving, candidates: Sequence[Effect]
-) -> list[Reals]:
-    count = sum(len(effect.parameters) for effect in candidates)
-    stacked: list[Reals] = []
-    for order, measured in recording.measured.items():
-        motion = problem.motions(recording, p, moving)[order] if order == 1 else None
-        found = np.zeros((*measured.z.shape, count), complex)
-        _by_loads(problem, recording, p, moving, candidates, order, found)
-        if order == 1:
-            _by_matrices(problem, recording, p, moving, candidates, found)
-        if motion is None:
-            motion = problem.motion_of(recording, p, moving, order=order)
-        _at_probes(problem, recording, p, motion, candidates, order, found)
-        sigmas = measured.sigmas(found)
-        stacked.append(sigmas.reshape(-1, count))
-    whole = np.concatenate(stacked)
+    steps = [step for effect in candidates for step in _steps(effect, moving.model)]
+    parts = [_of_recording(wide, recording, p, moving, steps) for recording in wide.recordings]
+    whole = np.concatenate([*parts, np.zeros((len(problem.parameters.priors), len(steps)))])
     ends = np.cumsum([len(effect.parameters) for effect in candidates])
     return [whole[:, end - len(effect.parameters) : end] for effect, end in zip(candidates, ends, strict=True)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Step:
+    """A small step of one unknown of a candidate, and what that makes of the rotor and its loads."""
+
+    effect: Effect
+    theta: dict[str, float]
+    h: float  # the step in sizes
+    loads: tuple[Load, ...]
+    direction: Direction | None
+
+    def acts_in(self, recording: Recording) -> bool:
+        """Say whether the candidate may act there."""
+        return self.effect.recording in (None, recording.number)
+
+
+def _steps(effect: Effect, model: RotorModel) -> Iterator[_Step]:
+    """Yield the step of each unknown; those that change the number of coordinates have no direction."""
+    kind = type(effect)
+    for q in effect.parameters:
+        theta = _stepped(effect, q) if q.low < q.high else effect.at_nothing | {q.name: q.nothing + STEP * q.size}
+        h = (theta[q.name] - q.nothing) / q.size
+        there = effect.changed(model, theta) if kind.changed is not Effect.changed else model
+        yield _Step(
+            effect=effect,
+            theta=theta,
+            h=h,
+            loads=effect.loads(model, theta) if kind.loads is not Effect.loads else (),
+            direction=between(model, there, h) if there is not model and there.dof == model.dof else None,
+        )
 
 
 def _stepped(effect: Effect, q: Parameter) -> dict[str, float]:
@@ -68,13 +80,22 @@ def _stepped(effect: Effect, q: Parameter) -> dict[str, float]:
     return effect.at_nothing | {q.name: q.nothing + step}
 
 
-def _steps(effect: Effect) -> list[tuple[Parameter, dict[str, float], float]]:
-    """Return each unknown, the effect stepped along it and the step in sizes."""
-    found = []
-    for q in effect.parameters:
-        theta = _stepped(effect, q) if q.low < q.high else effect.at_nothing | {q.name: q.nothing + STEP * q.size}
-        found.append((q, theta, (theta[q.name] - q.nothing) / q.size))
-    return found
+def _of_recording(
+    problem: ExtendedProblem, recording: Recording, p: Reals, moving: Moving, steps: Sequence[_Step]
+) -> Reals:
+    """Return the columns of all steps in one recording, (figure, step)."""
+    stacked: list[Reals] = []
+    for order, measured in recording.measured.items():
+        motion = problem.motions(recording, p, moving)[order] if order == 1 else None
+        found = np.zeros((*measured.z.shape, len(steps)), complex)
+        _by_loads(problem, recording, p, moving, steps, order, found)
+        if order == 1:
+            _by_matrices(problem, recording, p, moving, steps, found)
+        if motion is None:
+            motion = problem.motion_of(recording, p, moving, order=order)
+        _at_probes(problem, recording, p, motion, steps, order, found)
+        stacked.append(measured.sigmas(found).reshape(-1, len(steps)))
+    return np.concatenate(stacked)
 
 
 def _by_loads(
@@ -82,65 +103,52 @@ def _by_loads(
     recording: Recording,
     p: Reals,
     moving: Moving,
-    candidates: Sequence[Effect],
+    steps: Sequence[_Step],
     order: int,
     found: Complex,
 ) -> None:
-    loads: list[Load] = []
-    column: list[int] = []
-    share: list[float] = []
-    c = 0
-    for effect in candidates:
-        for _, theta, h in _steps(effect):
-            if type(effect).loads is not Effect.loads and effect.recording in (None, recording.number):
-                mine = [load for load in effect.loads(moving.model, theta) if load.order == order]
-                loads, column, share = loads + mine, column + [c] * len(mine), share + [1 / h] * len(mine)
-            c += 1
-    z = _responses(recording, moving.model, loads, order)
-    for k, (c, by) in enumerate(zip(column, share, strict=True)):
-        found[..., c] += by * problem.probes.linear(p, z[..., k])
+    acting = [
+        (c, load, step.h)
+        for c, step in enumerate(steps)
+        if step.acts_in(recording)
+        for load in step.loads
+        if load.order == order
+    ]
+    z = _responses(recording, moving.model, [load for _, load, _ in acting], order)
+    for k, (c, _, h) in enumerate(acting):
+        found[..., c] += problem.probes.linear(p, z[..., k]) / h
 
 
 def _responses(recording: Recording, model: RotorModel, loads: Sequence[Load], order: int) -> Complex:
     """Return what Recording.columns does, from the responses to as few loads as span them: no more than coordinates."""
     found = np.zeros((len(recording.rows) + 1, len(model.probes), len(loads)), complex)
-    for law, since in dict.fromkeys((load.law, load.since) for load in loads):
-        of_law = [k for k, load in enumerate(loads) if (load.law, load.since) == (law, since) and load.pattern.any()]
-        if not of_law:
+    kinds = [(load.law, recording.begins(load)) for load in loads]
+    for law, begins in dict.fromkeys(kinds):
+        of_law = [k for k, load in enumerate(loads) if kinds[k] == (law, begins) and load.pattern.any()]
+        if not of_law or begins == math.inf:
             continue
         patterns = np.stack([loads[k].pattern for k in of_law], axis=-1)
         size = np.linalg.norm(patterns, axis=0)
         basis, share, _ = np.linalg.svd(patterns / size, full_matrices=False)
         basis = basis[:, share > SPANNED * share[0]]
-        units = [Load(pattern=pattern, law=law, order=order, since=since) for pattern in basis.T]
+        units = [Load(pattern=pattern, law=law, order=order, since=loads[of_law[0]].since) for pattern in basis.T]
         found[..., of_law] = recording.columns(model, units, order=order) @ (basis.conj().T @ patterns)
     return found
 
 
 def _by_matrices(
-    problem: ExtendedProblem,
-    recording: Recording,
-    p: Reals,
-    moving: Moving,
-    candidates: Sequence[Effect],
-    found: Complex,
+    problem: ExtendedProblem, recording: Recording, p: Reals, moving: Moving, steps: Sequence[_Step], found: Complex
 ) -> None:
-    directions, column = [], []
-    c = 0
-    for effect in candidates:
-        for _, theta, h in _steps(effect):
-            if type(effect).changed is not Effect.changed:
-                there = effect.changed(moving.model, theta)
-                if there.dof == moving.model.dof:
-                    directions.append(between(moving.model, there, h))
-                    column.append(c)
-            c += 1
-    if not directions:
-        return
-    amounts = problem.amounts(recording, p)
-    unit = recording.derivatives(moving.model, moving.planes, directions, order=1).by
-    for k, c in enumerate(column):
-        found[..., c] += problem.probes.linear(p, np.einsum("rpl,rl->rp", unit[k], amounts))
+    acting = {c: step.direction for c, step in enumerate(steps) if step.direction is not None}
+    for turns in (False, True):  # those of a stiffness that turns apart
+        some = {c: by for c, by in acting.items() if (moving.halved or bool(np.ndim(by.T))) == turns}
+        if not some:
+            continue
+        planes = halved_loads(moving.planes) if turns and not moving.halved else moving.planes
+        amounts = problem.amounts(recording, p, halved=turns)
+        unit = recording.derivatives(moving.model, planes, list(some.values()), order=1).by
+        for c, by in zip(some, unit, strict=True):
+            found[..., c] += problem.probes.linear(p, np.einsum("rpl,rl->rp", by, amounts))
 
 
 def _at_probes(
@@ -148,7 +156,7 @@ def _at_probes(
     recording: Recording,
     p: Reals,
     motion: Complex,
-    candidates: Sequence[Effect],
+    steps: Sequence[_Step],
     order: int,
     found: Complex,
 ) -> None:
@@ -160,9 +168,7 @@ def _at_probes(
                 found[..., c] = problem.probes.through_effects(recording, p, z + found[..., c], order=order) - seen
         z = seen
     view = recording.view(order)
-    c = 0
-    for effect in candidates:
-        for _, theta, h in _steps(effect):
-            if acts_on_probes(effect) and effect.recording in (None, recording.number):
-                found[..., c] += (effect.seen(z, view, theta) - effect.seen(z, view, effect.at_nothing)) / h
-            c += 1
+    for c, step in enumerate(steps):
+        effect = step.effect
+        if acts_on_probes(effect) and step.acts_in(recording):
+            found[..., c] += (effect.seen(z, view, step.theta) - effect.seen(z, view, effect.at_nothing)) / step.h

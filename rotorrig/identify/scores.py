@@ -11,10 +11,12 @@ import numpy as np
 
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.parameters import Reals
+from rotorrig.identify.scan import best_place
 from rotorrig.identify.score_columns import score_columns
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect
 
+_TOGETHER = 16  # candidates whose columns are projected at once: passes over the basis are what takes time
 _OPEN = 1e-6  # of a column that the base cannot follow: less is rounding
 
 
@@ -32,13 +34,18 @@ class Score:
 def scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> list[Score]:
     """Return the scores of `candidates` beside the effects `problem` has, at its fit `p`; best first.
 
-    Those that have no first order, as a clearance, are left to `curved_scores`.
+    One that is scanned stands where its score is best. Those that have no first order, as a clearance, are left to
+    `curved_scores`.
     """
     Q, r = _projection(problem, p)
     able = [effect for effect in candidates if not effect.curved]
-    columns = score_columns(problem, p, able)
-    found = [_score(effect, own, Q, r) for effect, own in zip(able, columns, strict=True)]
-    return sorted(found, key=lambda score: -score.lam)
+    placed = [_placed(problem, p, effect, Q, r) if effect.scan else effect for effect in able]
+    return sorted(_scores(problem, p, placed, Q, r), key=lambda score: -score.lam)
+
+
+def relocated(problem: ExtendedProblem, p: Reals, effect: Effect) -> Effect:
+    """Return a scanned effect placed where its score is best beside the effects `problem` has, at `p`."""
+    return _placed(problem, p, effect, *_projection(problem, p))
 
 
 def curved_scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> list[Score]:
@@ -47,6 +54,20 @@ def curved_scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effec
     at = problem.residual(p, orders=(1,))
     found = [_curved(problem, p, effect, Q, r, at) for effect in candidates if effect.curved]
     return sorted(found, key=lambda score: -score.lam)
+
+
+def _scores(problem: ExtendedProblem, p: Reals, able: Sequence[Effect], Q: Reals, r: Reals) -> list[Score]:
+    columns = score_columns(problem, p, able)
+    found: list[Score] = []
+    for i in range(0, len(able), _TOGETHER):
+        some = columns[i : i + _TOGETHER]
+        left = np.split(_beyond(np.hstack(some), Q), np.cumsum([own.shape[1] for own in some])[:-1], axis=1)
+        found += [_score(*each, r) for each in zip(able[i : i + _TOGETHER], some, left, strict=True)]
+    return found
+
+
+def _placed(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Reals) -> Effect:
+    return best_place(effect, lambda tries: [score.lam for score in _scores(problem, p, tries, Q, r)])
 
 
 def _projection(problem: ExtendedProblem, p: Reals) -> tuple[Reals, Reals]:
@@ -81,12 +102,18 @@ def _curved(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Rea
     return best
 
 
-def _score(effect: Effect, columns: Reals, Q: Reals, r: Reals) -> Score:
-    step = np.zeros(len(effect.parameters))
-    length = np.linalg.norm(columns, axis=0)
+def _beyond(columns: Reals, Q: Reals) -> Reals:
+    """Return what of `columns` the basis Q cannot follow."""
     left = columns - Q @ (Q.T @ columns)
     left -= Q @ (Q.T @ left)
-    size = np.linalg.norm(left, axis=0)
+    return left
+
+
+def _score(effect: Effect, columns: Reals, left: Reals, r: Reals) -> Score:
+    """Score an effect by its `columns` and what of them is beyond the model so far."""
+    step = np.zeros(len(effect.parameters))
+    length = _lengths(columns)
+    size = _lengths(left)
     seen = size > _OPEN * np.maximum(length, 1e-300)
     if not seen.any():
         return Score(effect=effect, lam=0.0, step=step, visible=0.0)
@@ -97,5 +124,9 @@ def _score(effect: Effect, columns: Reals, Q: Reals, r: Reals) -> Score:
 
 
 def _scaled(J: Reals) -> Reals:
-    length = np.linalg.norm(J, axis=0)
+    length = _lengths(J)
     return J[:, length > 0] / length[length > 0]
+
+
+def _lengths(columns: Reals) -> Reals:
+    return np.sqrt(np.einsum("fp,fp->p", columns, columns))

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.least_squares import TOLERANCE, minimise
+from rotorrig.identify.least_squares import TOLERANCE, Stop, Worth, always, minimise, triangle
 from rotorrig.rig.errors import DataError
 
 Reals = NDArray[np.float64]
@@ -27,6 +27,7 @@ class Polished:
     jacobian: Reals  # (whitened figure + prior, parameter) at p; 0 for what was fixed
     chi2: float  # measured figures and priors together
     dof: int
+    stop: Stop = Stop.CONVERGED  # given up: its chi2 is no less than the best
 
     @property
     def sigma(self) -> Reals:
@@ -67,6 +68,8 @@ def solve(
     fixed: Mapping[int, float] = NONE_FIXED,
     tolerance: float = TOLERANCE,
     max_steps: int = 50,
+    worth: Worth = always,
+    damped: bool = False,
 ) -> Polished:
     """Refine `start` within the bounds, the parameters in `fixed` held at those values; as least_squares.minimise."""
     p = start.copy()
@@ -105,21 +108,30 @@ def solve(
         settle=settle,
         tolerance=tolerance,
         max_steps=max_steps,
+        worth=worth,
+        damped=damped,
     )
     dof = problem.size - len(free)
     jacobian = np.zeros((len(found.jacobian), len(p)))
     jacobian[:, free] = found.jacobian
     covariance = np.zeros((len(p), len(p)))
     covariance[np.ix_(free, free)] = inverse_information(found.jacobian) * max(1.0, found.cost / max(dof, 1))
-    return Polished(p=full(found.p), covariance=covariance, jacobian=jacobian, chi2=found.cost, dof=dof)
+    return Polished(
+        p=full(found.p),
+        covariance=covariance,
+        jacobian=jacobian,
+        chi2=found.cost,
+        dof=dof,
+        stop=found.stop,
+    )
 
 
 def inverse_information(jacobian: Reals) -> Reals:
     """Return (J^T J)^-1, (parameter, parameter); what the rows leave open gets a large variance, never a small one."""
     length = np.linalg.norm(jacobian, axis=0)
     scale = np.divide(1.0, length, out=np.ones_like(length), where=length > 0)
-    triangle: Reals = np.asarray(np.linalg.qr(jacobian * scale, mode="r"))
-    square = np.pad(triangle, ((0, len(length) - len(triangle)), (0, 0)))  # fewer rows than parameters leave some open
+    root, _ = triangle(jacobian * scale)
+    square = np.pad(root, ((0, len(length) - len(root)), (0, 0)))  # fewer rows than parameters leave some open
     _, size, directions = np.linalg.svd(square)
     root = scale[:, None] * directions.T / np.maximum(size, OPEN * size[0])
     return root @ root.T

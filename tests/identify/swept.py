@@ -51,7 +51,7 @@ def swept_response(
     first = np.arange(0, len(pulses) - TURNS, TURNS)
     t = pulses[first + TURNS // 2]
     model = _model(rig, hidden)
-    loads = _loads(model, unbalance + trial, hidden), _loads(model, unbalance, hidden)
+    loads = _loads(model, unbalance + trial, hidden), _loads(model, unbalance, hidden, later=False)
     z = np.stack([_vectors(rig, model, timeline, t, loads, order, hidden) for order in orders], axis=-1)
     if rng is not None:
         z = z + DRAWN * SIGMA * (rng.standard_normal(z.shape) + 1j * rng.standard_normal(z.shape))
@@ -73,9 +73,11 @@ def _model(rig: RigConfig, hidden: Sequence[tuple[Effect, Theta]]) -> RotorModel
     return model
 
 
-def _loads(model: RotorModel, unbalance: complex, hidden: Sequence[tuple[Effect, Theta]]) -> list[Load]:
+def _loads(
+    model: RotorModel, unbalance: complex, hidden: Sequence[tuple[Effect, Theta]], *, later: bool = True
+) -> list[Load]:
     (unit,) = unbalance_loads(model, ["disk"])
-    own = [load for effect, theta in hidden for load in effect.loads(model, theta)]
+    own = [load for effect, theta in hidden for load in effect.loads(model, theta) if later or load.since <= 0]
     return [Load(unbalance * unit.pattern, "unbalance"), *own]
 
 

@@ -3,11 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from rotorrig.identify.candidates import background, candidates
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.sims.effects.base import catalogue
+from rotorrig.sims.effects.base import Effect, catalogue
 
 
 def test_every_effect_of_the_library_is_tried_unless_left_out(short: OrderTrackedResponse) -> None:
@@ -25,35 +26,56 @@ def test_labels_are_each_others_only(short: OrderTrackedResponse) -> None:
 
 def test_orders_that_were_not_tracked_leave_their_unknowns_out(bare: Recording, short: OrderTrackedResponse) -> None:
     def unknowns(recording: Recording) -> dict[str, list[str]]:
-        return {e.label: [q.name for q in e.parameters] for e in candidates([recording]) if e.name == "crack"}
+        return {e.label: [q.name for q in e.parameters] for e in candidates([recording]) if e.name == "coupling"}
 
     for names in unknowns(bare).values():
-        assert names == ["kink 1X re", "kink 1X im"]
+        assert names == ["force 1X re", "force 1X im", "stiffness re", "stiffness im"]
     for names in unknowns(Recording(short)).values():
         assert len(names) == 6
 
 
-def test_a_step_of_unbalance_may_come_with_every_run_but_the_first(short: OrderTrackedResponse) -> None:
-    (step,) = (e for e in candidates([Recording(short)]) if e.name == "unbalance_step")
-    assert "from run 'down' on" in step.where
-    time = step.parameters[-1]
-    assert time.low == time.high == short.t[short.run == 1].min()
+def step_of(*recordings: Recording) -> Effect | None:
+    return next((e for e in candidates(recordings) if e.name == "unbalance_step"), None)
 
 
-def test_a_slow_roll_run_is_no_run_that_a_step_could_precede(short: OrderTrackedResponse) -> None:
+def test_a_step_of_unbalance_is_looked_for_throughout_a_recording(short: OrderTrackedResponse) -> None:
+    step = step_of(Recording(short))
+    assert step is not None
+    (moments,) = step.scan
+    assert moments[0] == short.t.min() and moments[-1] == short.t.max()
+    assert 12 <= len(moments) <= 24
+    assert np.all(np.diff(moments) > 0)
+
+
+def test_it_may_also_have_happened_between_two_recordings(short: OrderTrackedResponse) -> None:
+    step = step_of(Recording(short), Recording(short, number=1))
+    assert step is not None
+    first, gap, second = step.scan
+    assert len(gap) == 1
+    assert first[-1] < gap[0] < second[0]
+    assert np.array(second) - np.array(first) == pytest.approx(1e6)
+
+
+def test_no_moment_of_a_slow_roll_is_tried(short: OrderTrackedResponse) -> None:
     runs = (Run(name="slow roll", direction=0), *short.runs)
     begun = replace(short, runs=runs, run=np.where(np.arange(len(short.run)) < 5, 0, short.run + 1))
-    steps = [e for e in candidates([Recording(begun)]) if e.name == "unbalance_step"]
-    assert [e.where for e in steps] == [steps[0].where]
-    assert "from run 'down' on" in steps[0].where
+    step = step_of(Recording(begun))
+    assert step is not None
+    assert step.scan[0][0] == short.t[5]
+
+
+def test_without_times_a_step_can_only_be_between_recordings(short: OrderTrackedResponse) -> None:
+    table = replace(short, t=np.full_like(short.t, np.nan), keyphasor_t=np.zeros(0))
+    assert step_of(Recording(table)) is None
+    step = step_of(Recording(table), Recording(table, number=1))
+    assert step is not None
+    assert [len(stretch) for stretch in step.scan] == [1]
 
 
 def test_what_differs_between_recordings_is_tried_in_each(short: OrderTrackedResponse) -> None:
     found = candidates([Recording(short, number=i) for i in range(2)])
     hums = [e for e in found if e.name == "line_hum" and "50 Hz" in e.where]
     assert [e.recording for e in hums] == [0, 1]
-    steps = {e.label: e.recording for e in found if e.name == "unbalance_step"}
-    assert any("before recording 2" in label for label in steps)
     assert {e.recording for e in found if e.name == "bow"} == {None}
 
 

@@ -15,6 +15,7 @@ from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.extension import Extension
 from rotorrig.sims.effects.base import catalogue, find
 from rotorrig.sims.plant.truth import FaultSpec
+from rotorrig.sims.rotor.loads import ONE_RECORDING
 from tests.conftest import CONFIGS
 from tests.identify.swept import DRAWN, SIGMA, C, K, U, swept_response
 
@@ -104,11 +105,42 @@ def test_a_cause_in_one_recording_of_two_is_named_there(rig: RigConfig) -> None:
     responses = [swept_response(rig, rng=rng), swept_response(rig, rng=rng, unbalance=U + 5e-6j)]
     found = judged(*responses, tried={"unbalance_step", "skew_stiffness"})
     assert found.verdict is Verdict.NAMED
-    assert "before recording 2" in found.causes[0].label
+    assert found.causes[0].words.endswith("before recording 2 began")
     step = found.causes[0].parameters["step"]
     assert abs(step.value - 5e-6) < 4 * step.sigma
     assert found.responses == tuple((r.source.source_hash, len(r.omega)) for r in responses)
     assert len(found.residual) == sum(len(r.omega) for r in responses)
+
+
+@pytest.mark.parametrize(("moment", "run"), [(7.31, "up"), (14.62, "down")])
+def test_a_step_within_a_run_is_found_at_its_moment(rig: RigConfig, moment: float, run: str) -> None:
+    theta = {"step re": 1.6e-6, "step im": -1.2e-6, "time": moment}
+    broken = swept_response(rig, rng=np.random.default_rng(34), hidden=[(find(rig, "unbalance_step"), theta)])
+    found = judged(broken, tried={"unbalance_step", "skew_stiffness", "bow"})
+    assert found.verdict is Verdict.NAMED
+    (step,) = (cause for cause in found.causes if cause.chosen)
+    assert step.label == "unbalance_step"
+    turn = 2 * np.pi / np.interp(moment, broken.t, broken.omega)
+    assert abs(step.theta["time"] - moment) < min(turn, 4 * step.sigmas["time"])
+    for name in ("step re", "step im"):
+        assert abs(step.theta[name] - theta[name]) < 4 * step.sigmas[name]
+    assert f"{moment:.1f} s into recording 1 (at " in step.words and step.words.endswith(f"rpm in run '{run}')")
+    assert found.gain["heldout_after"] == pytest.approx(DRAWN * SIGMA * np.sqrt(2), rel=0.1)
+
+
+def test_what_was_lost_in_one_recording_is_gone_in_the_next_and_the_extended_config_knows(rig: RigConfig) -> None:
+    rng, effect = np.random.default_rng(35), find(rig, "unbalance_step")
+    theta = {"step re": 2e-6, "step im": 1e-6, "time": 15.0}
+    after = theta | {"time": theta["time"] - ONE_RECORDING}
+    responses = [swept_response(rig, rng=rng, hidden=[(effect, of)]) for of in (theta, after)]
+    found = judged(*responses, tried={"unbalance_step", "skew_stiffness"})
+    assert found.verdict is Verdict.NAMED
+    (step,) = (cause for cause in found.causes if cause.chosen)
+    assert step.theta["time"] == pytest.approx(15.0, abs=0.05)
+    extension = Extension(name=step.effect, where=step.where, parameters=step.theta)
+    extended = rig.model_copy(update={"effects": (extension,)})
+    again = judged(*(replace(r, rig=extended) for r in responses), tried={"skew_stiffness"})
+    assert again.verdict is Verdict.ADEQUATE
 
 
 def test_a_swept_recording_taken_as_steady_is_wrong_and_says_so(rig: RigConfig, healthy: OrderTrackedResponse) -> None:

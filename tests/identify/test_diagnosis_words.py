@@ -61,10 +61,16 @@ BOUGHT = Predictions(
 )
 
 
-def said(verdict: Verdict, *causes: Cause, tied: tuple[tuple[str, ...], ...] = ()) -> str:
+def said(verdict: Verdict, *causes: Cause, tied: tuple[tuple[str, ...], ...] = (), bought: Predictions = BOUGHT) -> str:
     after = WRONG if verdict is Verdict.UNEXPLAINED else RIGHT
     before = RIGHT if verdict in {Verdict.ADEQUATE, Verdict.CANNOT_TELL} else WRONG
-    return sentence(verdict, before, after, causes, tied, BOUGHT)
+    return sentence(verdict, before, after, causes, tied, bought)
+
+
+def test_a_cause_that_predicts_worse_is_said_to() -> None:
+    words = said(Verdict.UNEXPLAINED, BOW, bought=replace(BOUGHT, after=replace(BOUGHT.after, error=3e-6)))
+    assert "With bow it fits better, but predicts data no fit saw" in words
+    assert "worse: by 3 um, not 2 um" in words
 
 
 @pytest.mark.parametrize("verdict", [Verdict.ADEQUATE, Verdict.CANNOT_TELL])

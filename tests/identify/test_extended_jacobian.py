@@ -13,7 +13,7 @@ from tests.conftest import CONFIGS
 
 KINDS = sorted({effect.name for effect in catalogue(load(CONFIGS / "rk4.toml"))})
 BASE = ("kxx", "cyy", "E", "bearing left B y", "u re", "gain 2x", "angle 2x", "runout 2x re", "keyphasor angle")
-FORCE_LAWS = 0.03  # one-sided differences of a motion that is found by iteration
+FORCE_LAWS = 0.01  # the differences are of a motion that is found by iteration
 MODELS: Models = {}
 
 
@@ -49,7 +49,7 @@ def test_the_jacobian_is_the_derivative_of_the_residual(
     follows_a_law = bool(problem.moving(p).laws)
     problem.residual(p)  # holds the rotor of the orders above 1X, as a solution does
     own = [i for i in range(names.own.start, len(p)) if i not in names.frozen]
-    base = [names.names.index(name) for name in (() if follows_a_law else BASE)]
+    base = [names.names.index(name) for name in BASE]
     which = np.array(sorted([*base, *own]))
     jacobian = problem.jacobian(p, which)
     first = 2 * problem.recordings[0].measured[1].z.size
@@ -64,7 +64,7 @@ def test_the_jacobian_is_the_derivative_of_the_residual(
 def test_some_columns_are_those_of_the_whole(
     short: OrderTrackedResponse, hidden: np.ndarray, every: dict[str, Effect]
 ) -> None:
-    problem = ExtendedProblem([Recording(short)], [every["crack"], every["delay"]], models=MODELS)
+    problem = ExtendedProblem([Recording(short)], [every["shaft_asymmetry"], every["delay"]], models=MODELS)
     p = problem.parameters.start(hidden)
     p[problem.parameters.own] = 0.5
     some = np.array([1, 6, problem.parameters.keyphasor, len(p) - 3, len(p) - 1])

@@ -89,6 +89,13 @@ def test_a_parameter_without_room_is_held_where_it_stands(rig: RigConfig) -> Non
     assert low[-1] <= 3.5 <= high[-1]
 
 
+def test_what_a_scan_finds_no_fit_moves(rig: RigConfig) -> None:
+    step = find(rig, "unbalance_step").held({"time": 42.0})
+    names = laid_out(rig, step)
+    assert names.frozen == {len(names) - 1: 42.0}
+    assert names.of_effect(names.start(np.zeros(0)), 0) == {"step re": 0.0, "step im": 0.0, "time": 42.0}
+
+
 def test_the_start_takes_over_the_base_of_another_problem(rig: RigConfig) -> None:
     smaller, larger = laid_out(rig), laid_out(rig, find(rig, "bow"))
     base = np.arange(float(len(smaller)))

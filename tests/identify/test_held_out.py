@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.held_out import BLOCK, held_out, predicted
+from rotorrig.identify.held_out import BLOCK, BLOCKS, held_out, predicted
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
@@ -79,6 +79,27 @@ def test_the_error_of_a_known_offset_is_that_offset(rig: RigConfig, hidden: np.n
     assert found.error == pytest.approx(2e-6)
     assert found.over_floor == pytest.approx(found.error / found.floor)
     assert found.floor >= SIGMA * np.sqrt(2)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_the_halves_are_fitted_as_well_as_if_carried_to_the_end(
+    rig: RigConfig, hidden: np.ndarray, known: bool
+) -> None:
+    effect = find(rig, "skew_stiffness")
+    theta = {q.name: 0.5 * q.size for q in effect.parameters}
+    response = swept_response(rig, rng=np.random.default_rng(21), hidden=[(effect, theta)])
+    problem = ExtendedProblem([Recording(response)]).extended([effect] if known else [])
+    fit = problem.solve(problem.parameters.start(hidden))
+    recording = problem.recordings[0]
+    block = np.arange(len(recording.rows)) // min(BLOCK, len(recording.rows) // BLOCKS)
+    square = count = 0.0
+    for hide in (0, 1):
+        unseen = problem.on([recording.only(block % 2 == hide)])
+        end = problem.on([recording.only(block % 2 != hide)]).solve(fit.p, tolerance=1e-3)
+        error = predicted(unseen, end.p).error
+        rows = np.sum(unseen.recordings[0].measured[1].usable[:-1])
+        square, count = square + rows * error**2, count + rows
+    assert held_out(problem, fit.p).error == pytest.approx(np.sqrt(square / count), rel=0.02)
 
 
 def test_rows_that_are_not_usable_do_not_count(healthy: OrderTrackedResponse, hidden: np.ndarray) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.least_squares import minimise
+from rotorrig.identify.least_squares import Stop, minimise, triangle
 
 FREE = (np.full(2, -np.inf), np.full(2, np.inf))
 
@@ -30,17 +30,24 @@ def test_a_minimum_outside_the_bounds_ends_on_the_nearest_side() -> None:
     assert found.p[0] <= 0.5
 
 
-def test_linear_parameters_are_settled_at_every_step() -> None:
+def test_a_valley_that_bends_is_followed_to_its_end_on_a_few_jacobians() -> None:
+    found = minimise(rosenbrock, slopes, np.array([-1.2, 1.0]), bounds=FREE)
+    assert found.converged
+    assert found.steps <= 4  # damped steps alone take 20 to 30
+    np.testing.assert_allclose(found.p, [1, 1], atol=1e-4)
+
+
+def test_linear_parameters_are_settled_where_a_step_gains_little() -> None:
     t = np.linspace(0, 3, 40)
     measured = 7e-6 * np.exp(-1.3 * t)
-    asked = []
+    settled = []
 
     def settle(p: np.ndarray) -> np.ndarray:
         shape = np.exp(-p[1] * t)
-        return np.array([shape @ measured / (shape @ shape), p[1]])
+        settled.append(np.array([shape @ measured / (shape @ shape), p[1]]))
+        return settled[-1]
 
     def residual(p: np.ndarray) -> np.ndarray:
-        asked.append(p)
         return (p[0] * np.exp(-p[1] * t) - measured) / 1e-9
 
     def jacobian(p: np.ndarray) -> np.ndarray:
@@ -48,8 +55,38 @@ def test_linear_parameters_are_settled_at_every_step() -> None:
 
     found = minimise(residual, jacobian, np.array([1.0, 4.0]), bounds=FREE, settle=settle)
     np.testing.assert_allclose(found.p, [7e-6, 1.3], rtol=1e-6)
-    assert all(np.array_equal(p, settle(p)) for p in asked)
+    assert settled
     assert found.steps < 10
+
+
+@pytest.mark.parametrize("least", [0.0, 1e9])
+def test_what_is_not_worth_going_on_with_is_given_up_after_the_first_step(least: float) -> None:
+    asked: list[tuple[float, float]] = []
+
+    def worth(cost: float, promise: float) -> bool:
+        asked.append((cost, promise))
+        return promise > least
+
+    found = minimise(np.square, lambda p: np.diag(2 * p), np.array([100.0, 3.0]), bounds=FREE, worth=worth)
+    assert (found.stop is Stop.GIVEN_UP) == (least > 0)
+    assert found.converged == (least == 0)
+    cost, promise = asked[0]
+    assert promise <= cost < 100.0**4 + 3.0**4
+    if least:
+        assert found.steps == 2
+        assert found.cost == cost
+        np.testing.assert_array_equal(found.jacobian, np.diag(2 * found.p))
+
+
+@pytest.mark.parametrize("near", [0.5, 1e-7, 0.0])
+def test_columns_that_are_alike_have_the_triangle_of_their_products(near: float) -> None:
+    columns = np.array([[1.0, 1.0], [0.0, near], [0.0, 0.0]])
+    columns /= np.linalg.norm(columns, axis=0)
+    root, onto = triangle(columns)
+    np.testing.assert_allclose(root.T @ root, columns.T @ columns, atol=1e-15)
+    inside, across = columns @ [2.0, -3.0], np.array([0.0, 0.0, 4.0])
+    np.testing.assert_allclose(root.T @ onto(inside + across), columns.T @ inside, atol=1e-12)
+    assert np.linalg.norm(onto(across)) < 1e-12
 
 
 def test_a_direction_that_nothing_depends_on_is_left_alone() -> None:
@@ -79,7 +116,8 @@ def test_steps_to_where_the_residual_is_no_number_are_taken_back() -> None:
 
 @pytest.mark.parametrize("steps", [1, 3])
 def test_it_stops_when_its_steps_are_used_up_and_says_so(steps: int) -> None:
-    found = minimise(rosenbrock, slopes, np.array([-1.2, 1.0]), bounds=FREE, max_steps=steps)
+    found = minimise(np.square, lambda p: np.diag(2 * p), np.array([100.0, 3.0]), bounds=FREE, max_steps=steps)
+    assert found.stop is Stop.BUDGET
     assert not found.converged
     assert found.steps == steps
-    assert found.cost == pytest.approx(float(rosenbrock(found.p) @ rosenbrock(found.p)))
+    assert found.cost == pytest.approx(np.sum(found.p**4))

@@ -89,6 +89,11 @@ def test_the_verdict_follows_from_the_tests_and_the_causes(
     assert verdict(found, adequate_before=before, adequate_after=after, visible=visible) is expected
 
 
+def test_what_predicts_worse_is_no_explanation() -> None:
+    found = verdict(ALONE, adequate_before=False, adequate_after=True, visible=0.9, worse=True)
+    assert found is Verdict.UNEXPLAINED
+
+
 def test_causes_that_fit_alike_are_tied_the_chosen_one_first() -> None:
     assert ties(CLOSE) == (("bend", "lump"),)
 

@@ -10,7 +10,7 @@ from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.rotor.assembly import assemble
-from rotorrig.sims.rotor.loads import Load, unbalance_loads
+from rotorrig.sims.rotor.loads import ONE_RECORDING, Load, between, unbalance_loads
 from rotorrig.sims.rotor.reduction import reduce
 from tests.identify.swept import swept_response
 
@@ -83,6 +83,41 @@ def test_a_load_that_begins_later_is_not_in_the_slow_roll(short: OrderTrackedRes
     assert not z[-1, :, 1].any()
     before = short.t < half - 8 * 60 / 2600  # a row's window away
     assert not z[:-1][before, :, 1].any()
+
+
+def test_one_clock_runs_through_all_recordings(short: OrderTrackedResponse, rig: RigConfig) -> None:
+    """What begins in one is nothing in those before, and in those after there from the start."""
+    model = reduce(assemble(rig))
+    (always,) = unbalance_loads(model, ["disk"])
+    half = float(short.keyphasor_t[-1] / 2) + 0.003  # s, between two pulses
+    second = Load(always.pattern, "unbalance", since=ONE_RECORDING + half)
+    gap = Load(always.pattern, "unbalance", since=between(2))
+    first, own, last = (Recording(short, number=i).columns(model, [always, second, gap], order=1) for i in range(3))
+    assert not first[..., 1:].any() and not own[..., 2].any()
+    np.testing.assert_array_equal(last, np.repeat(last[..., :1], 3, axis=-1))
+    alone = Recording(short).columns(model, [Load(always.pattern, "unbalance", since=half)], order=1)
+    np.testing.assert_allclose(own[..., 1], alone[..., 0], rtol=1e-6, atol=1e-3)  # m per kg m, of some 100
+
+
+def test_it_is_known_when_a_load_begins_in_a_recording(short: OrderTrackedResponse, rig: RigConfig) -> None:
+    recording = Recording(short, number=1)
+    for since, begins in ((-np.inf, -np.inf), (7.0, -np.inf), (1e6 + 3.0, 3.0), (1e6 + 1e4, np.inf), (2e6, np.inf)):
+        assert recording.begins(Load(np.zeros(1, complex), "unbalance", since=since)) == begins
+
+
+def test_a_steady_model_knows_too_what_has_not_begun(short: OrderTrackedResponse, rig: RigConfig) -> None:
+    model = reduce(assemble(rig))
+    (always,) = unbalance_loads(model, ["disk"])
+    half = float(short.keyphasor_t[-1] / 2)
+    later = Load(always.pattern, "unbalance", since=half)
+    z = Recording(short, swept=False).columns(model, [always, later], order=1)
+    begun = np.append(short.t >= half, False)[:, None]
+    np.testing.assert_array_equal(z[..., 1], np.where(begun, z[..., 0], 0))
+    table = replace(short, t=np.full(len(short.t), np.nan), keyphasor_t=np.empty(0))
+    gap = Load(always.pattern, "unbalance", since=between(1))
+    before, after = (Recording(table, number=i).columns(model, [gap], order=1) for i in range(2))
+    assert not before.any()
+    assert np.abs(after).min() > 0
 
 
 def test_the_trial_mass_of_a_run_stands_in_its_rows_and_not_in_the_slow_roll(short: OrderTrackedResponse) -> None:

@@ -75,7 +75,7 @@ def test_the_columns_of_all_candidates_at_once_are_those_of_each_alone(rig: RigC
     recording = Recording(swept_response(rig, orders=(1, 2, 3), speeds=(900, 2600), ramp=600))
     problem = ExtendedProblem([recording])
     p = problem.parameters.start(hidden)
-    labels = ["bow", "coupling", "delay, probe 1x", "stiffness_over_speed", "crack, at 200 mm"]
+    labels = ["bow", "coupling", "delay, probe 1x", "stiffness_over_speed", "shaft_asymmetry"]
     effects = [find(rig, label) for label in labels]
     for effect, columns in zip(effects, score_columns(problem, p, effects), strict=True):
         alone = problem.extended([effect])

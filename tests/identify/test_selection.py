@@ -5,8 +5,9 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.recording import Recording
-from rotorrig.identify.selection import DETECTED, ENOUGH, Selection, called_for, plausible, select
+from rotorrig.identify.selection import DETECTED, ENOUGH, NEAR, Selection, called_for, plausible, select
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find
@@ -90,6 +91,19 @@ def test_evidence_is_the_fall_of_chi2_less_the_same_for_every_unknown(
     for tried in first.tried:
         assert tried.lam == pytest.approx(first.before.chi2 - tried.polished.chi2)
         assert called_for(tried) == (tried.evidence > ENOUGH and tried.lam > DETECTED)
+
+
+def test_a_rival_far_behind_is_given_up_and_the_named_cause_is_not(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
+    response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "delay, probe 2y", 1.5)])
+    (stage, *_) = selected(response, hidden).stages
+    best, *others = stage.tried
+    assert best.polished.stop is Stop.CONVERGED
+    behind = [c for c in others if c.polished.stop is Stop.GIVEN_UP]
+    assert behind
+    for candidate in behind:
+        to_the_end = candidate.problem.solve(candidate.polished.p, tolerance=0.1)
+        assert candidate.lam <= stage.before.chi2 - to_the_end.chi2
+        assert best.evidence - candidate.evidence > NEAR
 
 
 def test_a_cause_of_a_size_no_rig_has_is_not_plausible(rig: RigConfig, hidden: NDArray[np.float64]) -> None:

@@ -52,6 +52,8 @@ class Parameter:
     starts: tuple[float, ...] = ()  # where a fit begins, one after the other; empty: at `nothing`
     prior: float = math.inf  # one standard deviation, where it is a nuisance of the base and no discovery
     order: int = 0  # the one order of the vectors it changes; 0: all those of its effect
+    scanned: bool = False  # no fit moves it: a scan finds its place, and it stays at `nothing`
+    spread: float = 0.0  # of a scanned one: one standard deviation, as far as the scan could tell
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,12 +79,13 @@ class Effect:
     name: ClassVar[str]  # the file's
     title: ClassVar[str]  # "residual shaft bow"
     orders: ClassVar[tuple[int, ...]] = (1,)  # of the vectors it may change
-    linear: ClassVar[bool] = False  # the response is linear in the parameters with everything else fixed
+    linear: ClassVar[bool] = False  # what it adds to a fixed rotor is linear in the parameters, but scanned ones
     per_recording: ClassVar[bool] = False  # its unknowns are others in every recording
     where: str = ""  # "plane 1", "probe 2y", "at 381 mm"; empty where there is one place only
     parameters: tuple[Parameter, ...] = ()
     places: Mapping[str, float] = field(default_factory=dict)  # planes it needs in the model: name -> m
     recording: int | None = None  # where it acts alone; None: in all
+    scan: tuple[tuple[float, ...], ...] = ()  # stretches of its scanned unknown: where to look first, ascending
 
     @property
     def label(self) -> str:
@@ -107,6 +110,11 @@ class Effect:
     def within(self, orders: Collection[float]) -> Self:
         """Return the effect without the parameters that vectors of these orders cannot show."""
         return replace(self, parameters=tuple(p for p in self.parameters if not p.order or p.order in orders))
+
+    def held(self, theta: Theta) -> Self:
+        """Return the effect with its scanned unknown held where `theta` has it."""
+        parameters = (replace(p, nothing=theta[p.name]) if p.scanned else p for p in self.parameters)
+        return replace(self, parameters=tuple(parameters))
 
     def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with other matrices, coordinates or bearings."""

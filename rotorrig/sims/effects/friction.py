@@ -1,7 +1,15 @@
 """Dry friction at a bearing's support: strong damping of small motion, next to none of large.
 
-f = -F v / sqrt(v^2 + v0^2), Coulomb's law with its edge rounded at creeping speed. Source: Olsson, Astrom, et al.,
-Friction models and friction compensation, Eur. J. Control 4 (1998) 176-195.
+The contact gives a little before it slides, as a spring in series with a slider. The balls shake the bearing at random
+besides; so shaken, the slider creeps under less than its limit instead of sticking. With s the velocity at which it
+slides where the place moves at v,
+
+    f = -F s / q,  q = sqrt(s^2 + creep^2),  v = s + d(give s / q) / dt.
+
+On a circle that has a closed form; on other paths it is taken at the angular speed about the centre at each instant. On
+a line, where that is zero, the contact does not give: an error of some give / amplitude of the friction. Source:
+Sanliturk, Ewins, J. Sound Vib. 193 (1996) 511 (sliding contact in the plane); Caughey, J. Acoust. Soc. Am. 35 (1963)
+1706 (what noise does to a force law).
 """
 
 from dataclasses import dataclass
@@ -16,12 +24,15 @@ from rotorrig.sims.effects.places import bearing_groups, bearing_words
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.force_law import ForceLaw
 
-CREEP = 1e-3  # m/s: about 10 um at 1000 rpm, the least that the probes see as motion
+STILL = 1e-12  # m: nearer to the centre than this no angle is known
 
 
 @dataclass(frozen=True, kw_only=True)
 class Friction(Effect):
-    """The "force" [N] that resists the motion of the bearings of one group."""
+    """The "force" [N] that resists the motion of the bearings of one group, how far it gives and how fast it creeps.
+
+    It gives way elastically by "give" [m]; the random shaking of the bearing lets it creep at "creep" [m/s].
+    """
 
     name = "friction"
     title = "dry friction at a bearing"
@@ -30,7 +41,7 @@ class Friction(Effect):
 
     def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
         """Return it at every bearing."""
-        constants = np.array([theta["force"]])
+        constants = np.array([theta["force"], theta["give"], theta["creep"]])
         return tuple(ForceLaw(rows=model.bearing(name).rows, force=dry, constants=constants) for name in self.bearings)
 
     def words(self, theta: Theta) -> str:
@@ -40,14 +51,31 @@ class Friction(Effect):
 
 @njit(cache=True)
 def dry(x: float, y: float, vx: float, vy: float, constants: NDArray[np.float64]) -> tuple[float, float]:
-    """Return -F v / |v|, rounded."""
-    factor = -constants[0] / np.sqrt(vx * vx + vy * vy + CREEP * CREEP)
-    return factor * vx, factor * vy
+    """Return the force at (x, y) on a circle run through at (vx, vy), of constants force, give and creep.
+
+    There v = j w r, so s (1 + j g / q) = v with g = give w, and q^2 is the positive root of
+    (q^2 - creep^2) (q^2 + g^2) = |v|^2 q^2.
+    """
+    force, give, creep = constants[0], constants[1], constants[2]
+    squared = vx * vx + vy * vy
+    w = (x * vy - y * vx) / max(x * x + y * y, STILL * STILL)
+    g = give * abs(w)
+    middle, product = (squared + creep * creep - g * g) / 2, creep * g
+    root = np.hypot(middle, product)
+    q2 = middle + root if middle > 0 else product * product / (root - middle)
+    q = np.sqrt(max(q2, creep * creep))
+    damping = -force * q / (q * q + g * g)
+    spring = damping * w * w * give / q
+    return spring * x + damping * vx, spring * y + damping * vy
 
 
 def effects(rig: RigConfig) -> tuple[Friction, ...]:
     """Return one for every group of bearings sought."""
-    unknown = (Parameter(name="force", unit="N", low=0.0, high=1.0, size=0.05, starts=(0.02, 0.1, 0.4)),)
+    unknown = (
+        Parameter(name="force", unit="N", low=0.0, high=1.0, size=0.05, starts=(0.02, 0.1, 0.4)),
+        Parameter(name="give", unit="m", low=0.0, high=5e-6, size=0.5e-6, nothing=0.5e-6),  # a few asperities high
+        Parameter(name="creep", unit="m/s", low=1e-5, high=2e-3, size=1e-4, nothing=1e-4),  # 0.5 um at 2000 rpm
+    )
     return tuple(
         Friction(where=where, bearings=names, parameters=unknown) for where, names in bearing_groups(rig).items()
     )

@@ -1,17 +1,17 @@
 """A shaft that is not equally stiff both ways: a keyway, a flat, rolled stock.
 
-In the rotor's axes the stiffness differs by +-delta; as it turns under gravity its sag moves twice per turn, forward,
-with a resonance at half the critical speed. At 1X it shifts the critical speed by which side the unbalance is on, which
-a response linear in its phasors cannot tell and this leaves out. Source: Tondl, Some Problems of Rotor Dynamics (1965),
-ch. 2; Yamamoto, Ishida, Linear and Nonlinear Rotordynamics (2012), ch. 5.
+In the rotor's axes the stiffness differs by +-delta. As it turns under gravity its sag moves twice per turn, forward,
+with a resonance at half the critical speed. At 1X the shaft is stiffer or softer by which side the unbalance bends it
+to: the force -delta K_s e^{2 j gamma} r* on a forward motion r, strongest near the critical speed. Source: Tondl, Some
+Problems of Rotor Dynamics (1965), ch. 2; Yamamoto, Ishida, Linear and Nonlinear Rotordynamics (2012), ch. 5.
 """
 
 from dataclasses import dataclass
 
 from rotorrig.rig.description import RigConfig
-from rotorrig.sims.effects.base import Effect, Theta, pair, phasor, polar
+from rotorrig.sims.effects.base import Complex, Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.shaft_motion import at_rest, pairwise_map
-from rotorrig.sims.rotor.assembly import RotorModel
+from rotorrig.sims.rotor.assembly import Added, RotorModel, with_added
 from rotorrig.sims.rotor.loads import Load
 
 
@@ -21,15 +21,18 @@ class ShaftAsymmetry(Effect):
 
     name = "shaft_asymmetry"
     title = "asymmetric shaft"
-    orders = (2,)
+    orders = (1, 2)
     linear = True
     gravity: str  # as in RigConfig
 
+    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+        """Return the model with the stiffness that turns."""
+        T = phasor(theta, "asymmetry") * _turning(model)
+        return with_added(model, Added(T=(T + T.T) / 2))  # symmetric, but for rounding and what a reduction leaves out
+
     def loads(self, model: RotorModel, theta: Theta) -> tuple[Load, ...]:
-        """Return the force -delta e^{j 2 (theta + gamma)} K_s r* of the sag r = x + j y, first order in delta."""
-        s = model.rotation
-        sag = pairwise_map(model, [[1, -1j * s], [-1j * s, -1]]) @ at_rest(model, self.gravity)
-        pattern = -phasor(theta, "asymmetry") * model.shaft.K @ sag
+        """Return its force on the sag, first order in delta."""
+        pattern = -phasor(theta, "asymmetry") * (_turning(model) @ at_rest(model, self.gravity))
         return (Load(pattern=pattern, law="constant", order=2),)
 
     def words(self, theta: Theta) -> str:
@@ -39,6 +42,13 @@ class ShaftAsymmetry(Effect):
             f"the shaft's stiffness differs by +-{100 * size:.2f} % around it, largest at {angle / 2:.0f} deg from the "
             f"keyphasor mark"
         )
+
+
+def _turning(model: RotorModel) -> Complex:
+    """Return T of a stiffness Re(T e^{2 j theta}) that makes K_s r* e^{2 j theta} of r = x + j y."""
+    s = model.rotation
+    turning: Complex = model.shaft.K @ pairwise_map(model, [[1, -1j * s], [-1j * s, -1]])
+    return turning
 
 
 def effects(rig: RigConfig) -> tuple[ShaftAsymmetry, ...]:

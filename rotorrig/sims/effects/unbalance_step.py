@@ -1,31 +1,47 @@
-"""Unbalance that changes while the rotor runs: a screw works loose, something breaks off or sticks.
+"""Unbalance that changes once: a screw works loose, something breaks off or sticks.
 
-From a moment on the response is that of another unbalance, so run-up and coast-down, or two runs, disagree by a vector
-that grows as unbalance does. Source: Muszynska, Rotordynamics (2005), ch. 6.
+From a moment on the response is that of another unbalance, so run-up and coast-down, or two recordings, disagree by a
+vector that grows as unbalance does. What is lost stays lost: recordings that were made later have it from their start.
+Source: Muszynska, Rotordynamics (2005), ch. 6.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rotorrig.rig.description import RigConfig
+from rotorrig.rig.units import RPM
 from rotorrig.sims.effects.base import Effect, Parameter, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import called, unbalance_sought
 from rotorrig.sims.effects.shaft_motion import forward
 from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.loads import Load, recording_at
 
-LONGEST = 1e6  # s of a recording
+LONGEST = 1e9  # s: a thousand recordings
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stretch:
+    """The speeds of one run, to say at which of them a moment was."""
+
+    run: str  # "up"
+    t: NDArray[np.float64]  # (row,) s, on the clock of all recordings
+    omega: NDArray[np.float64]  # (row,) rad/s
 
 
 @dataclass(frozen=True, kw_only=True)
 class UnbalanceStep(Effect):
-    """The phasor "step" [kg m] that is added at "time" [s] on the recording's clock.
+    """The phasor "step" [kg m] that is added at "time" [s], on the clock that runs through all recordings: loads.py.
 
-    The recordings tell the times worth a try: identify.candidates.
+    The recordings tell the times worth a try: identify/candidates.py.
     """
 
     name = "unbalance_step"
     title = "step of unbalance"
+    linear = True
     plane: str
+    runs: tuple[Stretch, ...] = field(default=(), compare=False, repr=False)
 
     def loads(self, model: RotorModel, theta: Theta) -> tuple[Load, ...]:
         """Return the force of what was added, from then on."""
@@ -35,16 +51,25 @@ class UnbalanceStep(Effect):
     def words(self, theta: Theta) -> str:
         """Say how much it is and since when."""
         size, angle = polar(theta, "step")
-        when = f"{theta['time']:.1f} s into the recording" if theta["time"] > 0 else "before the recording began"
         return (
             f"the unbalance of {self.plane} changed by {1e6 * size:.1f} g mm at {angle:.0f} deg from the keyphasor "
-            f"mark, {when}"
+            f"mark, {self._when(theta['time'])}"
         )
+
+    def _when(self, time: float) -> str:
+        number, t = recording_at(time)
+        if t <= 0:
+            return f"before recording {number + 1} began"
+        begins = f"{t:.1f} s into recording {number + 1}"
+        for run in self.runs:
+            if run.t[0] <= time <= run.t[-1]:
+                return f"{begins} (at {np.interp(time, run.t, run.omega) * RPM:.0f} rpm in run '{run.run}')"
+        return begins
 
 
 def effects(rig: RigConfig) -> tuple[UnbalanceStep, ...]:
     """Return one for every plane whose unbalance is sought."""
     sought = unbalance_sought(rig)
-    time = Parameter(name="time", unit="s", low=-LONGEST, high=LONGEST, size=1.0)
+    time = Parameter(name="time", unit="s", low=-LONGEST, high=LONGEST, size=1.0, scanned=True)
     unknown = (*pair("step", "kg m", most=30e-6, size=5e-6), time)
     return tuple(UnbalanceStep(where=called(name, sought), plane=name, parameters=unknown) for name in sought)

@@ -53,3 +53,14 @@ class AnyProbe:
     def draw(self, rig: RigConfig, rng: np.random.Generator) -> float:
         """Return a number for that rig."""
         return float(rng.integers(len(rig.probes)))
+
+
+@dataclass(frozen=True, slots=True)
+class OneOf:
+    """One of a few values, each as likely."""
+
+    values: tuple[float, ...]
+
+    def draw(self, rig: RigConfig, rng: np.random.Generator) -> float:
+        """Return a value for any rig."""
+        return float(rng.choice(self.values))

@@ -146,14 +146,18 @@ def draw(
     )
 
 
-def draw_fault(rig: RigConfig, name: str, *, seed: int) -> FaultSpec:
+def draw_fault(rig: RigConfig, name: str, *, seed: int, runs: int = 1) -> FaultSpec:
     """Return fault `name` at the size a blind case of that seed has it. Raises DataError on an unknown fault.
 
-    Each parameter with a range comes from it, by its own stream; the others keep their default.
+    Each parameter with a range comes from it, by its own stream; the others keep their default. `runs` is how many
+    recordings there will be: what would happen in a later one happens in the last.
     """
     check(name, {})
     spans = fault(name).RANGE
-    return FaultSpec(name=name, parameters={p: s.draw(rig, stream(seed, f"{name} {p}")) for p, s in spans.items()})
+    drawn = {p: s.draw(rig, stream(seed, f"{name} {p}")) for p, s in spans.items()}
+    if "run" in drawn:
+        drawn["run"] = min(drawn["run"], runs - 1.0)
+    return FaultSpec(name=name, parameters=drawn)
 
 
 def nameplate(rig: RigConfig, *, seed: int = 0, faults: Iterable[FaultSpec] = ()) -> Truth:

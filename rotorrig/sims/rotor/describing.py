@@ -12,6 +12,7 @@ u and F are (3 place,), place being x and y of every law in turn: all means, all
 
 import warnings
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -36,12 +37,15 @@ COSINE, SINE = (f(2 * np.pi * np.arange(POINTS) / POINTS) for f in (np.cos, np.s
 
 REALS = {n: types.Array(types.float64, n, "C") for n in (1, 2)}  # by number of axes
 COMPLEX = {n: types.Array(types.complex128, n, "C") for n in (2, 3, 4)}
-OVERTONE = (REALS[2], REALS[1], REALS[2], types.int64)  # the types of overtone's arguments after the functions
+_ON_MOTIONS = (REALS[2], REALS[1], REALS[2])  # the types of constants, speeds and motions
 
 
 def pointers(laws: Sequence[ForceLaw]) -> tuple[tuple[Any, ...], Reals]:
-    """Return the laws' functions, a multiple of `LAWS` of them, and their constants padded to one length, (law, n)."""
-    constants = np.zeros((len(laws), max(len(law.constants) for law in laws)))
+    """Return the laws' functions, a multiple of `LAWS` of them, and their constants, (law, n).
+
+    The constants are padded to one length, and two behind them are left for the shaft's angle.
+    """
+    constants = np.zeros((len(laws), max(len(law.constants) for law in laws) + 2))
     for row, law in zip(constants, laws, strict=True):
         row[: len(law.constants)] = law.constants
     unused = (laws[0].force,) * (-len(laws) % LAWS)
@@ -50,10 +54,29 @@ def pointers(laws: Sequence[ForceLaw]) -> tuple[tuple[Any, ...], Reals]:
 
 def called(kernel: Any, arguments: Sequence[Any], functions: tuple[Any, ...], *values: Any) -> Any:
     """Call a kernel, compiled once for pointers to functions and `arguments` of those types."""
-    kernel.compile((types.UniTuple(POINTER, len(functions)), *arguments))
+    _compile(kernel, len(functions), *arguments)
     with warnings.catch_warnings():  # that pointers to functions are new to numba
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
         return kernel(functions, *values)
+
+
+@cache
+def _compile(kernel: Any, functions: int, *arguments: Any) -> None:
+    kernel.compile((types.UniTuple(POINTER, functions), *arguments))
+
+
+def forces(laws: Sequence[ForceLaw], omega: Reals, u: Reals) -> Reals:
+    """Return mean and first harmonic of the forces of laws on the motions u at speeds (n,), both (n, 3 place) N."""
+    functions, constants = pointers(laws)
+    found: Reals = called(_every_harmonics, _ON_MOTIONS, functions, constants, omega, u)
+    return found
+
+
+def overtones(laws: Sequence[ForceLaw], omega: Reals, u: Reals, order: int) -> Complex:
+    """Return a harmonic of these forces, (n, place): 2 mean(f e^{-j order psi}); of order 0 it is the mean."""
+    functions, constants = pointers(laws)
+    found: Complex = called(_every_overtone, (*_ON_MOTIONS, types.int64), functions, constants, omega, u, order)
+    return found
 
 
 @njit(cache=True)
@@ -107,11 +130,15 @@ def settle(
 
 
 @njit(cache=True)
-def overtone(functions: tuple[Callable, ...], constants: Reals, omega: Reals, u: Reals, order: int) -> Complex:
-    """Return a harmonic of the force on the motions u (n, 3 place) at speeds (n,), 2 mean(f e^{-j order psi}).
+def _every_harmonics(functions: tuple[Callable, ...], constants: Reals, omega: Reals, u: Reals) -> Reals:
+    found = np.empty(u.shape)
+    for k in range(len(u)):
+        _harmonics(functions, constants, omega[k], u[k], found[k])
+    return found
 
-    (n, place); of order 0 it is the mean.
-    """
+
+@njit(cache=True)
+def _every_overtone(functions: tuple[Callable, ...], constants: Reals, omega: Reals, u: Reals, order: int) -> Complex:
     count = u.shape[1] // 3
     found = np.zeros((len(u), count), dtype=np.complex128)
     for k in range(len(u)):
@@ -139,6 +166,22 @@ def _residual(
 ) -> float:
     """Put F(u) into F and u - known - A F into r; return the largest component of r."""
     count = len(A)
+    _harmonics(functions, constants, omega, u, F)
+    for i in range(len(F)):
+        r[i] = u[i] - known[i]
+    for i in range(count):
+        for k in range(count):
+            moved = A[i, k] * complex(F[count + k], F[2 * count + k])
+            r[i] -= mean[i, k] * F[k]
+            r[count + i] -= moved.real
+            r[2 * count + i] -= moved.imag
+    return _largest(r)
+
+
+@njit(cache=True)
+def _harmonics(functions: tuple[Callable, ...], constants: Reals, omega: float, u: Reals, F: Reals) -> None:
+    """Put the mean and the first harmonic of the force on a motion u into F."""
+    count = len(u) // 3
     for law in range(len(constants)):
         m, n = 2 * law, 2 * law + 1
         F[m] = F[n] = F[count + m] = F[count + n] = F[2 * count + m] = F[2 * count + n] = 0
@@ -152,14 +195,6 @@ def _residual(
             F[2 * count + n] -= fy * SINE[p]
     for i in range(len(F)):
         F[i] *= (1 if i < count else 2) / POINTS
-        r[i] = u[i] - known[i]
-    for i in range(count):
-        for k in range(count):
-            moved = A[i, k] * complex(F[count + k], F[2 * count + k])
-            r[i] -= mean[i, k] * F[k]
-            r[count + i] -= moved.real
-            r[2 * count + i] -= moved.imag
-    return _largest(r)
 
 
 @njit(cache=True)
@@ -176,6 +211,7 @@ def _force(
 ) -> tuple[float, float]:
     """Return the force at one of the points of a turn; the velocity is Re(j Omega Q e^{j psi})."""
     m, n, c, s = 2 * law, 2 * law + 1, COSINE[p], SINE[p]
+    constants[-2], constants[-1] = c, s
     xr, yr, xi, yi = u[count + m], u[count + n], u[2 * count + m], u[2 * count + n]
     return function(
         u[m] + xr * c - xi * s,

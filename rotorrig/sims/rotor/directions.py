@@ -11,6 +11,7 @@ from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, speed
 from rotorrig.sims.rotor.disk import disk_gyroscopic, disk_mass
 from rotorrig.sims.rotor.harmonic import dynamic_stiffness, load_columns
 from rotorrig.sims.rotor.loads import Load, patterns, unbalance_loads
+from rotorrig.sims.rotor.real_linear import solve_with_conjugate
 
 Complex = NDArray[np.complex128]
 NOTHING = np.zeros((2, 2))
@@ -25,6 +26,7 @@ class Direction(NamedTuple):
     K: NDArray[np.float64 | np.complex128]  # of K + j D under structural damping
     H: NDArray[np.float64] | float = 0.0
     S: NDArray[np.float64] | float = 0.0
+    T: NDArray[np.complex128] | float = 0.0
 
 
 class Derivatives(NamedTuple):
@@ -81,7 +83,13 @@ def between(before: RotorModel, after: RotorModel, step: float) -> Direction:
     M, C, G, K = ((y - x) / step for x, y in zip(a, b, strict=True))
     loss = (hysteretic(after) - hysteretic(before)) / step
     H, S = ((y - x) / step for x, y in zip(speed_stiffness(before), speed_stiffness(after), strict=True))
-    return Direction(M=M, C=C, G=G, K=K + 1j * loss if loss.any() else K, H=H, S=S)
+    return Direction(M=M, C=C, G=G, K=K + 1j * loss if loss.any() else K, H=H, S=S, T=_turning(before, after) / step)
+
+
+def _turning(before: RotorModel, after: RotorModel) -> NDArray[np.complex128] | float:
+    """Return the difference of what turns with the shaft."""
+    a, b = (0.0 if model.added.T is None else model.added.T for model in (before, after))
+    return b - a
 
 
 def steady_derivatives(
@@ -102,12 +110,15 @@ def steady_derivatives(
     every = (*unbalance_loads(model, unbalance, order=order), *loads)
     patterns(model, every, order=order)  # asked for its checks
     q = load_columns(replace(model, probes=np.eye(model.dof)), omega, every)  # (speed, dof, load)
-    transposed = dynamic_stiffness(model, omega, order=order).swapaxes(1, 2)
-    left = np.linalg.solve(transposed, np.broadcast_to(model.probes.T, (len(omega), *model.probes.T.shape)))
     O = omega[:, None, None]  # noqa: E741
     w = order * O
-    by = [
-        -left.swapaxes(1, 2) @ ((d.K + O * d.H + O**2 * d.S - w**2 * d.M + 1j * w * (d.C + O * d.G)) @ q)
-        for d in directions
-    ]
+    forces = [(d.K + O * d.H + O**2 * d.S - w**2 * d.M + 1j * w * (d.C + O * d.G)) @ q for d in directions]
+    if order == 1:
+        forces = [F + (d.T / 2 @ q.conj() if np.ndim(d.T) else 0) for F, d in zip(forces, directions, strict=True)]
+    Z = dynamic_stiffness(model, omega, order=order)
+    if order == 1 and model.added.T is not None:
+        by = [-model.probes @ solve_with_conjugate(Z, model.added.T / 2, F) for F in forces]
+    else:
+        left = np.linalg.solve(Z.swapaxes(1, 2), np.broadcast_to(model.probes.T, (len(omega), *model.probes.T.shape)))
+        by = [-left.swapaxes(1, 2) @ F for F in forces]
     return Derivatives(model.probes @ q, np.array(by).reshape(len(directions), *(model.probes @ q).shape))

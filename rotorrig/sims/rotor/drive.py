@@ -38,6 +38,10 @@ class Drive:
         mid *= self.mid[:, self.which].reshape(len(mid), *between, -1)
         return at, mid
 
+    def conjugate(self) -> "Drive":
+        """Return the laws' conjugates: those of what goes with the conjugate of the motion."""
+        return Drive(which=self.which, at=self.at.conj(), mid=self.mid.conj(), moments=self.moments.conj())
+
     def averaged(self, values: Complex) -> Complex:
         """Return averages of polynomials in the speed times the laws, (..., row, probe, load).
 
@@ -78,6 +82,7 @@ def _law(rows: TrackedRows, law: str, since: float) -> tuple[Complex, Complex, C
         if begun < len(turns.t):
             rest = (turns.t[begun] - since) / (turns.t[begun] - turns.t[begun - 1])
             mid[begun - 1] *= (6 * rest - 1) / 4  # with 0 and 1 at the ends, Simpson's rule gives `rest`
+        since = min(since, float(rows.timeline.t[-1]))  # the angle goes astray beyond the pulses
         begins = float(rows.timeline.theta(since)) / TURN * rows.order
         before, after = points.edges[:, :-1], points.edges[:, 1:]
         seen = seen * np.clip((after - begins) / np.maximum(after - before, TINY), 0, 1)

@@ -23,6 +23,10 @@ class Motion:
     rate: Complex  # (turn, mode, column) 1/s
     average: Complex  # (row, power, mode, column), see TrackedRows.averages
 
+    def conjugate(self) -> "Motion":
+        """Return the conjugate of it all."""
+        return Motion(a=self.a.conj(), rate=self.rate.conj(), average=self.average.conj())
+
 
 class Envelope:
     """a' = (L - j Omega - alpha T) a + g law on one timeline; the propagators serve all columns."""
@@ -50,14 +54,21 @@ class Envelope:
 
         da' = (L - j Omega - alpha T) da + (dL - alpha dT) a + dg law: moved as a is, and pushed by a.
         """
-        a, rate = motion.a, motion.rate
-        a_mid = (a[:-1] + a[1:]) / 2 + self._h[:, None, None] / 8 * (rate[:-1] - rate[1:])  # by the cubic
+        return self.driven(*self.pushed(change, motion, loads))
+
+    def pushed(self, change: Passage, motion: Motion, loads: Drive) -> tuple[Complex, Complex]:
+        """Return that push and dg law at the turns and halfway, (turn, mode, direction load)."""
         force, force_mid = (  # (.., mode, direction load)
             np.reshape(f, (*f.shape[:2], change.g.shape[1] * change.g.shape[3]))
             for f in self.forces(change.g.swapaxes(1, 2), loads)
         )
+        self.add_push(change, motion.a, motion.rate, force, force_mid)
+        return force, force_mid
+
+    def add_push(self, change: Passage, a: Complex, rate: Complex, force: Complex, force_mid: Complex) -> None:
+        """Add (dL - alpha dT) a to forces at the turns and halfway, (turn, mode, direction load)."""
+        a_mid = (a[:-1] + a[1:]) / 2 + self._h[:, None, None] / 8 * (rate[:-1] - rate[1:])  # by the cubic
         push(_flat(change.L), _flat(change.T), self._rows.power, self._rows.turns.alpha, a, a_mid, force, force_mid)
-        return self.driven(force, force_mid)
 
     def forces(self, g: Complex, loads: Drive) -> tuple[Complex, Complex]:
         """Return g times the laws at the turns and halfway in time, (turn, mode, ..., load)."""

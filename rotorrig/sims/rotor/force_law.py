@@ -26,7 +26,8 @@ class ForceLaw:
     """The force (fx, fy) [N] on the shaft at x, y [m] of a place moving at vx, vy [m/s].
 
     `static` is where the place lies at rest without this force: its sag, say, in the clearance of a stop. The mean of
-    the force shifts it from there.
+    the force shifts it from there. A law that turns with the shaft finds the cosine and sine of the shaft's angle, from
+    the keyphasor's mark, in the last two of the constants it is handed; two of its own stand there for angle zero.
     """
 
     rows: NDArray[np.float64]  # (2, dof) read x and y of the place, or of its motion relative to another

@@ -27,6 +27,7 @@ from rotorrig.sims.rotor.loads import (
     patterns,
     unbalance_force,
 )
+from rotorrig.sims.rotor.real_linear import solve_with_conjugate
 
 SPEEDS_AT_ONCE = 64  # bounds the memory of a batch: 16 MB at 124 DOF
 LOST = 1e-2  # of the load that rounding of Z may come to: beyond, the speed is on a resonance without damping
@@ -104,6 +105,7 @@ def load_columns(
 ) -> NDArray[np.complex128]:
     """Return the steady response to each load, each at its own order, (speed, probe, load) m.
 
+    A stiffness that turns with the shaft is felt at order 1, and the response is then that to a real amount alone.
     Raises as steady_response, ValueError on a pattern of another size too.
     """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
@@ -143,11 +145,15 @@ def _solved(
     if not np.isfinite(omega).all():
         raise ValueError("omega holds NaN or infinity, want speeds in rad/s")
     response = np.empty_like(loads)
+    turning = model.added.T if order == 1 else None
     for first in range(0, len(omega), SPEEDS_AT_ONCE):
         some = slice(first, first + SPEEDS_AT_ONCE)
         Z = dynamic_stiffness(model, omega[some], order=order)
         try:
-            q = response[some] = np.linalg.solve(Z, loads[some])
+            if turning is None:
+                q = response[some] = np.linalg.solve(Z, loads[some])
+            else:
+                q = response[some] = solve_with_conjugate(Z, turning / 2, loads[some])
         except np.linalg.LinAlgError:
             smallest = np.linalg.svd(Z, compute_uv=False)[:, -1]
             raise _on_resonance(omega[some][np.argmin(smallest)], order) from None

@@ -53,62 +53,124 @@ def march(
     mean force shifts it by `mean` (place, place) from `static` (place,). It begins in the steady state.
     """
     turns, modes, places = push.shape
-    a, rate = np.zeros((turns, modes), dtype=np.complex128), np.zeros((turns, modes), dtype=np.complex128)
-    u, F, Q = np.zeros((turns, 3 * places)), np.zeros((turns, 3 * places)), np.empty(places, dtype=np.complex128)
-    now, last, before = np.zeros((3, places), dtype=np.complex128)  # the force at the turn and at those before it
-    moved, A = np.zeros((modes, places), dtype=np.complex128), np.empty((places, places), dtype=np.complex128)
-    inverse, known, failed = np.eye(3 * places), np.empty(3 * places), 0
-    free, pushed = np.zeros((2, modes), dtype=np.complex128)
-    for i in range(places):
-        known[i] = static[i]
-
-    at_rest, work = np.empty((2, modes, modes), dtype=np.complex128)
-    invert(L[0], at_rest, work)
-    _add(at_rest, force[0], -1.0, free)
-    for i in range(places):
-        _add(at_rest, push[0, :, i], -1.0, moved[:, i])
+    a, rate = np.zeros((turns, modes), dtype=np.complex128), force.copy()
+    u, F = np.zeros((turns, 3 * places)), np.zeros((turns, 3 * places))
+    forces = np.zeros((3, places), dtype=np.complex128)  # at the turn, and at the two before it
+    free, moved = np.zeros(modes, dtype=np.complex128), np.zeros((modes, places), dtype=np.complex128)
+    A, known, inverse = np.empty((places, places), dtype=np.complex128), np.empty(3 * places), np.eye(3 * places)
+    failed = 0
+    _begin(L[0], force[0], push[0], free, moved)
     for k in range(turns):
-        for i in range(places):
-            Q[i] = base[k, i]
-            for j in range(places):
-                A[i, j] = flexibility[k, i, j]
-        _add(seen[k], free, 1.0, Q)
-        for i in range(places):
-            _add(seen[k], moved[:, i], 1.0, A[:, i])
-            known[places + i], known[2 * places + i] = Q[i].real, Q[i].imag
+        comply(flexibility[k], seen[k], moved, A)
+        _foresee(static, base[k], seen[k], free, known)
         for i in range(3 * places):
             u[k, i] = known[i] if k == 0 else u[k - 1, i] if k == 1 else 2 * u[k - 1, i] - u[k - 2, i]
         if not settle(functions, constants, omega[k], known, A, mean, u[k], F[k], inverse):
             failed += 1
         for i in range(places):
-            before[i], last[i], now[i] = last[i], now[i], complex(F[k, places + i], F[k, 2 * places + i])
-        for i in range(modes):
-            a[k, i], rate[k, i] = free[i], force[k, i]
-        _add(moved, now, 1.0, a[k])
-        _add(push[k], now, 1.0, rate[k])  # so far all that pushes
+            forces[2, i], forces[1, i] = forces[1, i], forces[0, i]
+            forces[0, i] = complex(F[k, places + i], F[k, 2 * places + i])
+        a[k] = free
+        add(moved, forces[0], 1.0, a[k])
+        add(push[k], forces[0], 1.0, rate[k])  # so far all that pushes
         if k + 1 < turns:
-            middle, end = turned[k]
-            weights = SMOOTH if k > 1 and not _is_stiff(A, F[k - 1 : k + 1], u[k - 1 : k + 1]) else STRAIGHT
-            for i in range(modes):
-                pushed[i] = force_mid[k, i]  # halfway, where `push` is the mean of both turns
-                free[i] = 0
-                for j in range(places):
-                    moved[i, j] = 0
-            for i in range(places):
-                Q[i] = (weights[1] * now[i] + weights[2] * last[i] + weights[3] * before[i]) / 2
-            _add(push[k], Q, 1.0, pushed)
-            _add(push[k + 1], Q, 1.0, pushed)
-            _add(steps[k, 0], a[k], end.conjugate(), free)
-            _add(steps[k, 1], rate[k], end.conjugate(), free)
-            _add(steps[k, 2], pushed, end.conjugate() * middle, free)
-            _add(steps[k, 3], force[k + 1], 1.0, free)
-            for i in range(places):
-                ahead = end.conjugate() * middle * weights[0] / 2
-                _add(steps[k, 2], push[k, :, i], ahead, moved[:, i])
-                _add(steps[k, 2], push[k + 1, :, i], ahead, moved[:, i])
-                _add(steps[k, 3], push[k + 1, :, i], 1.0, moved[:, i])
-        _add(L[k], a[k], 1.0, rate[k])
+            weights = interpolation(k, A, F, u)
+            _coast(k, steps[k], turned[k], a[k], rate[k], force_mid[k], force[k + 1], push, forces, weights, free)
+            press_ahead(steps[k], turned[k], push[k], push[k + 1], weights[0], moved)
+        add(L[k], a[k], 1.0, rate[k])
     return a, rate, u, F, failed
+
+
+@njit(cache=True)
+def comply(flexibility: Complex, seen: Complex, moved: Complex, A: Complex) -> None:
+    """Put by how much a unit of force moves the places within the same instant into A (place, place)."""
+    for i in range(len(A)):
+        for j in range(len(A)):
+            A[i, j] = flexibility[i, j]
+            for mode in range(len(moved)):
+                A[i, j] += seen[i, mode] * moved[mode, j]
+
+
+@njit(cache=True)
+def interpolation(k: int, A: Complex, F: Reals, u: Reals) -> tuple[float, float, float, float]:
+    """Return the weights of the force halfway to turn k + 1, of F and u known up to turn k."""
+    return SMOOTH if k > 1 and not _is_stiff(A, F[k - 1 : k + 1], u[k - 1 : k + 1]) else STRAIGHT
+
+
+@njit(cache=True)
+def press_ahead(step: Complex, turned: Complex, push: Complex, later: Complex, weight: float, moved: Complex) -> None:
+    """Put what a unit of force at the next turn does to the modes there into `moved` (mode, place)."""
+    middle, end = turned
+    ahead = end.conjugate() * middle * weight / 2
+    for i in range(moved.shape[1]):
+        for mode in range(len(moved)):
+            moved[mode, i] = 0
+        add(step[2], push[:, i], ahead, moved[:, i])
+        add(step[2], later[:, i], ahead, moved[:, i])
+        add(step[3], later[:, i], 1.0, moved[:, i])
+
+
+@njit(cache=True)
+def add(A: Complex, x: Complex, factor: complex, y: Complex) -> None:
+    """Add `factor` A x to the vector y."""
+    for i in range(len(A)):
+        total = 0j
+        for j in range(len(x)):
+            total += A[i, j] * x[j]
+        y[i] += factor * total
+
+
+@njit(cache=True)
+def _begin(L: Complex, force: Complex, push: Complex, free: Complex, moved: Complex) -> None:
+    """Put the steady state under the loads into `free` (mode,), and under a unit of force at every place into `moved`.
+
+    In general they are the state at a turn less what the force of that very turn does, and what a unit of it does.
+    """
+    at_rest, work = np.empty((2, *L.shape), dtype=np.complex128)
+    invert(L, at_rest, work)
+    add(at_rest, force, -1.0, free)
+    for i in range(push.shape[1]):
+        add(at_rest, push[:, i], -1.0, moved[:, i])
+
+
+@njit(cache=True)
+def _foresee(static: Reals, base: Complex, seen: Complex, free: Complex, known: Reals) -> None:
+    """Put the motion of the places without the force of the turn into `known` (3 place,)."""
+    places = len(static)
+    for i in range(places):
+        Q = base[i]
+        for mode in range(len(free)):
+            Q += seen[i, mode] * free[mode]
+        known[i], known[places + i], known[2 * places + i] = static[i], Q.real, Q.imag
+
+
+@njit(cache=True)
+def _coast(
+    k: int,
+    step: Complex,
+    turned: Complex,
+    a: Complex,
+    rate: Complex,
+    force_mid: Complex,
+    force: Complex,
+    push: Complex,
+    forces: Complex,
+    weights: tuple[float, float, float, float],
+    free: Complex,
+) -> None:
+    """Put the state at turn k + 1 without the force at the places there into `free`; `rate` is all that pushes at k."""
+    middle, end = turned
+    halfway, pushed = np.empty(forces.shape[1], dtype=np.complex128), force_mid.copy()
+    for i in range(len(halfway)):
+        halfway[i] = (weights[1] * forces[0, i] + weights[2] * forces[1, i] + weights[3] * forces[2, i]) / 2
+    add(push[k], halfway, 1.0, pushed)  # `push` halfway is the mean of both turns
+    add(push[k + 1], halfway, 1.0, pushed)
+    for i in range(len(free)):
+        free[i] = 0
+    add(step[0], a, end.conjugate(), free)
+    add(step[1], rate, end.conjugate(), free)
+    add(step[2], pushed, end.conjugate() * middle, free)
+    add(step[3], force, 1.0, free)
 
 
 @njit(cache=True)
@@ -125,13 +187,3 @@ def _is_stiff(A: Complex, F: Reals, u: Reals) -> bool:
         by_force, by_change = max(by_force, abs(total)), max(by_change, abs(total - last))
         size, change = max(size, abs(Q)), max(change, abs(Q - Q_last))
     return by_force > STIFF * size or by_change > STIFF * change
-
-
-@njit(cache=True)
-def _add(A: Complex, x: Complex, factor: complex, y: Complex) -> None:
-    """Add `factor` A x to the vector y."""
-    for i in range(len(A)):
-        total = 0j
-        for j in range(len(x)):
-            total += A[i, j] * x[j]
-        y[i] += factor * total

@@ -6,7 +6,7 @@ Each is linear in its amount, so the response to a unit of it is also its deriva
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Literal
 
@@ -25,6 +25,7 @@ NO_FORCE: Forces = MappingProxyType({})
 
 Law = Literal["unbalance", "constant"]
 
+ONE_RECORDING = 1e6  # s on the clock of all recordings from the start of one to that of the next
 HELD = 1e-3  # of the least flexibility a free place has: less is rounding, at a place that is pinned
 
 
@@ -34,6 +35,9 @@ class Load:
 
     The law of an "unbalance" is n^2 Omega^2 - j n alpha at order n, of "constant" 1. One that began before the first
     keyphasor pulse has long been acting; without a timeline there is no time, and every load acts.
+
+    One clock runs through all recordings of a rig, for what stays as it is from one to the next: number k, from 0,
+    begins at k `ONE_RECORDING`. Nobody knows how long the rig stood still in between, and nothing depends on it.
     """
 
     pattern: NDArray[np.complex128]  # (dof,) kg m or N
@@ -45,6 +49,26 @@ class Load:
         """Raise ValueError on an unknown law."""
         if self.law not in ("unbalance", "constant"):
             raise ValueError(f"law of a load is {self.law!r}, want 'unbalance' or 'constant'")
+
+
+def recording_at(time: float) -> tuple[int, float]:
+    """Return the number of the recording that a moment on the clock of all is in, or next before, and since its start.
+
+    >>> recording_at(1000084.0), recording_at(between(1))
+    ((1, 84.0), (1, -500000.0))
+    """
+    number = math.floor(time / ONE_RECORDING + 0.5)
+    return number, time - number * ONE_RECORDING
+
+
+def between(number: int) -> float:
+    """Return a moment [s] before recording `number` begins and after the one before has ended."""
+    return (number - 0.5) * ONE_RECORDING
+
+
+def in_recording(load: Load, number: int) -> Load:
+    """Return a load on the clock of all recordings as one on that of recording `number`."""
+    return load if math.isinf(load.since) else replace(load, since=load.since - number * ONE_RECORDING)
 
 
 def unbalance_loads(model: RotorModel, places: Sequence[str], *, order: float = 1) -> tuple[Load, ...]:

@@ -59,21 +59,21 @@ def advanced(
     rate = force.copy()
     a[0] = start
     for k in range(turns):
-        _add_matrix(L[k], a[k], 1.0, rate[k])
+        add_matrix(L[k], a[k], 1.0, rate[k])
         if k + 1 < turns:
             middle, end = turned[k]
-            _add_matrix(steps[k, 0], a[k], end.conjugate(), a[k + 1])
-            _add_matrix(steps[k, 1], force[k], end.conjugate(), a[k + 1])
-            _add_matrix(steps[k, 2], force_mid[k], end.conjugate() * middle, a[k + 1])
-            _add_matrix(steps[k, 3], force[k + 1], 1.0, a[k + 1])
+            add_matrix(steps[k, 0], a[k], end.conjugate(), a[k + 1])
+            add_matrix(steps[k, 1], force[k], end.conjugate(), a[k + 1])
+            add_matrix(steps[k, 2], force_mid[k], end.conjugate() * middle, a[k + 1])
+            add_matrix(steps[k, 3], force[k + 1], 1.0, a[k + 1])
     return a, rate
 
 
 @njit(cache=True)
-def _add_matrix(A: Complex, x: Complex, factor: complex, y: Complex) -> None:
-    """Add `factor` A x to y, x and y (mode, column)."""
+def add_matrix(A: Complex, x: Complex, factor: complex, y: Complex) -> None:
+    """Add `factor` A x to y, x and y (row, column)."""
     for i in range(len(A)):
-        for j in range(len(A)):
+        for j in range(len(x)):
             entry = A[i, j] * factor
             for c in range(x.shape[1]):
                 y[i, c] += entry * x[j, c]

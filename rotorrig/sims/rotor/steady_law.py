@@ -14,9 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, matrices
-from rotorrig.sims.rotor.describing import COMPLEX, OVERTONE, REALS, called, overtone, pointers, settle
+from rotorrig.sims.rotor.describing import COMPLEX, REALS, called, forces, overtones, pointers, settle
+from rotorrig.sims.rotor.directions import steady_derivatives
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
+from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives, by_changed, overtone_derivatives, slopes
+from rotorrig.sims.rotor.law_passage import phasor, read_by
 from rotorrig.sims.rotor.loads import Load
 
 Reals = NDArray[np.float64]
@@ -41,33 +44,103 @@ def steady_with_law(
     a speed where the force is not found.
     """
     omega, amounts = np.atleast_1d(np.asarray(omega, dtype=float)), np.asarray(amounts, dtype=complex)
-    at = np.concatenate([law.rows for law in laws])
-    whole = replace(model, probes=np.concatenate([model.probes, at]))
+    at = read_by(laws)
+    u = _motions(model, omega, loads, amounts, laws)
+    found = []
+    for order in orders:
+        linear, by_force = _linear(model, omega, loads, amounts, at, order)
+        F = overtones(laws, omega, u, order)
+        found.append((linear if order else 0) + np.einsum("spi,si->sp", by_force, F))
+    return np.stack(found, axis=-1)
+
+
+def steady_law_derivatives(
+    model: RotorModel,
+    omega: ArrayLike,
+    loads: Sequence[Load],
+    amounts: ArrayLike,
+    laws: Sequence[ForceLaw],
+    *,
+    changes: Sequence[LawChange],
+    orders: Sequence[int] = (1,),
+) -> LawDerivatives:
+    """Return the steady response of 1X under loads of order 1 and the laws, and its derivatives by `changes`.
+
+    Arguments and errors as those of steady_with_law, what is returned as of swept_law_derivatives.
+    """
+    omega, amounts = np.atleast_1d(np.asarray(omega, dtype=float)), np.asarray(amounts, dtype=complex)
+    at, n = read_by(laws), len(model.probes)
+    u = _motions(model, omega, loads, amounts, laws)
+    F = forces(laws, omega, u)
+    every = [*loads, *_units(at, 1)]
+    directions = [c.direction for c in changes if c.direction is not None]
+    columns = steady_derivatives(_seeing(model, at), omega, loads=every, directions=directions)
+    weights = np.concatenate([np.broadcast_to(amounts, (len(omega), len(amounts))), phasor(F)], axis=1)
+    z = columns.z
+    direct = np.zeros((*z.shape[:2], len(changes)), dtype=complex)  # as long as the forces stay
+    du, dF = np.zeros((2, *u.shape, len(changes)))
+    lean = np.linalg.solve(matrices(model).K, at.T)  # (dof, place)
+    by_direction = iter(columns.by)
+    for i, change in enumerate(changes):
+        if change.direction is not None:
+            direct[..., i] += np.einsum("spl,sl->sp", next(by_direction), weights)
+            du[:, : len(at), i] -= F[:, : len(at)] @ (lean.T @ np.real(change.direction.K) @ lean).T
+        if change.amounts is not None:
+            direct[..., i] += z[..., : len(loads)] @ change.amounts
+        if change.laws is not None:
+            dF[..., i], rest = by_changed(laws, change, omega, u, F)
+            du[:, : len(at), i] += rest
+    du[:, len(at) :] += np.concatenate([direct[:, n:].real, direct[:, n:].imag], axis=1)
+    du, dF = _settled(z[:, n:, len(loads) :], at @ lean, slopes(laws, omega, u, F), du, dF)
+    by = {order: overtone_derivatives(model, laws, changes, omega, u, du, order=order) for order in orders if order > 1}
+    by[1] = direct[:, :n] + z[:, :n, len(loads) :] @ phasor(dF)
+    return LawDerivatives(np.einsum("spl,sl->sp", z[:, :n], weights), by)
+
+
+def _settled(A: Complex, mean: Reals, slope: Reals, known: Reals, dF: Reals) -> tuple[Reals, Reals]:
+    """Solve du = known + A (slope du + dF) at every speed; return du and slope du + dF, (speed, 3 place, change)."""
+    places = len(mean)
+    whole = np.zeros_like(slope)
+    re, im = slice(places, 2 * places), slice(2 * places, None)
+    whole[:, :places, :places] = mean
+    whole[:, re, re] = whole[:, im, im] = A.real
+    whole[:, re, im], whole[:, im, re] = -A.imag, A.imag
+    du = np.linalg.solve(np.eye(3 * places) - whole @ slope, known + whole @ dF).astype(float)
+    return du, slope @ du + dF
+
+
+def _motions(
+    model: RotorModel, omega: Reals, loads: Sequence[Load], amounts: Complex, laws: Sequence[ForceLaw]
+) -> Reals:
+    """Return the places' motion at every speed, (speed, 3 place). Raises DataError where the force is not found."""
+    at, probes = read_by(laws), len(model.probes)
     functions, constants = pointers(laws)
-    static = np.concatenate([law.static for law in laws]).astype(float)
-    mean = at @ np.linalg.solve(matrices(model).K, at.T)
-    linear, by_force = _linear(whole, omega, loads, amounts, at, 1)
-    probes = len(model.probes)
+    linear, by_force = _linear(_seeing(model, at), omega, loads, amounts, at, 1)
     u, solved = called(
         _continued,
         CONTINUE,
         functions,
         constants,
-        static,
+        np.concatenate([law.static for law in laws]).astype(float),
         omega,
         np.ascontiguousarray(linear[:, probes:]),
         np.ascontiguousarray(by_force[:, probes:]),
-        mean,
+        at @ np.linalg.solve(matrices(model).K, at.T),
     )
     if not solved.all():
         where = omega[np.argmin(solved)] * RPM
         raise DataError(f"law: its force is not found at {where:.6g} rpm, want a smoother or weaker one")
-    found = []
-    for order in orders:
-        linear, by_force = _linear(model, omega, loads, amounts, at, order)
-        F = called(overtone, OVERTONE, functions, constants, omega, u, order)
-        found.append((linear if order else 0) + np.einsum("spi,si->sp", by_force, F))
-    return np.stack(found, axis=-1)
+    found: Reals = u
+    return found
+
+
+def _seeing(model: RotorModel, at: Reals) -> RotorModel:
+    """Return the model with the places' rows after its probes."""
+    return replace(model, probes=np.concatenate([model.probes, at]))
+
+
+def _units(at: Reals, order: int) -> list[Load]:
+    return [Load(row.astype(complex), "constant", order) for row in at]
 
 
 def _linear(
@@ -75,7 +148,7 @@ def _linear(
 ) -> tuple[Complex, Complex]:
     """Return the response to the loads of that order, (speed, probe), and to 1 N at each row, (.., probe, row)."""
     same = [i for i, load in enumerate(loads) if load.order == order]
-    every = [*(loads[i] for i in same), *(Load(row.astype(complex), "constant", order) for row in at)]
+    every = [*(loads[i] for i in same), *_units(at, order)]
     columns = load_columns(model, omega, every)
     return columns[..., : len(same)] @ amounts[same], columns[..., len(same) :]
 

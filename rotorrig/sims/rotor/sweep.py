@@ -17,7 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.directions import Derivatives, Direction
 from rotorrig.sims.rotor.drive import Drive, drive
-from rotorrig.sims.rotor.loads import Load, patterns, unbalance_loads
+from rotorrig.sims.rotor.envelope import Envelope, Motion
+from rotorrig.sims.rotor.loads import Load, patterns, unbalance_loads, unbalance_pattern
+from rotorrig.sims.rotor.mirrored import Mirror, driven_with_mirror, mirror, mirror_derivatives
 from rotorrig.sims.rotor.passage import Passage, passage
 from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
 from rotorrig.sims.rotor.passing import passing
@@ -43,7 +45,7 @@ def swept_response(
     steady_response. Raises DataError on a row that is not within the pulses, ValueError on an unknown window.
     """
     rows = tracked_rows(timeline, t=t, revolutions=revolutions, window=window)
-    return swept_columns(model, rows, unbalance=list(unbalance)) @ np.array(list(unbalance.values()), dtype=complex)
+    return swept_columns(model, rows, loads=[Load(unbalance_pattern(model, unbalance), "unbalance")])[..., 0]
 
 
 def swept_columns(
@@ -57,13 +59,18 @@ def swept_columns(
     """Return the response at `order` to 1 kg m at each place of `unbalance`, then to each load, (row, probe, column).
 
     In m per kg m, and m. At order n the windows are those of the same rows, and z that of x = Re(z e^{j n theta}).
+    Where a stiffness turns with the shaft, each is the response to a real amount alone: a load times j is another.
     Raises as swept_response, ValueError on a load of another order.
     """
     every = (*unbalance_loads(model, unbalance, order=order), *loads)
     rows = rows.of_order(order)
     pattern, passed = patterns(model, every, order=order), passing(model, rows)
     modes, driven = passage(passed.spectra, pattern), drive(every, rows)
-    return _at_probes(modes, driven, passed.envelope.response(modes.g, driven).average)
+    T = model.added.T
+    if T is None or order != 1:
+        return _at_probes(modes, driven, passed.envelope.response(modes.g, driven).average)
+    mirrored = mirror(passed.spectra, modes, pattern, T)
+    return _seen_in(mirrored, driven, _under_mirror(passed.envelope, rows, mirrored, driven))
 
 
 def swept_derivatives(
@@ -80,23 +87,60 @@ def swept_derivatives(
     A direction is what a unit of a parameter adds to the model's matrices: directions.py. The loads stay as they are:
     where a parameter changes one, add the response to its derivative. The derivatives of the modes are exact; those of
     their motion take the force that a changed mode exerts as quadratic in time over a turn. Against central differences
-    on configs/rk4.toml: 4e-6 of the derivative's peak at a damping ratio of 0.02, 2e-5 at 0.0014. Raises likewise.
+    on configs/rk4.toml: 4e-6 of the derivative's peak at a damping ratio of 0.02, 2e-5 at 0.0014;
+    along a stiffness that turns, 7e-4 where it shifts the peak by a fifth. Raises likewise.
     """
     every = (*unbalance_loads(model, unbalance, order=order), *loads)
     rows = rows.of_order(order)
     pattern, passed = patterns(model, every, order=order), passing(model, rows)
     modes, driven = passage(passed.spectra, pattern), drive(every, rows)
     change = passage_derivatives(passed.spectra, pattern, directions)
+    if order == 1 and (model.added.T is not None or any(np.ndim(d.T) for d in directions)):
+        T = np.zeros_like(model.shaft.K, dtype=complex) if model.added.T is None else model.added.T
+        mirrored = mirror(passed.spectra, modes, pattern, T)
+        changed = mirror_derivatives(passed.spectra, change, pattern, T, directions)
+        return _mirrored_derivatives(passed.envelope, rows, mirrored, changed, driven)
     motion = passed.envelope.response(modes.g, driven)
     moved = passed.envelope.derivatives(change, motion, driven)
-    z = _at_probes(modes, driven, motion.average)
-    moved_z = projected(modes.shape, moved.average).reshape(*z.shape[:2], len(directions), len(every))
-    by = (
-        np.moveaxis(moved_z, 2, 0)
-        + np.einsum("rqml,qdmp->drpl", motion.average, change.shape, optimize=True)
-        + driven.averaged(change.others)
+    return Derivatives(_at_probes(modes, driven, motion.average), _moved(modes, change, driven, motion, moved))
+
+
+def _mirrored_derivatives(
+    envelope: Envelope, rows: TrackedRows, mirrored: Mirror, changed: Mirror, driven: Drive
+) -> Derivatives:
+    """Return the response and its derivatives where a stiffness turns, or would along a direction."""
+    motion = _under_mirror(envelope, rows, mirrored, driven)
+    back, echoed = motion.conjugate(), driven.conjugate()
+    pushes = zip(
+        envelope.pushed(changed.direct, motion, driven), envelope.pushed(changed.echo, back, echoed), strict=True
     )
-    return Derivatives(z, by)
+    moved = driven_with_mirror(envelope, mirrored, rows, *(a + b for a, b in pushes))
+    by = _moved(mirrored.direct, changed.direct, driven, motion, moved)
+    by += _moved(mirrored.echo, changed.echo, echoed, back, moved.conjugate())
+    return Derivatives(_seen_in(mirrored, driven, motion), by)
+
+
+def _under_mirror(envelope: Envelope, rows: TrackedRows, mirrored: Mirror, driven: Drive) -> Motion:
+    """Return the motion under the loads, directly and through the others' conjugate, and under its own conjugate."""
+    forces = zip(
+        envelope.forces(mirrored.direct.g, driven), envelope.forces(mirrored.echo.g, driven.conjugate()), strict=True
+    )
+    return driven_with_mirror(envelope, mirrored, rows, *(a + b for a, b in forces))
+
+
+def _seen_in(mirrored: Mirror, driven: Drive, motion: Motion) -> Complex:
+    """Return what the probes see of that, (row, probe, load)."""
+    direct = _at_probes(mirrored.direct, driven, motion.average)
+    return direct + _at_probes(mirrored.echo, driven.conjugate(), motion.average.conj())
+
+
+def _moved(modes: Passage, change: Passage, driven: Drive, motion: Motion, moved: Motion) -> Complex:
+    """Return what the probes see of a change: of the motion, of the modes and of the others, (.., row, probe, load)."""
+    by_others = driven.averaged(change.others)  # (direction, row, probe, load)
+    directions, rows, probes, loads = by_others.shape
+    by_motion = projected(modes.shape, moved.average).reshape(rows, probes, directions, loads)
+    by_shape = np.einsum("rqml,qdmp->drpl", motion.average, change.shape, optimize=True)
+    return np.moveaxis(by_motion, 2, 0) + by_shape + by_others
 
 
 def _at_probes(modes: Passage, driven: Drive, average: Complex) -> Complex:

@@ -44,6 +44,11 @@ def motion(model: RotorModel, loads: tuple[Load, ...], order: int, omega: NDArra
         if load.order == order:
             law = (order * omega) ** 2 if load.law == "unbalance" else np.ones(len(omega))
             F += law[:, None] * load.pattern
+    if order == 1 and model.added.T is not None:  # Z q + T q* / 2 = F, in real and imaginary parts
+        n, T = model.dof, model.added.T / 2
+        whole = np.block([[Z.real + T.real, T.imag - Z.imag], [Z.imag + T.imag, Z.real - T.real]])
+        q = np.linalg.solve(whole, np.concatenate([F.real, F.imag], axis=1)[..., None])[..., 0]
+        return (q[:, :n] + 1j * q[:, n:]) @ model.probes.T
     return np.linalg.solve(Z, F[..., None])[..., 0] @ model.probes.T
 
 

@@ -20,6 +20,7 @@ HELPERS = {"__init__", "base", "places", "shaft_motion", "bearing_terms"}
 FILES = sorted(p.stem for p in Path(folder.__path__[0]).glob("*.py") if p.stem not in HELPERS)
 G = 9.80665  # m/s^2
 MEASURABLE = 0.1e-6  # m, the noise of a vector
+HARDLY_BENT = "crack, at 120 mm"  # between the bearings of configs/rk4.toml the weight bends the shaft either way
 
 each = pytest.mark.parametrize("effect", CATALOGUE, ids=lambda e: e.label)
 
@@ -112,14 +113,14 @@ def test_a_parameter_of_one_order_changes_that_alone(effect: Effect, small: Roto
 def test_what_no_vector_can_show_is_left_out() -> None:
     coupling = find(RIG, "coupling")
     once = coupling.within((1, 2.5))
-    assert [p.name for p in once.parameters] == ["force 1X re", "force 1X im"]
+    assert [p.name for p in once.parameters] == ["force 1X re", "force 1X im", "stiffness re", "stiffness im"]
     assert phasor(once.at_nothing, "force 2X") == 0
     assert coupling.within((1, 2)).parameters == coupling.parameters
 
 
 @each
 def test_linear_ones_are_linear(effect: Effect, small: RotorModel, rng: np.random.Generator) -> None:
-    if not effect.linear:
+    if not effect.linear or type(effect).changed is not Effect.changed:
         return
     for _ in range(3):
         weights = rng.uniform(-1, 1, 2)
@@ -137,6 +138,16 @@ def test_linear_ones_are_linear(effect: Effect, small: RotorModel, rng: np.rando
 
 
 @each
+def test_the_loads_of_linear_ones_are_linear_whatever_else_they_change(effect: Effect, small: RotorModel) -> None:
+    if not effect.linear:
+        return
+    whole = {p.name: p.nothing + p.size for p in effect.parameters}
+    twice = {p.name: p.nothing + 2 * p.size for p in effect.parameters}
+    got = [[load.pattern for load in effect.loads(effect.changed(small, t), t)] for t in (whole, twice)]
+    assert all(np.array_equal(2 * a, b) for a, b in zip(*got, strict=True))
+
+
+@each
 def test_it_is_finite_at_every_bound(effect: Effect, small: RotorModel) -> None:
     for p in effect.parameters:
         for bound in (p.low, p.high):
@@ -151,8 +162,10 @@ def test_it_is_finite_at_every_bound(effect: Effect, small: RotorModel) -> None:
 def test_it_is_measurable_at_its_size(effect: Effect, small: RotorModel) -> None:
     theta = typical(effect)
     laws = effect.laws(small, theta)
-    if laws:  # a newton moves this shaft by 20 um and more
+    if laws and type(effect).loads is Effect.loads:  # a newton moves this shaft by 20 um and more
         assert max(float(np.abs(pushed(law) - pushed(nil)).max()) for law, nil in _with_nothing(effect, small)) > 0.01
+        return
+    if effect.label.startswith(HARDLY_BENT):
         return
     with_it = predicted(effect, theta, rig=RIG, model=small)
     without = predicted(effect, effect.at_nothing, rig=RIG, model=small)
@@ -172,7 +185,8 @@ def test_a_reduced_model_and_the_whole_one_agree(effect: Effect, full: RotorMode
 
 
 #: how the phasors of an effect turn with the axes, in turns of the axes; others' are 1, or they have none
-TURNS = {"runout, plane 1, twice per turn": 2, "runout, plane 2, twice per turn": 2, "shaft_asymmetry": 2, "crack": 0}
+TURNS = {"runout, plane 1, twice per turn": 2, "runout, plane 2, twice per turn": 2, "shaft_asymmetry": 2}
+TWICE = {"stiffness"}  # phasors of the others that turn twice as far
 FIXED = {"pedestal, x", "pedestal, y", "cross_stiffness"}  # along axes of the config, which stay
 
 
@@ -204,12 +218,14 @@ def turned_rig(alpha: float, rotation: str) -> tuple[RigConfig, RotorModel, dict
 
 
 def turned_by(effect: Effect, theta: dict[str, float], angle: float) -> dict[str, float]:
-    """The unknowns with every phasor turned."""
+    """The unknowns with every phasor turned, and a crack's mouth."""
     turned = dict(theta)
+    if effect.name == "crack":
+        turned["turn"] += angle
     for p in effect.parameters:
         stem = p.name.removesuffix(" re")
         if stem != p.name and effect.name != "line_hum":
-            z = phasor(theta, stem) * np.exp(1j * angle)
+            z = phasor(theta, stem) * np.exp((2j if stem in TWICE else 1j) * angle)
             turned |= {f"{stem} re": z.real, f"{stem} im": z.imag}
     return turned
 

@@ -44,15 +44,38 @@ def test_a_cubic_spring_on_an_ellipse_follows_harmonic_balance(rk4: RigConfig, s
 
 
 def test_dry_friction_on_a_line_is_a_damping_of_four_over_pi(rk4: RigConfig, small: RotorModel) -> None:
-    X = 1e-2  # far beyond creep
+    X = 1e-3  # far beyond creep
     fx, fy = first_harmonic(law_of(find(rk4, "friction"), small, force=0.1), X, 0)
     assert fx == pytest.approx(-1j * 4 / np.pi * 0.1, rel=2e-3)
     assert fy == 0
 
 
 def test_dry_friction_on_a_circle_is_all_of_it_against_the_motion(rk4: RigConfig, small: RotorModel) -> None:
-    fx, fy = first_harmonic(law_of(find(rk4, "friction"), small, force=0.1), 1e-3, -1e-3j)
+    fx, fy = first_harmonic(law_of(find(rk4, "friction"), small, force=0.1, give=0.0), 1e-3, -1e-3j)
     assert (fx, fy) == pytest.approx((-0.1j, -0.1), rel=2e-5)
+
+
+def test_a_contact_dragged_in_a_circle_trails_by_the_angle_whose_sine_is_give_over_radius(
+    rk4: RigConfig, small: RotorModel
+) -> None:
+    law, R, give = law_of(find(rk4, "friction"), small, force=0.1, give=1e-6, creep=1e-5), 2e-6, 1e-6
+    fx, fy = first_harmonic(law, R, -1j * R)
+    # the slider's circle is touched by the stretched spring: R^2 = slider^2 + give^2
+    want = -0.1 * (give / R + 1j * np.sqrt(1 - (give / R) ** 2))
+    assert (fx, fy) == pytest.approx((want, -1j * want), rel=2e-3)  # creep / (Omega R) = 0.02, squared and so on
+
+
+def test_a_contact_moved_less_than_it_gives_is_a_spring(rk4: RigConfig, small: RotorModel) -> None:
+    law, R = law_of(find(rk4, "friction"), small, force=0.1, give=1e-6, creep=1e-5), 0.5e-6
+    fx, fy = first_harmonic(law, R, -1j * R)
+    assert (fx.real, fy.imag) == pytest.approx((-0.1e6 * R, 0.1e6 * R), rel=1e-2)
+    assert abs(fx.imag) < 0.1 * abs(fx.real)
+
+
+def test_a_shaken_contact_moved_slowly_is_a_dashpot(rk4: RigConfig, small: RotorModel) -> None:
+    law, R = law_of(find(rk4, "friction"), small, force=0.1, give=0.0, creep=1e-3), 1e-8
+    fx, _ = first_harmonic(law, R, -1j * R)
+    assert fx == pytest.approx(-1j * 0.1 * OMEGA * R / 1e-3, rel=1e-5)
 
 
 def test_drag_on_a_line_is_a_damping_of_eight_over_three_pi(rk4: RigConfig, small: RotorModel) -> None:

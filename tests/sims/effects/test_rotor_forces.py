@@ -1,10 +1,13 @@
 """Forces that turn with the rotor, against beams and springs worked out by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from rotorrig.rig.description import RigConfig, from_si
 from rotorrig.sims.effects.base import Effect, catalogue, find
+from rotorrig.sims.effects.unbalance_step import Stretch
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.harmonic import load_columns
 from tests.sims.effects.predicted import Complex, motion, pair_at, predicted, simple_rig
@@ -128,3 +131,19 @@ def test_a_force_twice_per_turn_resonates_at_half_the_critical_speed() -> None:
 def test_a_step_of_unbalance_acts_from_its_time_on(rk4: RigConfig) -> None:
     (load,) = find(rk4, "unbalance_step").loads(assemble(rk4), {"step re": 1e-6, "step im": 0.0, "time": 42.0})
     assert (load.since, load.law, load.order) == (42.0, "unbalance", 1)
+
+
+@pytest.mark.parametrize(
+    ("time", "when"),
+    [
+        (15.0, "15.0 s into recording 1 (at 900 rpm in run 'up')"),
+        (1e6 + 75.0, "75.0 s into recording 2"),
+        (0.5e6, "before recording 2 began"),
+        (0.0, "before recording 1 began"),
+    ],
+)
+def test_a_step_of_unbalance_says_when_it_was(rk4: RigConfig, time: float, when: str) -> None:
+    step = find(rk4, "unbalance_step")
+    up = Stretch(run="up", t=np.array([10.0, 20.0]), omega=np.array([600.0, 1200.0]) * np.pi / 30)
+    words = replace(step, runs=(up,)).words({"step re": 0.0, "step im": 2e-6, "time": time})
+    assert words == f"the unbalance of disk changed by 2.0 g mm at 90 deg from the keyphasor mark, {when}"

@@ -128,10 +128,11 @@ def test_receptances_keep_it_too(small):
 
 @pytest.mark.parametrize(("order", "start"), [(1, 1800), (2, 900)])
 def test_derivatives_along_added_matrices_are_the_limit_of_differences(small, order, start):
-    """Swept and steady, along all six at once."""
+    """Swept and steady, along all seven at once."""
     k = np.array([[1.0, 0.4], [-0.3, 0.7]])
     unit = at_spring(small, k)
-    direction = Direction(M=0.1 * unit, C=5 * unit, G=0.02 * unit, K=1e3 * unit, H=10 * unit, S=0.05 * unit)
+    rest = {"H": 10 * unit, "S": 0.05 * unit, "T": (200 - 90j) * unit}
+    direction = Direction(M=0.1 * unit, C=5 * unit, G=0.02 * unit, K=1e3 * unit, **rest)
 
     def changed(p: float):
         return with_added(small, Added(*(p * A for A in direction)))

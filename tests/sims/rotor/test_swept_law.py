@@ -14,11 +14,11 @@ from rotorrig.rig.errors import ConfigError
 from rotorrig.sims.rotor.assembly import Added, assemble, matrices, with_added
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
-from rotorrig.sims.rotor.loads import Load, unbalance_loads
+from rotorrig.sims.rotor.loads import unbalance_loads
 from rotorrig.sims.rotor.reduction import reduce
 from rotorrig.sims.rotor.steady_law import steady_with_law
 from rotorrig.sims.rotor.sweep import swept_columns
-from rotorrig.sims.rotor.swept_law import law_columns, swept_with_law
+from rotorrig.sims.rotor.swept_law import swept_with_law
 from rotorrig.sims.rotor.tracking import tracked_rows
 from tests.sims.rotor import jeffcott
 from tests.sims.rotor.collocation import RPM, Ramp
@@ -134,18 +134,6 @@ def test_several_laws_at_one_place_are_one(model):
     one = swept_with_law(model, rows, loads, [U], [at_disk(model, cubic, 1e10)])
     two = swept_with_law(model, rows, loads, [U], [at_disk(model, cubic, 4e9), at_disk(model, cubic, 6e9)])
     np.testing.assert_allclose(two, one, atol=1e-5 * np.abs(one).max())
-
-
-@pytest.mark.parametrize("order", [1, 2])
-def test_a_column_is_the_response_to_a_small_law(model, order):
-    _, rows = laid_out(*UP)
-    loads = [*unbalance_loads(model, ["disk"]), Load(model.disk("disk").rows[0] + 0j, "constant", 2)]
-    part, amounts, static = 1e-3, [U, 1e-3], (5e-5, 0.0)
-    unit, small = (at_disk(model, cubic, f * 1e10, static=static) for f in (1.0, part))
-    off = at_disk(model, cubic, 0.0, static=static)
-    with_it, without = (swept_with_law(model, rows, loads, amounts, [law], orders=[order]) for law in (small, off))
-    got = law_columns(model, rows, loads, amounts, [unit], order=order)[..., 0]
-    assert error(got, (with_it - without)[..., 0] / part) < 5e-3
 
 
 def test_a_steady_mean_force_shifts_the_mean_by_the_flexibility(small):

@@ -1,0 +1,130 @@
+"""A rotor with force laws on its way through the speeds of some rows: what moves the places of the laws, and how far.
+
+The passed modes are marched with the first harmonic of the force and its mean, found anew at every turn, so the branch
+taken through a fold, up or down, is that of the time before.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.rig.errors import DataError
+from rotorrig.sims.rotor.assembly import RotorModel, matrices
+from rotorrig.sims.rotor.describing import called, pointers
+from rotorrig.sims.rotor.drive import drive
+from rotorrig.sims.rotor.envelope import polynomial
+from rotorrig.sims.rotor.force_law import ForceLaw
+from rotorrig.sims.rotor.law_march import MARCH, march
+from rotorrig.sims.rotor.loads import Load, patterns
+from rotorrig.sims.rotor.passage import Spectra, passage
+from rotorrig.sims.rotor.passing import passing
+from rotorrig.sims.rotor.sweep import projected
+from rotorrig.sims.rotor.tracking import TrackedRows
+
+Reals = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+MOST_UNSOLVED = 0.01  # of the turns
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Marched:
+    """The motion found."""
+
+    a: Complex  # (turn, mode) of the passed modes
+    rate: Complex  # (turn, mode) 1/s
+    u: Reals  # (turn, 3 place) of the laws' places, as in describing.py
+    F: Reals  # (turn, 3 place) N, the force on them
+
+
+class LawPassage:
+    """What moves the places of the laws, x and y of each, under loads of order 1 times their amounts (load,)."""
+
+    def __init__(
+        self, model: RotorModel, rows: TrackedRows, loads: Sequence[Load], amounts: Complex, laws: Sequence[ForceLaw]
+    ) -> None:
+        """Work out the passing of the model and what loads and places do to it. Raises as swept_response."""
+        self.at = read_by(laws)
+        passed = passing(model, rows)
+        self.model, self.rows, self.amounts, self.laws = model, rows, amounts, laws
+        self.probes, self.loads = len(model.probes), len(loads)
+        self.spectra: Spectra = replace(passed.spectra, probes=np.concatenate([model.probes, self.at]))
+        self.pattern = np.concatenate([patterns(model, loads, order=1), self.at.T], axis=1)  # (dof, load and place)
+        self.modes = passage(self.spectra, self.pattern)
+        self.drive = drive(loads, rows)
+        self.envelope = passed.envelope
+        self.mean = self.at @ np.linalg.solve(matrices(model).K, self.at.T)  # (place, place) m/N
+
+    def marched(self) -> Marched:
+        """Return the motion. Raises DataError if the force is not found at too many turns."""
+        functions, constants = pointers(self.laws)
+        a, rate, u, F, failed = called(
+            march,
+            MARCH,
+            functions,
+            constants,
+            np.concatenate([law.static for law in self.laws]).astype(float),
+            self.rows.turns.omega,
+            self.envelope.operator,
+            self.envelope.steps,
+            self.envelope.turned,
+            *(f @ self.amounts for f in self.envelope.forces(self.modes.g[..., : self.loads], self.drive)),
+            self.push,
+            self.seen,
+            self.base @ self.amounts,
+            self.flexibility,
+            self.mean,
+        )
+        if failed > MOST_UNSOLVED * len(a):
+            raise DataError(f"law: its force is not found at {failed} of {len(a)} turns, want a smoother or weaker one")
+        return Marched(a=a, rate=rate, u=u, F=F)
+
+    def seen_by_rows(self, found: Marched) -> Complex:
+        """Return what the rows show of order 1, (row, probe)."""
+        others = self.modes.others[:, : self.probes]
+        average = self.rows.averages(found.a[..., None], found.rate[..., None], powers=len(others))
+        z = projected(self.modes.shape[..., : self.probes], average)[..., 0]
+        z += self.drive.averaged(others[..., : self.loads]) @ self.amounts
+        return z + at_once(self.rows, others[..., self.loads :], phasor(found.F)[..., None])[..., 0]
+
+    @cached_property
+    def push(self) -> Complex:
+        """What a unit of force at a place does to the modes, (turn, mode, place)."""
+        return polynomial(self.rows.power, self.modes.g[..., self.loads :])
+
+    @cached_property
+    def seen(self) -> Complex:
+        """What the places see of the modes, (turn, place, mode)."""
+        return polynomial(self.rows.power, self.modes.shape[..., self.probes :].swapaxes(1, 2))
+
+    @cached_property
+    def flexibility(self) -> Complex:
+        """By how much the others let a unit of force move the places, (turn, place, place)."""
+        return polynomial(self.rows.power, self.modes.others[:, self.probes :, self.loads :])
+
+    @cached_property
+    def base(self) -> Complex:
+        """By how much the others let a unit of every load move the places, (turn, place, load)."""
+        others = polynomial(self.rows.power, self.modes.others[:, self.probes :, : self.loads])
+        return others * self.drive.at[:, None, self.drive.which]
+
+
+def at_once(rows: TrackedRows, others: Complex, F: Complex) -> Complex:
+    """Return the averages of polynomials (power, probe, place) times F (turn, place, column), (row, probe, column)."""
+    slope = np.gradient(F, rows.turns.t, axis=0)
+    average = rows.averages(F, slope, powers=len(others))  # (row, power, place, column)
+    return projected(others.swapaxes(1, 2), average)
+
+
+def read_by(laws: Sequence[ForceLaw]) -> Reals:
+    """Return what reads x and y of every law's place, (place, dof)."""
+    return np.concatenate([law.rows for law in laws])
+
+
+def phasor(u: Reals) -> Complex:
+    """Return the first harmonic, (turn, place, ...), of a motion or force (turn, 3 place, ...)."""
+    _, re, im = np.split(u, 3, axis=1)
+    return re + 1j * im

@@ -1,0 +1,71 @@
+"""The derivatives of a swept response under force laws, by whatever changes the rotor, its loads or the laws.
+
+At 1X they are those of the march itself, the force being found anew under every change. Above, the change of the
+force's harmonic is taken to act as in steady motion at the speed in the middle of a row.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rotorrig.sims.rotor.assembly import RotorModel
+from rotorrig.sims.rotor.force_law import ForceLaw
+from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives, overtone_derivatives, slopes
+from rotorrig.sims.rotor.law_forcing import forcing
+from rotorrig.sims.rotor.law_passage import LawPassage, at_once, phasor
+from rotorrig.sims.rotor.law_tangent import tangent
+from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.sweep import projected
+from rotorrig.sims.rotor.tracking import TrackedRows
+
+Reals = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+def swept_law_derivatives(
+    model: RotorModel,
+    rows: TrackedRows,
+    loads: Sequence[Load],
+    amounts: ArrayLike,
+    laws: Sequence[ForceLaw],
+    *,
+    changes: Sequence[LawChange],
+    orders: Sequence[int] = (1,),
+) -> LawDerivatives:
+    """Return the response of 1X under loads of order 1 and the laws, and its derivatives by `changes`.
+
+    Those at `orders` above 1 are of the laws' forces alone. Arguments and errors as those of swept_with_law.
+    """
+    places = LawPassage(model, rows, loads, np.asarray(amounts, dtype=complex), laws)
+    found = places.marched()
+    driving = forcing(places, found, changes)
+    a, rate = tangent(
+        places.envelope.operator,
+        places.envelope.steps,
+        places.envelope.turned,
+        places.push,
+        places.seen,
+        places.flexibility,
+        places.mean,
+        found.u,
+        found.F,
+        slopes(laws, rows.turns.omega, found.u, found.F),
+        driving.force,
+        driving.force_mid,
+        driving.motion,
+        driving.reaction,
+    )
+    others = places.modes.others[:, : places.probes]
+    by = projected(places.modes.shape[..., : places.probes], rows.averages(a, rate, powers=len(others)))
+    by = by + at_once(rows, others[..., places.loads :], phasor(driving.reaction)) + driving.at_rows
+    above = {order: _above(places, found.u, driving.motion, changes, order) for order in orders if order > 1}
+    return LawDerivatives(places.seen_by_rows(found), {1: by} | above)
+
+
+def _above(places: LawPassage, u: Reals, du: Reals, changes: Sequence[LawChange], order: int) -> Complex:
+    """Return the derivatives of the response at an order above 1, (row, probe, change)."""
+    rows = places.rows
+    middle = rows.seen[:, rows.seen.shape[1] // 2]
+    omega = rows.turns.omega[middle]
+    return overtone_derivatives(places.model, places.laws, changes, omega, u[middle], du[middle], order=order)
