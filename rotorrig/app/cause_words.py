@@ -27,6 +27,11 @@ def size(cause: Cause) -> str:
     return ", ".join(f"{name} {words}" if len(said) > 1 else words for name, words in said.items())
 
 
+def evidence(cause: Cause) -> str:
+    """Return what speaks for a cause, "≥ 120" where its fit was given up."""
+    return f"{'≥ ' if cause.given_up else ''}{cause.evidence:.0f}"
+
+
 def heldout(cause: Cause) -> str:
     """Return the prediction error on held-out data, before and after: "12.3 → 0.410 µm"."""
     if not (math.isfinite(cause.heldout_before) and math.isfinite(cause.heldout_after)):

@@ -16,8 +16,8 @@ def causes(found: Diagnosis) -> str:
         [
             cause.label,
             cause_words.size(cause),
-            f"{cause.evidence:.0f}",
-            f"{cause.lam:.0f}",
+            cause_words.evidence(cause),
+            f"{'≥ ' if cause.given_up else ''}{cause.lam:.0f}",
             cause_words.heldout(cause),
             cause_words.standing(cause, found),
         ]
@@ -54,7 +54,8 @@ def untold(found: Diagnosis) -> list[str]:
 
 _LEGEND = (
     "Evidence is the gain in the Bayesian information criterion, above 0 in favour; the held-out error is the root "
-    "mean square misprediction of data the fit did not see, without and with the cause."
+    "mean square misprediction of data the fit did not see, without and with the cause. ≥: its fit was given up far "
+    "behind the best."
 )
 
 

@@ -200,8 +200,8 @@ def _causes(found: Diagnosis) -> list[str]:
     said = [cause.words for cause in found.causes if cause.chosen]
     if found.causes:
         rows = [
-            f"| {cause.label} | {cause_words.size(cause)} | {cause.evidence:.0f} | {cause_words.heldout(cause)} |"
-            for cause in cause_words.listed(found)
+            f"| {c.label} | {cause_words.size(c)} | {cause_words.evidence(c)} | {cause_words.heldout(c)} |"
+            for c in cause_words.listed(found)
         ]
         said.append("\n".join(["| cause | size | evidence | held-out error |", "|---|---|---|---|", *rows]))
     return [

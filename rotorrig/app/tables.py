@@ -44,7 +44,7 @@ def causes(found: Diagnosis) -> Table:
     for heading in ("cause", "size", "evidence", "held-out error", ""):
         table.add_column(heading, justify="right" if heading == "evidence" else "left")
     for cause in cause_words.listed(found):
-        cells = (cause.label, cause_words.size(cause), f"{cause.evidence:.0f}", cause_words.heldout(cause))
+        cells = (cause.label, cause_words.size(cause), cause_words.evidence(cause), cause_words.heldout(cause))
         table.add_row(*map(escape, cells), cause_words.standing(cause, found), style="bold" if cause.chosen else "")
     return table
 

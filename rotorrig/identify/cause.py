@@ -30,3 +30,4 @@ class Cause:
     parameters: dict[str, Figure]
     theta: dict[str, float]  # the effect's own unknowns, as a config carries them
     sigmas: dict[str, float]  # of those
+    given_up: bool = False  # its fit was left before its end, far behind the best: evidence and lam are the least

@@ -8,6 +8,7 @@ import numpy as np
 
 from rotorrig.identify.cause import Cause, Figure
 from rotorrig.identify.held_out import Prediction
+from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.selection import Candidate, Selection, Stage, called_for, plausible
 from rotorrig.identify.separation import DETECTABLE, NAMEABLE
 from rotorrig.sims.effects.base import Effect, Parameter, magnitudes
@@ -181,6 +182,7 @@ def _cause(
         parameters=figures(effect.parameters, theta, sigmas),
         theta=theta,
         sigmas=sigmas,
+        given_up=candidate.polished.stop is Stop.GIVEN_UP,
     )
 
 

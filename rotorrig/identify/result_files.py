@@ -23,7 +23,7 @@ _FIT = "rotorrig fit"
 _DIAGNOSIS = "rotorrig diagnosis"
 VERSIONS = {_FIT: 1, _DIAGNOSIS: 2}
 _ESTIMATE = "name value sigma unit nameplate determined bounds interval interval_by"
-_CAUSE = "label where title words chosen plausible evidence lam heldout_before heldout_after theta sigmas"
+_CAUSE = "label where title words chosen plausible evidence lam heldout_before heldout_after theta sigmas given_up"
 _FIRST_UNKNOWNS = ("kxx", "kyy", "cxx", "cyy", "u")  # of files that do not name them
 CONVENTIONS = "SI units; amplitudes 0-peak; z = 2 mean(x exp(-j theta)), theta = 0 at the keyphasor edge; lag = -arg z"
 
@@ -172,6 +172,7 @@ def _cause(table: dict[str, Any]) -> Cause:
         parameters=parameters,
         theta={name: float(value) for name, value in table["theta"].items()},
         sigmas={name: _infinite(value) for name, value in table["sigmas"].items()},
+        given_up=bool(table.get("given_up", False)),
     )
 
 

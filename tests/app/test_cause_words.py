@@ -61,3 +61,8 @@ def test_a_phase_moves_the_short_way_round(named: Diagnosis) -> None:
 def test_an_effect_no_size_of_which_would_show_says_so() -> None:
     entry = {"effect": "couple", "smallest": None, "unit": "rad", "missing": "a second plane"}
     assert cause_words.hidden(entry) == "couple: would not show at any size; what is missing is a second plane"
+
+
+def test_a_fit_that_was_given_up_says_the_least_it_could_be() -> None:
+    assert cause_words.evidence(BOW) == "800"
+    assert cause_words.evidence(dataclasses.replace(BOW, given_up=True)) == "≥ 800"
