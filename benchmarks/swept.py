@@ -26,10 +26,12 @@ from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.directions import Direction, along_bearing, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.force_law import ForceLaw
+from rotorrig.sims.rotor.law_changes import LawChange
 from rotorrig.sims.rotor.loads import Load, unbalance_loads
 from rotorrig.sims.rotor.reduction import reduce
 from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
-from rotorrig.sims.rotor.swept_law import law_columns, swept_with_law
+from rotorrig.sims.rotor.swept_law import swept_with_law
+from rotorrig.sims.rotor.swept_law_derivatives import swept_law_derivatives
 from rotorrig.sims.rotor.timeline import Timeline
 from rotorrig.sims.rotor.tracking import TrackedRows, tracked_rows
 
@@ -67,7 +69,7 @@ NAMES = {
     "response and forward differences": "differences",
     "second order, constant force": "second",
     "response with a cubic spring": "law",
-    "column of a small cubic spring": "column",
+    "that and its ten derivatives": "law_derivatives",
 }
 
 
@@ -91,6 +93,7 @@ def measure(rounds: int) -> dict[str, float]:
 
     loads = unbalance_loads(model, ["disk"])
     twice = [Load(model.disk("disk").rows[0].astype(complex), "constant", 2)]
+    bent = [LawChange(direction=direction) for direction in directions]
     spring = ForceLaw(rows=model.bearing("spring").rows, force=cubic, constants=np.array([CUBIC]))
     parts = {
         "layout": layout,
@@ -99,7 +102,7 @@ def measure(rounds: int) -> dict[str, float]:
         "differences": differences,
         "second": lambda: swept_columns(model, rows, loads=twice, order=2),
         "law": lambda: swept_with_law(model, rows, loads, [UNBALANCE], [spring]),
-        "column": lambda: law_columns(model, rows, loads, [UNBALANCE], [spring]),
+        "law_derivatives": lambda: swept_law_derivatives(model, rows, loads, [UNBALANCE], [spring], changes=bent),
     }
     times: dict[str, list[float]] = {name: [] for name in parts}
     for _ in range(rounds + 1):

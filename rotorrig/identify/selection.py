@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from rotorrig.identify.adequacy import STRETCH
+from rotorrig.identify.adequacy import GLOBAL_LIMIT, STRETCH
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.least_squares import Stop, Worth
 from rotorrig.identify.parameters import Reals
@@ -134,15 +134,38 @@ def _step(
     if first and (wrong or (scored and scored[0].lam > DETECTED)):
         scored = sorted((*scored, *curved_scores(problem, polished.p, candidates)), key=lambda s: -s.lam)
     promising = _promising(scored)
+    late = _unpromising(scored, promising)
     progress(0.3)
     tried: list[Candidate] = []
-    for i, score in enumerate(promising):
+    for i, score in enumerate((*promising, *late)):
+        if i >= len(promising) and any(map(_explained, tried)):
+            break
         leader = max((c.evidence for c in tried if plausible(c)), default=-np.inf)
         if (candidate := _tried(problem, polished, score, leader=leader)) is not None:
             tried.append(candidate)
-        progress(0.3 + 0.7 * (i + 1) / len(promising))
+        progress(0.3 + 0.7 * (i + 1) / len((*promising, *late)))
+    progress(1.0)
     ranked = sorted(tried, key=lambda c: (not plausible(c), -c.evidence))
     return Stage(before=polished, scores=tuple(scored), tried=tuple(ranked))
+
+
+def _unpromising(scored: Sequence[Score], promising: Sequence[Score]) -> list[Score]:
+    """Return the best of every kind of force law that is not among the promising ones.
+
+    Its score is a guess by the starts it has, about a base that the law has drawn off: where nothing else explains the
+    residual, it is fitted all the same.
+    """
+    found: dict[str, Score] = {}
+    taken = {s.effect.name for s in promising}
+    for s in scored:
+        if s.begin is not None and s.effect.name not in taken:
+            found.setdefault(s.effect.name, s)
+    return list(found.values())[:_CURVED]
+
+
+def _explained(candidate: Candidate) -> bool:
+    """Say whether with the effect on trial what is left is no more than the noise."""
+    return candidate.polished.chi2 <= GLOBAL_LIMIT * candidate.polished.dof
 
 
 def _promising(scored: Sequence[Score]) -> list[Score]:

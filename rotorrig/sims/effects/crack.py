@@ -100,6 +100,7 @@ class Crack(Effect):
                 force=breathing,
                 constants=np.array([*constants, *self._at_rest(model, hinge, theta), 1.0, 0.0]),
                 static=hinge.rows @ at_rest(model, self.gravity),
+                overtones=False,
             ),
         )
 

@@ -42,7 +42,10 @@ class Friction(Effect):
     def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
         """Return it at every bearing."""
         constants = np.array([theta["force"], theta["give"], theta["creep"]])
-        return tuple(ForceLaw(rows=model.bearing(name).rows, force=dry, constants=constants) for name in self.bearings)
+        return tuple(
+            ForceLaw(rows=model.bearing(name).rows, force=dry, constants=constants, overtones=False)  # they are small
+            for name in self.bearings
+        )
 
     def words(self, theta: Theta) -> str:
         """Say how strong it is."""

@@ -28,12 +28,16 @@ class ForceLaw:
     `static` is where the place lies at rest without this force: its sag, say, in the clearance of a stop. The mean of
     the force shifts it from there. A law that turns with the shaft finds the cosine and sine of the shaft's angle, from
     the keyphasor's mark, in the last two of the constants it is handed; two of its own stand there for angle zero.
+
+    With `overtones` the motion it is found on has those that it makes itself, which takes twice the time. A law that
+    goes with loads of 2X and 3X is without: what these do is not in that motion either.
     """
 
     rows: NDArray[np.float64]  # (2, dof) read x and y of the place, or of its motion relative to another
     force: Force  # (x, y, vx, vy, constants) -> (fx, fy), decorated with numba.njit(cache=True)
     constants: NDArray[np.float64]  # (n,) handed to it
     static: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2))  # (2,) m
+    overtones: bool = True
 
     def __post_init__(self) -> None:
         """Compile the force for its one signature. Raises ConfigError if it is not a numba function."""

@@ -1,6 +1,6 @@
 """What a change makes of a force law: of the force on a motion, and of the response to its harmonics."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.describing import forces, overtones
+from rotorrig.sims.rotor.describing import OVERTONES, forces, phasor, slopes
 from rotorrig.sims.rotor.directions import Direction
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
@@ -16,9 +16,6 @@ from rotorrig.sims.rotor.loads import Load
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-
-STEP = 1e-6  # of the motion, of differences of the force
-TINY = 1e-15  # m
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,13 +35,8 @@ class LawDerivatives(NamedTuple):
     by: dict[int, Complex]
 
 
-def slopes(laws: Sequence[ForceLaw], omega: Reals, u: Reals, F: Reals) -> Reals:
-    """Return dF / du of the forces F on motions u at speeds (n,), (n, 3 place, 3 place): describing.forces."""
-    return np.stack([(forces(laws, omega, moved) - F) / step for moved, step in _moved(u)], axis=-1)
-
-
 def by_changed(laws: Sequence[ForceLaw], change: LawChange, omega: Reals, u: Reals, F: Reals) -> tuple[Reals, Reals]:
-    """Return what a change of the laws does to the forces on the same motions, (n, 3 place), and to where these rest.
+    """Return what a change of the laws does to the forces on the same motions, (n, part), and to where these rest.
 
     The rest is (place,) m. Of a change that has laws.
     """
@@ -64,25 +56,18 @@ def overtone_derivatives(
     *,
     order: int,
 ) -> Complex:
-    """Return the derivatives of the steady response to a harmonic of the force above the first, (n, probe, change).
+    """Return the derivatives of the steady response to an overtone of the force, 2 or 3, (n, probe, change).
 
-    The motions u (n, 3 place) at speeds (n,) change by `du` (n, 3 place, change).
+    The motions u (n, part) at speeds (n,) change by `du` (n, part, change).
     """
-    F = overtones(laws, omega, u, order)
-    slope = np.stack([(overtones(laws, omega, moved, order) - F) / step for moved, step in _moved(u)], axis=-1)
-    dF = slope @ du  # (n, place, change)
+    places = 2 * len(laws)
+    more = places * (1 + 2 * OVERTONES[-1]) - u.shape[1]  # that do not move where the force is found without overtones
+    u, du = np.pad(u, ((0, 0), (0, more))), np.pad(du, ((0, 0), (0, more), (0, 0)))
+    F = forces(laws, omega, u)
+    dF = slopes(laws, omega, u) @ du
     for i, change in enumerate(changes):
         if change.laws is not None:
-            dF[..., i] += (overtones(change.laws, omega, u, order) - F) / change.step
+            dF[..., i] += (forces(change.laws, omega, u) - F) / change.step
     units = [Load(pattern=row.astype(complex), law="constant", order=order) for law in laws for row in law.rows]
-    found: Complex = load_columns(model, omega, units) @ dF
+    found: Complex = load_columns(model, omega, units) @ phasor(dF, places, order)
     return found
-
-
-def _moved(u: Reals) -> Iterator[tuple[Reals, Reals]]:
-    """Yield the motions (n, 3 place) with one part after the other moved, and by how much, (n, 1)."""
-    step = STEP * np.abs(u).max(axis=1, keepdims=True) + TINY
-    for i in range(u.shape[1]):
-        moved = u.copy()
-        moved[:, i] += step[:, 0]
-        yield moved, step

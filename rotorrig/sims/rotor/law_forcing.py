@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.sims.rotor.assembly import matrices
+from rotorrig.sims.rotor.describing import phasor
 from rotorrig.sims.rotor.directions import Direction
 from rotorrig.sims.rotor.envelope import polynomial
 from rotorrig.sims.rotor.law_changes import LawChange, by_changed
-from rotorrig.sims.rotor.law_passage import LawPassage, Marched, at_once, phasor
+from rotorrig.sims.rotor.law_passage import LawPassage, Marched, at_once
 from rotorrig.sims.rotor.passage import Passage
 from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
 
@@ -24,8 +25,8 @@ class Forcing:
 
     force: Complex  # (turn, mode, column) on the passed modes, as long as the force at the places stays
     force_mid: Complex  # (turn - 1, mode, column) halfway in time
-    motion: Reals  # (turn, 3 place, column) of the places, as long as modes and force stay
-    reaction: Reals  # (turn, 3 place, column) of the force there, as long as the motion stays
+    motion: Reals  # (turn, part, column) of the places, as long as modes and force stay
+    reaction: Reals  # (turn, part, column) of the force there, as long as the motion stays
     at_rows: Complex  # (row, probe, column) of what the rows show, as long as modes and force stay
 
 
@@ -54,7 +55,7 @@ def forcing(places: LawPassage, found: Marched, changes: Sequence[LawChange]) ->
 
 def _by_directions(places: LawPassage, found: Marched, directions: dict[int, Direction], driving: Forcing) -> None:
     change = passage_derivatives(places.spectra, places.pattern, list(directions.values()))
-    which, F, probes = list(directions), phasor(found.F), places.probes
+    which, F, probes = list(directions), phasor(found.F, len(places.at)), places.probes
     force, force_mid = _forced(places, F, change.g.swapaxes(1, 2))
     places.envelope.add_push(change, found.a[..., None], found.rate[..., None], force, force_mid)
     driving.force[..., which], driving.force_mid[..., which] = force, force_mid
@@ -76,7 +77,7 @@ def _seen_by_rows(places: LawPassage, found: Marched, change: Passage) -> Comple
     others = change.others[:, :, :probes]
     by_loads = places.drive.averaged(others[..., :loads]) @ places.amounts  # (direction, row, probe)
     flat = others[..., loads:].reshape(len(others), -1, len(places.at))
-    by_force = at_once(rows, flat, phasor(found.F)[..., None]).reshape(len(rows.seen), -1, probes)
+    by_force = at_once(rows, flat, phasor(found.F, len(places.at))[..., None]).reshape(len(rows.seen), -1, probes)
     return by_modes + np.moveaxis(by_loads, 0, -1) + by_force.swapaxes(1, 2)
 
 
@@ -121,4 +122,4 @@ def _add_phasor(du: Reals, which: Sequence[int], Q: Complex) -> None:
     """Add first harmonics (turn, place, column) to the columns `which`."""
     count = Q.shape[1]
     du[:, count : 2 * count, which] += Q.real
-    du[:, 2 * count :, which] += Q.imag
+    du[:, 2 * count : 3 * count, which] += Q.imag

@@ -24,7 +24,7 @@ STRAIGHT = (0.5, 0.5, 0.0, 0.0)
 
 MARCH = (
     *(REALS[2], REALS[1], REALS[1], COMPLEX[3], COMPLEX[4], COMPLEX[2], COMPLEX[2], COMPLEX[2]),
-    *(COMPLEX[3], COMPLEX[3], COMPLEX[2], COMPLEX[3], REALS[2]),
+    *(COMPLEX[3], COMPLEX[3], COMPLEX[2], COMPLEX[3], REALS[2], COMPLEX[4]),
 )  # the types of march's arguments after the functions
 
 
@@ -44,26 +44,31 @@ def march(
     base: Complex,
     flexibility: Complex,
     mean: Reals,
+    above: Complex,
 ) -> tuple[Complex, Complex, Reals, Reals, int]:
-    """Return a and a' (turn, mode), the place's motion and the force on it (turn, 3 place), and how many failed.
+    """Return a and a' (turn, mode), the place's motion and the force on it (turn, part), and how many failed.
 
     L (turn, mode, mode), `steps`, `turned` as in march.advanced; `force` (turn, mode) and `force_mid` of the loads.
     A unit of force at the place gives `push` (turn, mode, place) to the modes, of which it sees `seen` (turn, place,
     mode), and moves it by `flexibility` (turn, place, place) at once; the loads move it by `base` (turn, place). The
-    mean force shifts it by `mean` (place, place) from `static` (place,). It begins in the steady state.
+    mean force shifts it by `mean` (place, place) from `static` (place,), its overtones move it by `above` (turn,
+    overtone, place, place), as in steady motion. It begins in the steady state.
     """
     turns, modes, places = push.shape
     a, rate = np.zeros((turns, modes), dtype=np.complex128), force.copy()
-    u, F = np.zeros((turns, 3 * places)), np.zeros((turns, 3 * places))
+    parts = (3 + 2 * above.shape[1]) * places
+    u, F = np.zeros((2, turns, parts))
     forces = np.zeros((3, places), dtype=np.complex128)  # at the turn, and at the two before it
     free, moved = np.zeros(modes, dtype=np.complex128), np.zeros((modes, places), dtype=np.complex128)
-    A, known, inverse = np.empty((places, places), dtype=np.complex128), np.empty(3 * places), np.eye(3 * places)
+    A = np.empty((1 + above.shape[1], places, places), dtype=np.complex128)
+    known, inverse = np.zeros(parts), np.eye(parts)
     failed = 0
     _begin(L[0], force[0], push[0], free, moved)
     for k in range(turns):
-        comply(flexibility[k], seen[k], moved, A)
+        comply(flexibility[k], seen[k], moved, A[0])
+        A[1:] = above[k]
         _foresee(static, base[k], seen[k], free, known)
-        for i in range(3 * places):
+        for i in range(parts):
             u[k, i] = known[i] if k == 0 else u[k - 1, i] if k == 1 else 2 * u[k - 1, i] - u[k - 2, i]
         if not settle(functions, constants, omega[k], known, A, mean, u[k], F[k], inverse):
             failed += 1
@@ -74,7 +79,7 @@ def march(
         add(moved, forces[0], 1.0, a[k])
         add(push[k], forces[0], 1.0, rate[k])  # so far all that pushes
         if k + 1 < turns:
-            weights = interpolation(k, A, F, u)
+            weights = interpolation(k, A[0], F, u)
             _coast(k, steps[k], turned[k], a[k], rate[k], force_mid[k], force[k + 1], push, forces, weights, free)
             press_ahead(steps[k], turned[k], push[k], push[k + 1], weights[0], moved)
         add(L[k], a[k], 1.0, rate[k])
@@ -135,7 +140,7 @@ def _begin(L: Complex, force: Complex, push: Complex, free: Complex, moved: Comp
 
 @njit(cache=True)
 def _foresee(static: Reals, base: Complex, seen: Complex, free: Complex, known: Reals) -> None:
-    """Put the motion of the places without the force of the turn into `known` (3 place,)."""
+    """Put the motion of the places without the force of the turn into `known` (part,), no overtones."""
     places = len(static)
     for i in range(places):
         Q = base[i]

@@ -1,7 +1,8 @@
 """A rotor with force laws on its way through the speeds of some rows: what moves the places of the laws, and how far.
 
 The passed modes are marched with the first harmonic of the force and its mean, found anew at every turn, so the branch
-taken through a fold, up or down, is that of the time before.
+taken through a fold, up or down, is that of the time before. The overtones of the force move its place as in steady
+motion, and that is part of the motion it is found on.
 """
 
 from collections.abc import Sequence
@@ -10,13 +11,15 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.rotor.assembly import RotorModel, matrices
-from rotorrig.sims.rotor.describing import called, pointers
+from rotorrig.sims.rotor.describing import OVERTONES, called, phasor, pointers
 from rotorrig.sims.rotor.drive import drive
 from rotorrig.sims.rotor.envelope import polynomial
 from rotorrig.sims.rotor.force_law import ForceLaw
+from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.law_march import MARCH, march
 from rotorrig.sims.rotor.loads import Load, patterns
 from rotorrig.sims.rotor.passage import Spectra, passage
@@ -28,6 +31,7 @@ Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 MOST_UNSOLVED = 0.01  # of the turns
+SPEEDS = 128  # a sweep is divided into for the overtones: 25 rpm each on an RK4, half the width of its resonance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,8 +40,8 @@ class Marched:
 
     a: Complex  # (turn, mode) of the passed modes
     rate: Complex  # (turn, mode) 1/s
-    u: Reals  # (turn, 3 place) of the laws' places, as in describing.py
-    F: Reals  # (turn, 3 place) N, the force on them
+    u: Reals  # (turn, part) of the laws' places, as in describing.py
+    F: Reals  # (turn, part) N, the force on them
 
 
 class LawPassage:
@@ -77,6 +81,7 @@ class LawPassage:
             self.base @ self.amounts,
             self.flexibility,
             self.mean,
+            self.above,
         )
         if failed > MOST_UNSOLVED * len(a):
             raise DataError(f"law: its force is not found at {failed} of {len(a)} turns, want a smoother or weaker one")
@@ -88,7 +93,7 @@ class LawPassage:
         average = self.rows.averages(found.a[..., None], found.rate[..., None], powers=len(others))
         z = projected(self.modes.shape[..., : self.probes], average)[..., 0]
         z += self.drive.averaged(others[..., : self.loads]) @ self.amounts
-        return z + at_once(self.rows, others[..., self.loads :], phasor(found.F)[..., None])[..., 0]
+        return z + at_once(self.rows, others[..., self.loads :], phasor(found.F, len(self.at))[..., None])[..., 0]
 
     @cached_property
     def push(self) -> Complex:
@@ -104,6 +109,13 @@ class LawPassage:
     def flexibility(self) -> Complex:
         """By how much the others let a unit of force move the places, (turn, place, place)."""
         return polynomial(self.rows.power, self.modes.others[:, self.probes :, self.loads :])
+
+    @cached_property
+    def above(self) -> Complex:
+        """How far a unit of the force's overtones moves the places, (turn, overtone, place, place)."""
+        omega = self.rows.turns.omega
+        speeds = np.linspace(omega.min(), omega.max(), SPEEDS)
+        return np.ascontiguousarray(CubicSpline(speeds, by_overtones(self.model, speeds, self.laws))(omega))
 
     @cached_property
     def base(self) -> Complex:
@@ -124,7 +136,16 @@ def read_by(laws: Sequence[ForceLaw]) -> Reals:
     return np.concatenate([law.rows for law in laws])
 
 
-def phasor(u: Reals) -> Complex:
-    """Return the first harmonic, (turn, place, ...), of a motion or force (turn, 3 place, ...)."""
-    _, re, im = np.split(u, 3, axis=1)
-    return re + 1j * im
+def by_overtones(model: RotorModel, omega: Reals, laws: Sequence[ForceLaw]) -> Complex:
+    """Return the steady motion of the places under a unit of every overtone, (speed, overtone, place, place) m/N.
+
+    Nothing of laws without overtones, and no overtone at all where there are none but those.
+    """
+    at = read_by(laws)
+    having = np.repeat([law.overtones for law in laws], 2)
+    if not having.any():
+        return np.zeros((len(omega), 0, len(at), len(at)), dtype=complex)
+    seen = replace(model, probes=at)
+    units = [[Load(row.astype(complex), "constant", order) for row in at] for order in OVERTONES]
+    found = np.stack([load_columns(seen, omega, loads) for loads in units], axis=1)
+    return found * np.outer(having, having)

@@ -25,6 +25,7 @@ def tangent(
     seen: Complex,
     flexibility: Complex,
     mean: Reals,
+    above: Complex,
     u: Reals,
     F: Reals,
     slopes: Reals,
@@ -33,9 +34,9 @@ def tangent(
     du: Reals,
     dF: Reals,
 ) -> tuple[Complex, Complex]:
-    """Return the derivatives of a and a', (turn, mode, column); fill in those of u and F, (turn, 3 place, column).
+    """Return the derivatives of a and a', (turn, mode, column); fill in those of u and F, (turn, part, column).
 
-    The first arguments are those of law_march.march, and what it returned; `slopes` (turn, 3 place, 3 place) are F'.
+    The first arguments are those of law_march.march, and what it returned; `slopes` (turn, part, part) are F'.
     `force` (turn, mode, column) and `force_mid` push the modes as long as F stays; given are `du` as long as modes and
     forces stay, and `dF` as long as u does.
     """
@@ -44,13 +45,14 @@ def tangent(
     a, rate = np.zeros(force.shape, dtype=np.complex128), force.copy()
     forces = np.zeros((3, places, columns), dtype=np.complex128)  # at the turn, and at the two before it
     free, moved = np.zeros((modes, columns), dtype=np.complex128), np.zeros((modes, places), dtype=np.complex128)
-    A = np.empty((places, places), dtype=np.complex128)
+    A = np.empty((1 + above.shape[1], places, places), dtype=np.complex128)
     at_rest, work = np.empty((2, modes, modes), dtype=np.complex128)
     invert(L[0], at_rest, work)
     add_matrix(at_rest, force[0], -1.0, free)
     add_matrix(at_rest, push[0], -1.0, moved)
     for k in range(turns):
-        comply(flexibility[k], seen[k], moved, A)
+        comply(flexibility[k], seen[k], moved, A[0])
+        A[1:] = above[k]
         _see(seen[k], free, du[k])
         _settle(A, mean, slopes[k], du[k], dF[k])
         _shift(forces, dF[k])
@@ -58,7 +60,7 @@ def tangent(
         add_matrix(moved, forces[0], 1.0, a[k])
         add_matrix(push[k], forces[0], 1.0, rate[k])  # so far all that pushes
         if k + 1 < turns:
-            weights = interpolation(k, A, F, u)
+            weights = interpolation(k, A[0], F, u)
             _push_halfway(push[k], push[k + 1], weights, forces, force_mid[k])
             middle, end = turned[k]
             free[:] = 0
@@ -87,14 +89,16 @@ def _see(seen: Complex, a: Complex, du: Reals) -> None:
 @njit(cache=True)
 def _settle(A: Complex, mean: Reals, slope: Reals, du: Reals, dF: Reals) -> None:
     """Solve du = dknown + A dF, dF = F' du + dF' in place, of dknown and dF'."""
-    places, size = len(A), len(du)
+    harmonics, places = A.shape[:2]
+    size = len(du)
     whole, equations = np.zeros((2, size, size))  # A for means, real and imaginary parts; 1 - A F'
     for i in range(places):
         for j in range(places):
-            re, im = A[i, j].real, A[i, j].imag
             whole[i, j] = mean[i, j]
-            whole[places + i, places + j] = whole[2 * places + i, 2 * places + j] = re
-            whole[places + i, 2 * places + j], whole[2 * places + i, places + j] = -im, im
+            for h in range(harmonics):
+                re, im, by = (2 * h + 1) * places, (2 * h + 2) * places, A[h, i, j]
+                whole[re + i, re + j] = whole[im + i, im + j] = by.real
+                whole[re + i, im + j], whole[im + i, re + j] = -by.imag, by.imag
     for i in range(size):
         for j in range(size):
             equations[i, j] = 1.0 if i == j else 0.0

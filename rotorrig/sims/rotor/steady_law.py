@@ -14,19 +14,29 @@ from numpy.typing import ArrayLike, NDArray
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, matrices
-from rotorrig.sims.rotor.describing import COMPLEX, REALS, called, forces, overtones, pointers, settle
+from rotorrig.sims.rotor.describing import (
+    COMPLEX,
+    REALS,
+    called,
+    forces,
+    overtones,
+    phasor,
+    pointers,
+    settle,
+    slopes,
+)
 from rotorrig.sims.rotor.directions import steady_derivatives
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
-from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives, by_changed, overtone_derivatives, slopes
-from rotorrig.sims.rotor.law_passage import phasor, read_by
+from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives, by_changed, overtone_derivatives
+from rotorrig.sims.rotor.law_passage import by_overtones, read_by
 from rotorrig.sims.rotor.loads import Load
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 ELSEWHERE = (1.0, 0.3, -0.3, -1.0, -3.0, 3.0, 0.1)  # of the response without the law: where to begin past a fold
-CONTINUE = (REALS[2], REALS[1], REALS[1], COMPLEX[2], COMPLEX[3], REALS[2])
+CONTINUE = (REALS[2], REALS[1], REALS[1], COMPLEX[2], COMPLEX[4], REALS[2])
 
 
 def steady_with_law(
@@ -72,15 +82,13 @@ def steady_law_derivatives(
     at, n = read_by(laws), len(model.probes)
     u = _motions(model, omega, loads, amounts, laws)
     F = forces(laws, omega, u)
-    every = [*loads, *_units(at, 1)]
     directions = [c.direction for c in changes if c.direction is not None]
-    columns = steady_derivatives(_seeing(model, at), omega, loads=every, directions=directions)
-    weights = np.concatenate([np.broadcast_to(amounts, (len(omega), len(amounts))), phasor(F)], axis=1)
-    z = columns.z
+    columns = steady_derivatives(_seeing(model, at), omega, loads=[*loads, *_units(at, 1)], directions=directions)
+    weights = np.concatenate([np.broadcast_to(amounts, (len(omega), len(amounts))), phasor(F, len(at))], axis=1)
+    z, by_direction = columns.z, iter(columns.by)
     direct = np.zeros((*z.shape[:2], len(changes)), dtype=complex)  # as long as the forces stay
     du, dF = np.zeros((2, *u.shape, len(changes)))
-    lean = np.linalg.solve(matrices(model).K, at.T)  # (dof, place)
-    by_direction = iter(columns.by)
+    lean = _lean(model, at)
     for i, change in enumerate(changes):
         if change.direction is not None:
             direct[..., i] += np.einsum("spl,sl->sp", next(by_direction), weights)
@@ -90,32 +98,35 @@ def steady_law_derivatives(
         if change.laws is not None:
             dF[..., i], rest = by_changed(laws, change, omega, u, F)
             du[:, : len(at), i] += rest
-    du[:, len(at) :] += np.concatenate([direct[:, n:].real, direct[:, n:].imag], axis=1)
-    du, dF = _settled(z[:, n:, len(loads) :], at @ lean, slopes(laws, omega, u, F), du, dF)
+    du[:, len(at) : 3 * len(at)] += np.concatenate([direct[:, n:].real, direct[:, n:].imag], axis=1)
+    A = np.concatenate([z[:, None, n:, len(loads) :], by_overtones(model, omega, laws)], axis=1)
+    du, dF = _settled(A, at @ lean, slopes(laws, omega, u), du, dF)
     by = {order: overtone_derivatives(model, laws, changes, omega, u, du, order=order) for order in orders if order > 1}
-    by[1] = direct[:, :n] + z[:, :n, len(loads) :] @ phasor(dF)
+    by[1] = direct[:, :n] + z[:, :n, len(loads) :] @ phasor(dF, len(at))
     return LawDerivatives(np.einsum("spl,sl->sp", z[:, :n], weights), by)
 
 
 def _settled(A: Complex, mean: Reals, slope: Reals, known: Reals, dF: Reals) -> tuple[Reals, Reals]:
-    """Solve du = known + A (slope du + dF) at every speed; return du and slope du + dF, (speed, 3 place, change)."""
+    """Solve du = known + A (slope du + dF) at every speed; return du and slope du + dF, (speed, part, change)."""
     places = len(mean)
     whole = np.zeros_like(slope)
-    re, im = slice(places, 2 * places), slice(2 * places, None)
     whole[:, :places, :places] = mean
-    whole[:, re, re] = whole[:, im, im] = A.real
-    whole[:, re, im], whole[:, im, re] = -A.imag, A.imag
-    du = np.linalg.solve(np.eye(3 * places) - whole @ slope, known + whole @ dF).astype(float)
+    for h in range(A.shape[1]):
+        re, im = (slice(part * places, (part + 1) * places) for part in (2 * h + 1, 2 * h + 2))
+        whole[:, re, re] = whole[:, im, im] = A[:, h].real
+        whole[:, re, im], whole[:, im, re] = -A[:, h].imag, A[:, h].imag
+    du = np.linalg.solve(np.eye(whole.shape[1]) - whole @ slope, known + whole @ dF).astype(float)
     return du, slope @ du + dF
 
 
 def _motions(
     model: RotorModel, omega: Reals, loads: Sequence[Load], amounts: Complex, laws: Sequence[ForceLaw]
 ) -> Reals:
-    """Return the places' motion at every speed, (speed, 3 place). Raises DataError where the force is not found."""
+    """Return the places' motion at every speed, (speed, part). Raises DataError where the force is not found."""
     at, probes = read_by(laws), len(model.probes)
     functions, constants = pointers(laws)
     linear, by_force = _linear(_seeing(model, at), omega, loads, amounts, at, 1)
+    A = np.concatenate([by_force[:, None, probes:], by_overtones(model, omega, laws)], axis=1)
     u, solved = called(
         _continued,
         CONTINUE,
@@ -124,8 +135,8 @@ def _motions(
         np.concatenate([law.static for law in laws]).astype(float),
         omega,
         np.ascontiguousarray(linear[:, probes:]),
-        np.ascontiguousarray(by_force[:, probes:]),
-        at @ np.linalg.solve(matrices(model).K, at.T),
+        A,
+        at @ _lean(model, at),
     )
     if not solved.all():
         where = omega[np.argmin(solved)] * RPM
@@ -137,6 +148,11 @@ def _motions(
 def _seeing(model: RotorModel, at: Reals) -> RotorModel:
     """Return the model with the places' rows after its probes."""
     return replace(model, probes=np.concatenate([model.probes, at]))
+
+
+def _lean(model: RotorModel, at: Reals) -> Reals:
+    """Return the static deflection under a unit of force at every place, (dof, place) m/N."""
+    return np.linalg.solve(matrices(model).K, at.T).astype(float)
 
 
 def _units(at: Reals, order: int) -> list[Load]:
@@ -163,22 +179,23 @@ def _continued(
     A: Complex,
     mean: Reals,
 ) -> tuple[Reals, NDArray[np.bool_]]:
-    """Return the places' motion at every speed, (speed, 3 place), and where it was found, (speed,)."""
+    """Return the places' motion at every speed, (speed, part), and where it was found, (speed,)."""
     speeds, places = known.shape
-    u, solved = np.zeros((speeds, 3 * places)), np.zeros(speeds, dtype=np.bool_)
-    right, F, inverse = np.empty(3 * places), np.empty(3 * places), np.eye(3 * places)
+    size = (1 + 2 * A.shape[1]) * places
+    u, solved = np.zeros((speeds, size)), np.zeros(speeds, dtype=np.bool_)
+    right, F, inverse = np.zeros(size), np.empty(size), np.eye(size)
     for k in range(speeds):
         for i in range(places):
             right[i] = static[i]
             right[places + i], right[2 * places + i] = known[k, i].real, known[k, i].imag
-        for i in range(3 * places):
+        for i in range(size):
             u[k, i] = u[k - 1, i] if k else right[i]
         solved[k] = settle(functions, constants, omega[k], right, A[k], mean, u[k], F, inverse)
         for part in ELSEWHERE:
             if solved[k]:
                 break
-            inverse[:] = np.eye(3 * places)
-            for i in range(3 * places):
+            inverse[:] = np.eye(size)
+            for i in range(size):
                 u[k, i] = right[i] * (1.0 if i < places else part)
             solved[k] = settle(functions, constants, omega[k], right, A[k], mean, u[k], F, inverse)
     return u, solved

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.sims.rotor.assembly import RotorModel
+from rotorrig.sims.rotor.describing import phasor, slopes
 from rotorrig.sims.rotor.force_law import ForceLaw
-from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives, overtone_derivatives, slopes
+from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives, overtone_derivatives
 from rotorrig.sims.rotor.law_forcing import forcing
-from rotorrig.sims.rotor.law_passage import LawPassage, at_once, phasor
+from rotorrig.sims.rotor.law_passage import LawPassage, at_once
 from rotorrig.sims.rotor.law_tangent import tangent
 from rotorrig.sims.rotor.loads import Load
 from rotorrig.sims.rotor.sweep import projected
@@ -35,7 +36,7 @@ def swept_law_derivatives(
 ) -> LawDerivatives:
     """Return the response of 1X under loads of order 1 and the laws, and its derivatives by `changes`.
 
-    Those at `orders` above 1 are of the laws' forces alone. Arguments and errors as those of swept_with_law.
+    Those at orders 2 and 3 are of the laws' forces alone. Arguments and errors as those of swept_with_law.
     """
     places = LawPassage(model, rows, loads, np.asarray(amounts, dtype=complex), laws)
     found = places.marched()
@@ -48,9 +49,10 @@ def swept_law_derivatives(
         places.seen,
         places.flexibility,
         places.mean,
+        places.above,
         found.u,
         found.F,
-        slopes(laws, rows.turns.omega, found.u, found.F),
+        slopes(laws, rows.turns.omega, found.u),
         driving.force,
         driving.force_mid,
         driving.motion,
@@ -58,7 +60,7 @@ def swept_law_derivatives(
     )
     others = places.modes.others[:, : places.probes]
     by = projected(places.modes.shape[..., : places.probes], rows.averages(a, rate, powers=len(others)))
-    by = by + at_once(rows, others[..., places.loads :], phasor(driving.reaction)) + driving.at_rows
+    by = by + at_once(rows, others[..., places.loads :], phasor(driving.reaction, len(places.at))) + driving.at_rows
     above = {order: _above(places, found.u, driving.motion, changes, order) for order in orders if order > 1}
     return LawDerivatives(places.seen_by_rows(found), {1: by} | above)
 

@@ -79,8 +79,8 @@ def error(got: np.ndarray, want: np.ndarray) -> float:
 @pytest.mark.parametrize(
     ("force", "constants", "sweep", "tolerance"),
     [
-        (cubic, (5e10,), DOWN, 6e-3),
-        (friction, (0.3, 1e-3), DOWN, 2.5e-3),
+        (cubic, (5e10,), DOWN, 2e-4),
+        (friction, (0.3, 1e-3), DOWN, 1e-3),
     ],
     ids=["cubic", "friction"],
 )

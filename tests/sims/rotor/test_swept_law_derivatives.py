@@ -57,7 +57,7 @@ def steady(model, omega, amount, laws):
 def test_derivatives_are_those_of_the_response(model, small, rows, law, swept):
     model = model if swept else small
     law = at_disk(model, *law, static=OFF_CENTRE)
-    h, moved = 1e-4, 1e-9
+    h, moved = 1e-4, 1e-8
     changes = [
         LawChange(amounts=np.array([U])),
         LawChange(amounts=np.array([1j * U])),
