@@ -121,4 +121,5 @@ def template(design: Design, folder: Path) -> tuple[Recording, ...]:
     """Return the recordings of a healthy rig of a design, kept in `folder`."""
     with TemporaryDirectory() as scratch:
         case = Case(design=design, seed=TEMPLATE_SEED)
-        return tuple(Recording(r) for r in measured(case, folder, sealed=Path(scratch) / "sealed.json"))
+        responses = measured(case, folder, sealed=Path(scratch) / "sealed.json")
+        return tuple(Recording(response, number=i) for i, response in enumerate(responses))
