@@ -70,7 +70,10 @@ def figures(scores: Sequence[Score], summary: Mapping[str, Any]) -> str:
     rows = [[WORDS[name], *_cells(rate)] for name, rate in rates(scores).items()]
     table = markdown(["", "share", "cases", "95 % bounds"], rows)
     single = [s for s in scores if s.kind == "single"]
-    known = f"- lam was computed for {sum(s.lam is not None for s in single)} of {len(single)} cases of one fault"
+    found = sum(s.lam is not None for s in single)
+    known = f"- lam was computed for {found} of {len(single)} cases of one fault"
+    if found < len(single):
+        known += "; **the others count as detectable and nameable here, whatever their size**"
     return f"{table}\n\n{_others(summary)}\n{known}"
 
 
