@@ -19,8 +19,8 @@ def halved_loads(loads: Sequence[Load]) -> tuple[Load, ...]:
 def halved_amounts(amounts: Complex) -> Complex:
     """Return the parts (..., 2 load) of amounts (..., load) in that order, real but for their type.
 
-    >>> halved_amounts(np.array([3 + 4j, -2j])).real
-    array([ 3.,  4.,  0., -2.])
+    >>> halved_amounts(np.array([3 + 4j, 1 - 2j])).real
+    array([ 3.,  4.,  1., -2.])
     """
     parts = np.stack([amounts.real, amounts.imag], axis=-1).astype(complex)
     return parts.reshape(*amounts.shape[:-1], 2 * amounts.shape[-1])
