@@ -7,7 +7,6 @@ motion is not linear in anything: its columns come from the march, law_columns.p
 
 import copy
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.extended_jacobian import MARCHED, columns
 from rotorrig.identify.extended_parameters import ExtendedParameters
 from rotorrig.identify.least_squares import TOLERANCE, Stop, Worth, always
+from rotorrig.identify.moving_rotor import Moving
 from rotorrig.identify.parameters import Reals
 from rotorrig.identify.probe_side import ProbeSide
 from rotorrig.identify.real_amounts import halved_amounts, halved_loads
@@ -26,7 +26,6 @@ from rotorrig.identify.unit_responses import UnitResponses
 from rotorrig.sims.effects.base import Effect, Theta
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.directions import Direction, between
-from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.loads import Load, unbalance_pattern
 
 Complex = NDArray[np.complex128]
@@ -35,25 +34,6 @@ STEP = 1e-5  # of an effect's size: its matrices
 RECENT = 4  # rotors kept: the next question is often about the same one
 Models = dict[tuple[tuple[str, float], ...], StructuralModel]
 Recent = dict[Hashable, RotorModel]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Moving:
-    """The rotor of one candidate and what moves it."""
-
-    model: RotorModel
-    planes: tuple[Load, ...]  # a unit of unbalance on every plane; in real halves where a stiffness turns
-    effects: tuple[tuple[int | None, Load], ...]  # loads of effects, amounts in, and the recording they act in alone
-    laws: tuple[ForceLaw, ...]
-
-    @property
-    def halved(self) -> bool:
-        """Whether the response is linear in real amounts only."""
-        return self.model.added.T is not None
-
-    def loads(self, recording: Recording, order: int) -> list[Load]:
-        """Return the loads of effects of that order in a recording."""
-        return [load for where, load in self.effects if where in (None, recording.number) and load.order == order]
 
 
 class ExtendedProblem:

@@ -15,7 +15,8 @@ from rotorrig.identify.recording import Recording
 from rotorrig.sims.effects.base import Effect
 
 if TYPE_CHECKING:
-    from rotorrig.identify.extended import ExtendedProblem, Moving
+    from rotorrig.identify.extended import ExtendedProblem
+    from rotorrig.identify.moving_rotor import Moving
 
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]

@@ -18,7 +18,8 @@ from rotorrig.sims.rotor.law_changes import LawChange
 from rotorrig.sims.rotor.loads import Load
 
 if TYPE_CHECKING:
-    from rotorrig.identify.extended import ExtendedProblem, Moving
+    from rotorrig.identify.extended import ExtendedProblem
+    from rotorrig.identify.moving_rotor import Moving
 
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]

@@ -68,7 +68,7 @@ def _rivals(stage: Stage, best: Candidate) -> list[Candidate]:
 def _nearly_all(selection: Selection) -> bool:
     """Say whether a force law explains the residual as well as its describing function can.
 
-    Its harmonics do not act back on the first order here: 0.6 % of the peak for a strong cubic spring.
+    Its 3X is not followed, and 2X and 3X act back on the first order only as if they came and went slowly.
     """
     left = selection.polished.chi2 - selection.polished.dof
     return selection.problem.curved and left < _LEFT * (selection.base.chi2 - selection.base.dof)

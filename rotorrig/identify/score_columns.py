@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.extended import ExtendedProblem, Moving
+from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.extended_jacobian import acts_on_probes
+from rotorrig.identify.moving_rotor import Moving
 from rotorrig.identify.parameters import Reals
 from rotorrig.identify.real_amounts import halved_loads
 from rotorrig.identify.recording import Recording

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.least_squares import TOLERANCE, Stop, Worth, always, minimise, triangle
+from rotorrig.identify.least_squares import TOLERANCE, Solution, Stop, Worth, always, minimise, triangle
 from rotorrig.rig.errors import DataError
 
 Reals = NDArray[np.float64]
@@ -111,19 +111,17 @@ def solve(
         worth=worth,
         damped=damped,
     )
-    dof = problem.size - len(free)
+    return _polished(found, full(found.p), free, size=problem.size)
+
+
+def _polished(found: Solution, p: Reals, free: Index, *, size: int) -> Polished:
+    """Return a solution of the parameters `free` as one of all of `p`."""
+    dof = size - len(free)
     jacobian = np.zeros((len(found.jacobian), len(p)))
     jacobian[:, free] = found.jacobian
     covariance = np.zeros((len(p), len(p)))
     covariance[np.ix_(free, free)] = inverse_information(found.jacobian) * max(1.0, found.cost / max(dof, 1))
-    return Polished(
-        p=full(found.p),
-        covariance=covariance,
-        jacobian=jacobian,
-        chi2=found.cost,
-        dof=dof,
-        stop=found.stop,
-    )
+    return Polished(p=p, covariance=covariance, jacobian=jacobian, chi2=found.cost, dof=dof, stop=found.stop)
 
 
 def inverse_information(jacobian: Reals) -> Reals:
