@@ -5,26 +5,26 @@
     python benchmarks/blind.py --summary --json      (of the cases that are done; JSON on the last line)
 
 Every case is sealed, swept, tracked and diagnosed on its own, and leaves in the folder what was measured (kept until
-the plant changes), the sealed truth, written before the sweep, and the diagnosis. Then lam of every case of one fault
-is computed (blind_lam.py). What is there is not run again, but for cases that ended in an error, and Ctrl-C loses only
-what is under way. Judging is done afterwards, from the files alone.
+the plant changes), the sealed truth, written before the sweep, and the diagnosis; then lam of what it hides is computed
+(blind_lam.py). Faults and healthy rigs take turns, so that a run that was stopped has as large a part of each. What is
+there is not run again, but for what ended in an error, and Ctrl-C or SIGTERM loses only what is under way. Judging is
+done afterwards, from the files alone.
 """
 
 import argparse
 import json
-import multiprocessing
 import signal
 import sys
 import tempfile
 import time
 import traceback
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from threadpoolctl import threadpool_limits
 
 from benchmarks.blind_cases import (
     DESIGNS,
@@ -37,10 +37,11 @@ from benchmarks.blind_cases import (
     outsiders,
     write_whole,
 )
-from benchmarks.blind_lam import compute, lam_file, lam_of, template
+from benchmarks.blind_lam import asked, compute, lam_of, template
 from benchmarks.blind_measured import measured
 from benchmarks.blind_page import page, text
 from benchmarks.blind_score import FAILED, Score, score, summarise
+from benchmarks.parallel import WorkerDied, in_parallel
 from rotorrig.identify.diagnosis import diagnose
 from rotorrig.identify.result_files import write_diagnosis
 from rotorrig.processing.response import OrderTrackedResponse
@@ -50,6 +51,7 @@ from rotorrig.sims.plant.truth import unseal
 ROOT = Path(__file__).parents[1]
 ARRAYS = ("residual", "sigmas", "extended_residual")  # of diagnosis.json; not kept
 Job = tuple[Case, Path]
+INTERRUPTED, TERMINATED = 130, 143  # exit statuses, as shells have them
 
 
 def main() -> None:
@@ -60,7 +62,7 @@ def main() -> None:
     if not options.summary:
         run_all([case for listed in wanted.values() for case in listed], folder, workers=options.workers)
     judged = {design: [judge(c, folder) for c in listed if is_done(c, folder)] for design, listed in wanted.items()}
-    summaries = {design: summarise(scores) for design, scores in judged.items()}
+    summaries = {design: summarise(scores, wanted=len(wanted[design])) for design, scores in judged.items()}
     print(text(judged, summaries))
     if options.write:
         made_by = versions(judged, folder)
@@ -76,35 +78,49 @@ def chosen(design: Design, options: argparse.Namespace) -> list[Case]:
     )
 
 
-def run_all(wanted: Sequence[Case], folder: Path, *, workers: int) -> None:
-    """Run the cases that are not done well, then lam of those without; on Ctrl-C say so and leave with status 130."""
-    try:
-        _in_parallel("blind cases", run, [(c, folder) for c in wanted if not is_good(c, folder)], workers=workers)
-        single = [c for c in wanted if c.kind == "single" and not lam_file(c, folder).exists()]
-        for design in dict.fromkeys(case.design for case in single):
-            template(design, folder)  # once, not by every worker
-        _in_parallel("lam", compute, [(c, folder) for c in single], workers=workers)
-    except KeyboardInterrupt:
-        print("stopped; what is done is kept, the same command goes on with the rest", file=sys.stderr)
-        sys.exit(130)
-
-
-def _in_parallel(title: str, work: Callable[[Job], str], jobs: Sequence[Job], *, workers: int) -> None:
-    """Do the jobs in processes of their own, with a progress bar."""
+def run_all(wanted: Iterable[Case], folder: Path, *, workers: int) -> None:
+    """Run the cases, and lam of each, that are not done well; say so if that is stopped, and leave with its status."""
+    jobs = [(case, folder) for case in in_turns(wanted) if not (is_good(case, folder) and has_lam(case, folder))]
     if not jobs:
         return
+    signal.signal(signal.SIGTERM, _terminated)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with (
-        multiprocessing.get_context("spawn").Pool(workers, initializer=_quiet) as pool,
-        Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bars,
-    ):
-        task = bars.add_task(title, total=len(jobs))
-        for name in pool.imap_unordered(work, jobs):
-            bars.update(task, advance=1, description=f"{title}: {name}")
+    try:
+        for design in dict.fromkeys(case.design for case, _ in jobs):
+            template(design, folder)  # once, not by every worker
+        with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bars:
+            task = bars.add_task("blind cases", total=len(jobs))
+            in_parallel(
+                complete, jobs, workers=workers, done=lambda name: bars.update(task, advance=1, description=name)
+            )
+    except KeyboardInterrupt:
+        _leave("stopped", INTERRUPTED)
+    except WorkerDied as error:
+        _leave(str(error), 1)
 
 
-def run(job: Job) -> str:
-    """Run one case and return its name; whatever goes wrong is written down as its result."""
+def in_turns(wanted: Iterable[Case]) -> list[Case]:
+    """Return the cases of every fault and design spread evenly over the whole, those of the smallest seeds first."""
+    groups: dict[tuple[str, ...], list[Case]] = {}
+    for case in wanted:
+        hidden = case.faults if case.kind != "pair" else ("two",)
+        groups.setdefault((case.design, case.kind, *hidden), []).append(case)
+    placed = [((i + 0.5) / len(group), case) for group in groups.values() for i, case in enumerate(group)]
+    return [case for _, case in sorted(placed, key=lambda each: each[0])]
+
+
+def complete(job: Job) -> str:
+    """Run one case and compute its lam, as far as they are not there, and return its name."""
+    if not is_good(*job):
+        run(job)
+    if not has_lam(*job):
+        compute(job)
+    case, _ = job
+    return f"{case.design} {case.name}"
+
+
+def run(job: Job) -> None:
+    """Run one case; whatever goes wrong is written down as its result."""
     case, folder = job
     path, sealed = files(case, folder)
     began = swept = time.perf_counter()
@@ -117,7 +133,6 @@ def run(job: Job) -> str:
             found = {"verdict": FAILED, "error": traceback.format_exc()}
     seconds = {"measure": swept - began, "diagnose": time.perf_counter() - swept}
     write_whole(path, {"code_version": code_version(), "seconds": seconds, "diagnosis": found})
-    return f"{case.design} {case.name}"
 
 
 def diagnosed(responses: Sequence[OrderTrackedResponse], out: Path, *, without: Collection[str] = ()) -> dict[str, Any]:
@@ -151,16 +166,25 @@ def is_good(case: Case, folder: Path) -> bool:
     return path.exists() and json.loads(path.read_text(encoding="utf-8"))["diagnosis"]["verdict"] != FAILED
 
 
+def has_lam(case: Case, folder: Path) -> bool:
+    """Return whether lam of a case has been computed, or is not asked for."""
+    return not asked(case) or lam_of(case, folder) is not None
+
+
 def versions(judged: dict[Design, list[Score]], folder: Path) -> list[str]:
     """Return the versions of the code that the cases were run with: more than one if the run was taken up again."""
     paths = [files(s.case, folder)[0] for scores in judged.values() for s in scores]
     return sorted({json.loads(path.read_text(encoding="utf-8"))["code_version"] for path in paths})
 
 
-def _quiet() -> None:
-    """Leave Ctrl-C to the parent, and use one BLAS thread."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threadpool_limits(1)
+def _terminated(number: int, frame: FrameType | None) -> None:
+    """Leave as on Ctrl-C, with the status of SIGTERM; what stands in a `finally` ends the workers."""
+    _leave("terminated", TERMINATED)
+
+
+def _leave(why: str, status: int) -> None:
+    print(f"{why}; what is done is kept, the same command goes on with the rest", file=sys.stderr)
+    sys.exit(status)
 
 
 def arguments() -> argparse.Namespace:

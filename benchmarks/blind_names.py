@@ -9,12 +9,11 @@ import cmath
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TypeVar
 
 from rotorrig.acquisition.plans import SETTLING_RAMP
 from rotorrig.rig.description import RigConfig, RunUpCoastDown
 from rotorrig.sims.effects.base import catalogue, find
-from rotorrig.sims.effects.crack import Crack
+from rotorrig.sims.effects.crack import MOUTHS, Crack
 from rotorrig.sims.effects.places import STEP, probe_planes
 from rotorrig.sims.effects.stiffness_over_speed import StiffnessOverSpeed
 from rotorrig.sims.effects.unbalance_plane import UnbalancePlane
@@ -24,7 +23,6 @@ from rotorrig.sims.plant.truth import FaultSpec, Truth
 from rotorrig.sims.rotor.loads import ONE_RECORDING, between
 
 Values = Mapping[str, float]
-Place = TypeVar("Place", Crack, UnbalancePlane)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,23 +100,28 @@ def _friction(rig: RigConfig, truth: Truth, values: Values) -> Answer:
 
 
 def _crack(rig: RigConfig, truth: Truth, values: Values) -> Answer:
-    """Name the place and the angle of the scan that are nearest; any angle near that place is right."""
-    places = _nearest(rig, Crack, values["position"])
-    mouth = values["angle"] + truth.keyphasor_offset
-    nearest = [crack for crack in places if crack.position == places[0].position]
-    crack = min(nearest, key=lambda crack: abs(_between(crack.mouth, mouth)))
-    turn, shift = _between(crack.mouth, mouth), values["position"] - crack.position
-    theta = {"compliance": values["compliance"], "turn": turn, "shift": shift}
-    return Answer(labels=tuple(e.label for e in places), exact=crack.label, theta=theta, same=tuple(theta))
-
-
-def _between(a: float, b: float) -> float:
-    """Return the angle from a to b [rad], -pi to pi."""
-    return math.remainder(b - a, math.tau)
+    """Take the compliance for the softness it makes; fits begin at angles from 0 up to, not at, a whole turn."""
+    crack = find(rig, "crack")
+    assert isinstance(crack, Crack)
+    half = math.pi / MOUTHS
+    theta = {
+        "softness": crack.softness_of(values["compliance"], values["position"]),
+        "mouth": (values["angle"] + truth.keyphasor_offset + half) % math.tau - half,
+        "place": values["position"],
+    }
+    return _one("crack", theta, same=tuple(theta))
 
 
 def _cross_talk(rig: RigConfig, truth: Truth, values: Values) -> Answer:
     return _one(f"cross_talk, {_plane(rig, values['probe'])}", {"leak": values["share"]}, same=("leak",))
+
+
+def _line_hum(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Take the hum of any recording for right: each has its own zero of time, so each is an effect of its own."""
+    label = "line_hum, 50 Hz"
+    each = tuple(f"{label}, recording {number}" for number in (1, 2))
+    theta = _phasor("hum", values["amount"], values["phase"])
+    return Answer(labels=(label, *each), exact=label, theta=theta)
 
 
 def _pedestal(rig: RigConfig, truth: Truth, values: Values) -> Answer:
@@ -163,10 +166,11 @@ def _stiffness_over_speed(rig: RigConfig, truth: Truth, values: Values) -> Answe
 
 
 def _unbalance_plane(rig: RigConfig, truth: Truth, values: Values) -> Answer:
-    """Take the neighbours for right: a scan has no place exactly there."""
-    places = _nearest(rig, UnbalancePlane, values["position"])
+    """Take the neighbours for right: a fit may end nearer to either."""
+    places = _nearest(rig, values["position"])
     theta = _phasor("unbalance", values["amount"], values["angle"] + truth.keyphasor_offset)
-    return Answer(labels=tuple(e.label for e in places), exact=places[0].label, theta=theta)
+    theta["shift"] = values["position"] - places[0].position
+    return Answer(labels=tuple(e.label for e in places), exact=places[0].label, theta=theta, same=tuple(theta))
 
 
 def _unbalance_step(rig: RigConfig, truth: Truth, values: Values) -> Answer:
@@ -205,7 +209,7 @@ ANSWERS: Mapping[str, Rule] = {
     "friction": _friction,
     "hysteresis": _plain("hysteresis", {"eta": "loss_factor"}, same=False),  # causal there: k grows too
     "internal_damping": _plain("internal_damping", {"beta": "time"}, same=False),  # over and above the material's own
-    "line_hum": _turning("line_hum, 50 Hz", "hum", "amount", "phase", same=False),  # from another zero of time
+    "line_hum": _line_hum,
     "pedestal": _pedestal,
     "probe_angle": _probe_angle,
     "probe_gain": _probe_gain,
@@ -241,8 +245,8 @@ def _plane(rig: RigConfig, probe: float) -> str:
     return next(name for name, probes in probe_planes(rig).items() if sought in probes)
 
 
-def _nearest(rig: RigConfig, kind: type[Place], position: float) -> list[Place]:
-    """Return the effects of that kind on a scan whose place is no more than a step away, nearest first."""
-    places = [effect for effect in catalogue(rig) if isinstance(effect, kind)]
+def _nearest(rig: RigConfig, position: float) -> list[UnbalancePlane]:
+    """Return the unbalances on a scan whose place is no more than a step away, nearest first."""
+    places = [effect for effect in catalogue(rig) if isinstance(effect, UnbalancePlane)]
     near = [effect for effect in places if abs(effect.position - position) <= STEP]
     return sorted(near, key=lambda effect: abs(effect.position - position))

@@ -2,7 +2,7 @@
 
 Only here, and in what calls it, is a sealed file opened: after the diagnosis has been written. A case is detectable if
 its effect, at its size, would leave lam >= 25 of the weighted misfit to a refitted base model, and nameable if it would
-leave >= 16 to its nearest rival (blind_lam.py); where that was not computed, every case counts as both.
+leave >= 16 to its nearest rival (blind_lam.py); where that was not computed, it is in no rate that asks for it.
 """
 
 import math
@@ -32,9 +32,10 @@ class Score:
     case: Case
     verdict: str  # of the diagnosis; FAILED if there is none
     first: str = ""  # label of the cause ranked first, of a model found wrong
-    named: frozenset[str] = frozenset()  # labels that are chosen or tied with one
+    chosen: frozenset[str] = frozenset()  # labels that were taken up
+    named: frozenset[str] = frozenset()  # those, and what is tied with one
     right: tuple[frozenset[str], ...] = ()  # of every hidden fault, the labels that are the right answer
-    lam: Lam | None = None  # what the data could show of it; None: not computed
+    lam: Lam | None = None  # what the data could show of it, of two faults of each; None: not computed
     over_floor: float | None = None  # held-out error of the extended model over the noise floor
     covered: tuple[bool, ...] = ()  # hidden parameters inside their 95 % intervals
     errors: tuple[float, ...] = ()  # of `JUDGED`, in standard deviations
@@ -67,14 +68,19 @@ class Score:
         return self.verdict == "named" and not any(labels & self.named for labels in self.right)
 
     @property
+    def more_than_hidden(self) -> bool:
+        """A cause was taken up that is none of the hidden ones."""
+        return self.detected and bool(self.chosen - frozenset().union(*self.right))
+
+    @property
     def detectable(self) -> bool:
-        """The data can tell it from a healthy rig."""
-        return self.lam is None or self.lam["lam"] >= DETECTABLE
+        """The data can tell it from a healthy rig, as far as is known."""
+        return self.lam is not None and self.lam["lam"] >= DETECTABLE
 
     @property
     def nameable(self) -> bool:
-        """The data can tell it from every other effect."""
-        return self.detectable and (self.lam is None or self.lam["rival_lam"] >= NAMEABLE)
+        """The data can tell it from every other effect, as far as is known."""
+        return self.detectable and self.lam is not None and self.lam["rival_lam"] >= NAMEABLE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,13 +115,14 @@ def score(
     """Judge the content of a diagnosis.json by the truth it did not see. `lam` is what blind_lam.py computed."""
     answers = [answer(case.rig, truth, fault) for fault in truth.faults]
     causes = diagnosis["causes"]
-    named = {cause["label"] for cause in causes if cause["chosen"]}.union(*diagnosis["tied"])
+    chosen = frozenset(cause["label"] for cause in causes if cause["chosen"])
     found_wrong = diagnosis["verdict"] in _FOUND_WRONG
     scored = Score(
         case=case,
         verdict=diagnosis["verdict"],
         first=causes[0]["label"] if causes and found_wrong and diagnosis["verdict"] != "unexplained" else "",
-        named=frozenset(named),
+        chosen=chosen,
+        named=chosen.union(*diagnosis["tied"]),
         right=tuple(frozenset(a.labels) for a in answers),
         lam=lam,
         seconds=seconds,
@@ -125,14 +132,18 @@ def score(
     return _with_figures(scored, diagnosis, answers, identified_truth(case.rig, truth))
 
 
-def summarise(scores: Sequence[Score]) -> dict[str, Any]:
-    """Return the figures of one design: plain numbers, and under "counts" what they are made of."""
+def summarise(scores: Sequence[Score], *, wanted: int | None = None) -> dict[str, Any]:
+    """Return the figures of one design: plain numbers, and under "counts" what they are made of.
+
+    `wanted` is how many cases were asked for, if not those that are scored.
+    """
     found = rates(scores)
     errors = [error for s in scores for error in s.errors]
     over = [s.over_floor for s in scores if s.over_floor is not None]
     times = [s.seconds for s in scores if math.isfinite(s.seconds)]
     return {
         "cases": len(scores),
+        "wanted": len(scores) if wanted is None else wanted,
         **{name: rate.share for name, rate in found.items()},
         "heldout_over_floor": statistics.median(over) if over else None,
         "rms_sigma": math.sqrt(sum(e * e for e in errors) / len(errors)) if errors else None,
@@ -151,6 +162,7 @@ def summarise(scores: Sequence[Score]) -> dict[str, Any]:
 def rates(scores: Sequence[Score]) -> dict[str, Rate]:
     """Return every rate by its name, in the order of the page."""
     single = [s for s in scores if s.kind == "single"]
+    known = [s for s in single if s.lam is not None]
     healthy = [s for s in scores if s.kind == "healthy" and s.verdict != FAILED]
     outsiders = [s for s in scores if s.kind == "outsider"]
     pairs = [s for s in scores if s.kind == "pair"]
@@ -159,8 +171,8 @@ def rates(scores: Sequence[Score]) -> dict[str, Rate]:
     over = [s.over_floor for s in scores if s.over_floor is not None]
     covered = [hit for s in single for hit in s.covered]
     return {
-        "detectable": _rate(single, lambda s: s.detectable),
-        "nameable": _rate(single, lambda s: s.nameable),
+        "detectable": _rate(known, lambda s: s.detectable),
+        "nameable": _rate(known, lambda s: s.nameable),
         "detected": _rate(detectable, lambda s: s.detected),
         "top1": _rate(nameable, lambda s: s.top1),
         "in_set": _rate(detectable, lambda s: s.in_set),
@@ -169,9 +181,11 @@ def rates(scores: Sequence[Score]) -> dict[str, Rate]:
             [s for s in detectable if not s.nameable], lambda s: s.verdict == "tied" and s.in_set
         ),
         "wrong_unique": _rate([*single, *pairs], lambda s: s.wrong_unique),
+        "another_beside": _rate([s for s in single if s.in_set], lambda s: s.verdict == "named" and s.more_than_hidden),
         "false_alarm": _rate(healthy, lambda s: s.detected),
         "outsiders_unexplained": _rate([s for s in outsiders if s.detected], lambda s: s.verdict == "unexplained"),
         "pairs_contained": _rate(pairs, lambda s: s.in_set),
+        "pairs_contained_nameable": _rate([s for s in pairs if s.nameable], lambda s: s.in_set),
         "heldout_at_floor": Rate(hits=sum(ratio <= 1.2 for ratio in over), of=len(over)),
         "coverage95": Rate(hits=sum(covered), of=len(covered)),
         "failed": _rate(scores, lambda s: s.verdict == FAILED),

@@ -22,14 +22,15 @@ from rotorrig.rig.extension import Extension
 def read_responses(paths: Sequence[Path], *, config: RigConfig | None = None) -> list[OrderTrackedResponse]:
     """Return the responses, all of one rig; with `config`, as that config models it.
 
-    Raises DataError if they are of different rigs, but for the effects in their configs, or of another than `config`.
+    Raises DataError if they are of different rigs, but for the effects in their configs and the sense of rotation, or
+    of another than `config`.
     """
     if config:
         check_effects(config)
     responses = [read_response(path) for path in paths]
     rig, where = (config, "the config given") if config else (responses[0].rig, str(paths[0]))
     for path, response in zip(paths, responses, strict=True):
-        if response.rig.nameplate_hash != rig.nameplate_hash:
+        if rig.nameplate_hash not in (response.rig.nameplate_hash, response.rig.turned_over.nameplate_hash):
             raise DataError(
                 f"{path}: is of another rig ({response.rig.name}, {response.rig.nameplate_hash}) than "
                 f"{where} ({rig.name}, {rig.nameplate_hash}), want responses of one rig"
@@ -38,7 +39,9 @@ def read_responses(paths: Sequence[Path], *, config: RigConfig | None = None) ->
 
 
 def seen_with(response: OrderTrackedResponse, rig: RigConfig) -> OrderTrackedResponse:
-    """Return the response as of `rig`, which may have other effects in its model."""
+    """Return the response as of `rig`, which may have other effects in its model, but for its sense of rotation."""
+    if response.rig.rotation != rig.rotation:
+        rig = rig.turned_over
     return replace(response, rig=rig, source=replace(response.source, config_hash=rig.hash))
 
 

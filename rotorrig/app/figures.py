@@ -11,6 +11,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
+from rotorrig.app.centreline_paths import CentrelinePath
 from rotorrig.app.curves import Curve, curves, residual_grid, whirl_grid
 from rotorrig.processing.response import OrderTrackedResponse
 
@@ -118,6 +119,38 @@ def order_amplitudes(response: OrderTrackedResponse, order: float) -> go.Figure:
     figure.update_xaxes(title="speed, rpm", row=(len(response.probes) + 1) // 2)
     _styled(figure, height=80 + 210 * ((len(response.probes) + 1) // 2))
     figure.update_layout(legend_y=1.06, margin_t=56)  # above the panels' titles
+    return figure
+
+
+def centreline(paths: tuple[CentrelinePath, ...]) -> go.Figure:
+    """Return where the mean position of the shaft goes, x across and y up in one scale, a panel per plane."""
+    planes = list(dict.fromkeys(path.plane for path in paths))
+    figure = make_subplots(
+        rows=1, cols=len(planes), subplot_titles=[escape(plane) for plane in planes], horizontal_spacing=0.12
+    )
+    for path in paths:
+        column = planes.index(path.plane) + 1
+        name = escape(path.run)
+        figure.add_trace(
+            go.Scatter(
+                x=np.round(path.x, 3),
+                y=np.round(path.y, 3),
+                customdata=np.round(path.rpm),
+                mode="markers",
+                marker={"size": 4, "color": COLOURS[path.direction], "opacity": 0.6},
+                name=name,
+                legendgroup=name,
+                showlegend=column == 1,
+                hovertemplate=f"%{{customdata:.0f}} rpm: x %{{x:.2f}}, y %{{y:.2f}} µm<extra>{name}</extra>",
+            ),
+            row=1,
+            col=column,
+        )
+        figure.update_yaxes(scaleanchor="x" if column == 1 else f"x{column}", row=1, col=column)
+    figure.update_xaxes(title="x, µm")
+    figure.update_yaxes(title="y, µm", col=1)
+    _styled(figure, height=380)
+    figure.update_layout(legend_y=1.08, margin_t=60)
     return figure
 
 

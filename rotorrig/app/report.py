@@ -14,6 +14,7 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
 from rotorrig.app import figures, report_causes, report_tables
+from rotorrig.app.centreline_paths import centreline_paths, centreline_words
 from rotorrig.app.curves import RPM, slow_roll_known
 from rotorrig.app.diagnosis_part import Vectors, part_of, predictions
 from rotorrig.app.orbit_drawing import orbit_pictures
@@ -48,6 +49,7 @@ def write_report(
         _residuals(response, diagnosis),
         _orders(response),
         _orbits(response),
+        _centreline(response),
         _untold(identification, diagnosis),
         _rig(response),
         _provenance(response, identification),
@@ -215,6 +217,27 @@ def _orbits(response: OrderTrackedResponse) -> str:
         return ""
     said = f"{_compensation(response)} The dot is the shaft at the keyphasor edge, the arrow its way round."
     return _section("orbits", "Orbits at 1X", f"<p>{escape(said)}</p>", *lines)
+
+
+def _centreline(response: OrderTrackedResponse) -> str:
+    paths = centreline_paths(response)
+    if not paths:
+        return ""
+    plot = _figure(
+        "mean-position",
+        figures.centreline(paths),
+        caption="Mean position against that of the slowest rows of the run",
+        label=f"Mean position of the shaft, a panel per plane of probes. {centreline_words(paths)}",
+    )
+    said = f"<p>{escape(_CENTRELINE_NOTE)} {escape(centreline_words(paths))}</p>"
+    return _section("centreline", "Shaft centreline", said, plot)
+
+
+_CENTRELINE_NOTE = (
+    "A linear rotor vibrates about one place at every speed. Where its mean position follows the speed, a support "
+    "gives way on one side or the stiffness turns with the shaft; where it drifts with time, a probe warms up. Part of "
+    "it may be the probes': they see a round shaft recede as it moves aside."
+)
 
 
 def _untold(identification: Identification | None, diagnosis: Diagnosis | None) -> str:

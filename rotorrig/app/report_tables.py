@@ -118,7 +118,7 @@ def misfits(diagnosis: Diagnosis) -> str:
     ]
     header = ["where", "rpm", "σ, rms", "largest, µm 0-peak", "amplitude off", "phase off (− late)"]
     header += ["backward whirl", "other direction"]
-    fine = diagnosis.verdict is Verdict.ADEQUATE
+    fine = diagnosis.verdict is Verdict.ADEQUATE and all(m.order for m in diagnosis.worst)
     return table("Largest residuals, all within the noise" if fine else "Misfits, most serious first", header, rows)
 
 

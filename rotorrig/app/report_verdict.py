@@ -66,8 +66,9 @@ def _evidence(diagnosis: Diagnosis) -> list[str]:
 
 
 def size(misfits: Sequence[Misfit]) -> str:
-    """Return the largest residual and the largest significance among `misfits`: "12.3 µm, 45 σ"."""
-    return f"{max(m.residual for m in misfits) * UM:.3g} µm, {max(m.sigma for m in misfits):.3g} σ"
+    """Return the largest residual and the largest significance among `misfits` but for 0X: "12.3 µm, 45 σ"."""
+    moving = [m for m in misfits if m.order] or misfits
+    return f"{max(m.residual for m in moving) * UM:.3g} µm, {max(m.sigma for m in moving):.3g} σ"
 
 
 def _worst(diagnosis: Diagnosis) -> list[str]:

@@ -8,6 +8,9 @@ model but runout, which their slow-roll vector gives.
 The sigmas are of single rows and neighbouring residuals are correlated (a scale-factor error is the same in all of
 them), so chi2 tables do not give the false-alarm rate. The thresholds come from simulated healthy rigs instead,
 nameplate errors included: benchmarks/healthy.py, figures in docs/adequacy.md.
+
+How the mean position moves (0X, centreline.py) is described by the same stretches, and decides nothing: no effect says
+what it should be, so a model that explains everything else would be called wrong for it.
 """
 
 from collections.abc import Iterator, Mapping
@@ -16,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.centreline import MEAN, departures
 from rotorrig.identify.measurement import measure
 from rotorrig.identify.misfit import Misfit, Stretch, misfit
 from rotorrig.processing.response import OrderTrackedResponse
@@ -36,6 +40,7 @@ class Adequacy:
     reduced_chi2: float
     worst_sigma: float
     misfits: tuple[Misfit, ...]  # stretches beyond the focused limit, or the worst one if none is
+    centreline: tuple[Misfit, ...] = ()  # of every run the loudest stretch beyond it of the mean position
     residual: NDArray[np.complex128]  # (speed, probe, order) m; NaN where nothing is predicted
     sigmas: NDArray[np.float64]  # (speed, probe, order) |residual| in standard deviations of a component, over sqrt 2
     noise_floor: float  # m
@@ -44,14 +49,17 @@ class Adequacy:
 def assess(response: OrderTrackedResponse, prediction: Predicted, *, reduced_chi2: float) -> Adequacy:
     """Test a fit against a response by its `prediction` and its chi2 per degree of freedom at 1X."""
     residual, sigmas = residual_maps(response, prediction)
-    stretches = sorted(_stretches(response, sigmas), key=lambda s: -s.sigma)
+    every = sorted(_stretches(response, sigmas), key=lambda s: -s.sigma)
+    stretches = [s for s in every if response.orders[s.order] != MEAN]
     worst = stretches[0].sigma if stretches else float("nan")
     loud = _merged([s for s in stretches if s.sigma > FOCUSED_LIMIT]) or stretches[:1]
+    moves = _loudest_of_runs([s for s in every if response.orders[s.order] == MEAN and s.sigma > FOCUSED_LIMIT])
     return Adequacy(
         adequate=bool(reduced_chi2 <= GLOBAL_LIMIT and worst <= FOCUSED_LIMIT),
         reduced_chi2=reduced_chi2,
         worst_sigma=worst,
         misfits=tuple(misfit(response, prediction, residual, _tight(s, sigmas)) for s in loud),
+        centreline=tuple(misfit(response, prediction, residual, _tight(s, sigmas)) for s in moves),
         residual=residual,
         sigmas=sigmas,
         noise_floor=float(np.median(measure(response).sigma[:-1])),
@@ -63,13 +71,15 @@ def residual_maps(
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Return measured less model (speed, probe, order) [m], and the same in sigmas (root mean square 1 if right).
 
-    An order of which nothing is predicted is expected to be its slow-roll vector.
+    An order of which nothing is predicted is expected to be its slow-roll vector, the mean position to stay.
     """
     residual = np.full(response.z.shape, np.nan + 0j)
     sigmas = np.full(response.z.shape, np.nan)
     for n, order in enumerate(response.orders):
-        if order == 0:
-            continue  # the gap: sag and thermal drift, not modelled
+        if order == MEAN:
+            residual[:, :, n], sigmas[:, :, n] = departures(response)
+            sigmas[:, :, n] = np.abs(sigmas[:, :, n])
+            continue
         measured = measure(response, order=order)
         if order in prediction:
             model = prediction[int(order)][measured.rows]
@@ -109,6 +119,14 @@ def _merged(stretches: list[Stretch]) -> list[Stretch]:
         else:
             joined.append(s)
     return sorted(joined, key=lambda s: -s.sigma)
+
+
+def _loudest_of_runs(stretches: list[Stretch]) -> list[Stretch]:
+    """Return the loudest of every run, joined with its loud neighbours; loudest first."""
+    found: dict[int, Stretch] = {}
+    for s in _merged(stretches):
+        found.setdefault(s.run, s)
+    return list(found.values())
 
 
 def _tight(s: Stretch, sigmas: NDArray[np.float64]) -> Stretch:

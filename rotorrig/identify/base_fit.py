@@ -9,6 +9,7 @@ from rotorrig.identify.adequacy import Adequacy, assess
 from rotorrig.identify.candidates import background
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.fit import first_fit
+from rotorrig.identify.mark_edge import MarkEdge
 from rotorrig.identify.recording import Recording
 from rotorrig.identify.solving import Polished
 from rotorrig.sims.effects.base import Effect
@@ -31,7 +32,8 @@ def fitted(
 ) -> Assessed:
     """Search the first recording, then fit all; `effects` of the config begin at their figures. Raises as fit."""
     first = first_fit(recordings[0].response, seed=seed)
-    slight = [(effect, effect.at_nothing) for effect in background(recordings[0].response.rig)]
+    marks = (MarkEdge.of_recording(r.number) for r in recordings if r.backward)
+    slight = [(effect, effect.at_nothing) for effect in (*background(recordings[0].response.rig), *marks)]
     known = [*slight, *effects]
     problem = ExtendedProblem(recordings, [effect for effect, _ in known])
     start = problem.parameters.start(first.p)
@@ -48,7 +50,7 @@ def assessed(problem: ExtendedProblem, polished: Polished) -> Assessed:
         whole = {}
         for order, z in predicted.items():
             whole[order] = np.full(shape, np.nan + 0j)
-            whole[order][recording.rows] = z[:-1]
+            whole[order][recording.rows] = recording.as_measured(z[:-1])
         each.append(assess(recording.response, whole, reduced_chi2=reduced))
     worst = max(each, key=lambda a: a.worst_sigma)
     return Assessed(
@@ -58,6 +60,7 @@ def assessed(problem: ExtendedProblem, polished: Polished) -> Assessed:
             worst,
             adequate=all(a.adequate for a in each),
             misfits=tuple(sorted((m for a in each for m in a.misfits), key=lambda m: -m.sigma)),
+            centreline=tuple(sorted((m for a in each for m in a.centreline), key=lambda m: -m.sigma)),
             residual=np.concatenate([a.residual for a in each]),
             sigmas=np.concatenate([a.sigmas for a in each]),
         ),

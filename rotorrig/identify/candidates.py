@@ -18,10 +18,14 @@ MOMENTS = 16  # of a recording that are tried first for what may happen at any o
 
 
 def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()) -> list[Effect]:
-    """Return every effect at every place and recording it could act in, less those named in `without`."""
+    """Return every effect at every place and recording it could act in, less those named in `without`.
+
+    Force laws are left out where a recording is of a rotor turning backwards: they are followed forwards alone.
+    """
+    lawful = not any(recording.backward for recording in recordings)
     found: list[Effect] = []
     for effect in catalogue(recordings[0].response.rig):
-        if effect.name in without:
+        if effect.name in without or not (lawful or type(effect).laws is Effect.laws):
             continue
         able = effect.within([float(order) for order in recordings[0].orders])
         if not able.parameters:

@@ -45,7 +45,7 @@ class Diagnosis:
     chi2: float
     dof: int
     p: float
-    worst: tuple[Misfit, ...]  # most serious first
+    worst: tuple[Misfit, ...]  # most serious first; those of the mean position (order 0) last
     residual: NDArray[np.complex128]  # (speed, probe, order) m, measured less model, orders as in the response
     sigmas: NDArray[np.float64]  # (speed, probe, order) the same in standard deviations
     model: str = "swept"  # or "quasi-static": the base took every row for steady motion
@@ -74,9 +74,11 @@ def diagnose(
     A "quasi-static" base takes the speed of every row as steady; if that is what is wrong with it, it is the first
     cause, and the others are looked for beside it.
 
-    Effects in the rig's config are part of the base. `holdout` is a recording no fit may see; without one the gain is
-    measured across blocks of speeds. Names in `without` are not tried. Raises ConfigError if the rig has no [identify]
-    table or an unknown effect, DataError if a recording holds too few rows or other probes or orders than the first.
+    Runs of a rotor turning the other way are recordings whose rig has the other sense of rotation than the first's;
+    force laws are then not among the causes. Effects in the rig's config are part of the base. `holdout` is a recording
+    no fit may see; without one the gain is measured across blocks of speeds. Names in `without` are not tried. Raises
+    ConfigError if the rig has no [identify] table or an unknown effect, DataError if a recording holds too few rows or
+    other probes or orders than the first.
     """
     _check(responses)
     if model == "quasi-static" and (steady := _steady(responses, seed=seed, progress=progress)):
@@ -84,7 +86,7 @@ def diagnose(
         return _with_moving_speed(found, *steady)
     with threadpool_limits(1, user_api="blas"):
         progress("base model", 0.0)
-        recordings = [Recording(r, swept=model == "swept", number=i) for i, r in enumerate(responses)]
+        recordings = _recordings(responses, swept=model == "swept")
         known = candidates(recordings, without=without)
         base = base_fit.fitted(recordings, _in_config(responses[0]), seed=seed)
         progress("causes", 0.1)
@@ -99,20 +101,31 @@ def diagnose(
         if selection.problem is not base.problem:
             extended = base_fit.assessed(selection.problem, selection.polished)
         progress("held-out data", 0.7)
-        unseen = Recording(holdout, swept=model == "swept") if holdout else None
+        unseen = _recordings([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
         predictions = gain.predictions(selection, holdout=unseen)
         verdict = naming.verdict(
             selection,
             adequate_before=base.adequacy.adequate,
             adequate_after=extended.adequacy.adequate,
             visible=naming.visible_share(selection),
-            worse=predictions.worse,
+            predictions=predictions,
         )
         progress("next run", 0.9)
         found = _report(responses, selection, base, extended, verdict, predictions)
         found = replace(found, model=model, next_run=next_run.cheapest(selection) if verdict is Verdict.TIED else {})
     progress("done", 1.0)
     return found
+
+
+def _recordings(
+    responses: Sequence[OrderTrackedResponse], *, swept: bool, like: OrderTrackedResponse | None = None
+) -> list[Recording]:
+    """Return the recordings of responses; those turn backwards whose rig has not the sense of rotation of `like`.
+
+    That is the first one unless it is given.
+    """
+    sense = (like or responses[0]).rig.rotation
+    return [Recording(r, swept=swept, number=i, backward=r.rig.rotation != sense) for i, r in enumerate(responses)]
 
 
 def _steady(
@@ -123,7 +136,7 @@ def _steady(
     with threadpool_limits(1, user_api="blas"):
         still, moving = (
             base_fit.fitted(
-                [Recording(r, swept=swept, number=i) for i, r in enumerate(responses)],
+                _recordings(responses, swept=swept),
                 _in_config(responses[0]),
                 seed=seed,
             )
@@ -144,7 +157,7 @@ def _with_moving_speed(found: Diagnosis, still: Assessed, cause: Cause) -> Diagn
         chi2=still.polished.chi2,
         dof=still.polished.dof,
         p=float(chdtrc(still.polished.dof, still.polished.chi2)),
-        worst=adequacy.misfits[:_SHOWN],
+        worst=(*adequacy.misfits[:_SHOWN], *adequacy.centreline),
         residual=adequacy.residual,
         sigmas=adequacy.sigmas,
         causes=(cause, *found.causes),
@@ -194,7 +207,7 @@ def _report(
         chi2=base.polished.chi2,
         dof=base.polished.dof,
         p=float(chdtrc(base.polished.dof, base.polished.chi2)),  # as scipy.stats.chi2.sf, whose import takes 0.5 s
-        worst=adequacy.misfits[:_SHOWN],
+        worst=(*adequacy.misfits[:_SHOWN], *adequacy.centreline),
         residual=adequacy.residual,
         sigmas=adequacy.sigmas,
         causes=causes,

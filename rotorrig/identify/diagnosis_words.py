@@ -21,6 +21,17 @@ def sentence(
     predictions: Predictions,
 ) -> str:
     """Say what was concluded, from the tests before and after the model was extended."""
+    return " ".join([_concluded(verdict, before, after, causes, tied, predictions), *_centreline(before)])
+
+
+def _concluded(
+    verdict: Verdict,
+    before: Adequacy,
+    after: Adequacy,
+    causes: Sequence[Cause],
+    tied: Sequence[Sequence[str]],
+    predictions: Predictions,
+) -> str:
     if verdict is Verdict.ADEQUATE:
         return f"The model is adequate: {_figures(before)}."
     if verdict is Verdict.CANNOT_TELL:
@@ -74,6 +85,11 @@ def character(adequacy: Adequacy) -> str:
         f"{' and '.join(runs)} run{'s' if len(runs) > 1 else ''}, at {', '.join(probes)}; at its loudest: "
         f"{loud[0].sentence}"
     )
+
+
+def _centreline(adequacy: Adequacy) -> list[str]:
+    """Say where the mean position moves most; no effect predicts that, so it stands beside the verdict."""
+    return [f"The mean position is not steady: {adequacy.centreline[0].sentence}"] if adequacy.centreline else []
 
 
 def _figures(adequacy: Adequacy) -> str:

@@ -59,7 +59,7 @@ class ExtendedProblem:
         orders = recordings[0].orders
         self._count = max(count, 1 + max(r.number for r in recordings))
         self.parameters = ExtendedParameters(
-            first.rig, first.probes, orders=orders, recordings=self._count, effects=effects
+            recordings[0].rig, first.probes, orders=orders, recordings=self._count, effects=effects
         )
         self.probes = ProbeSide(self.parameters)
         self.units = UnitResponses(self.parameters, self.effects, exact=exact)
@@ -89,9 +89,9 @@ class ExtendedProblem:
         """Return the reduced rotor with those places, made at most once."""
         key = tuple(sorted(places.items()))
         if key not in self.models:
-            first, base = self.recordings[0].response, self.parameters.base
+            first, base = self.recordings[0], self.parameters.base
             self.models[key] = StructuralModel(
-                first.rig, first.probes, groups=base.space.groups, others=base.others, places=places
+                first.rig, first.response.probes, groups=base.space.groups, others=base.others, places=places
             )
         return self.models[key]
 
@@ -210,7 +210,8 @@ class ExtendedProblem:
             laws=tuple(law for effect, theta in each for law in effect.laws(model, theta)),
         )
 
-    def _model_of(self, p: Reals) -> RotorModel:
+    def model(self, p: Reals) -> RotorModel:
+        """Return the rotor of `p`."""
         return self._model(p, [self.parameters.of_effect(p, i) for i in range(len(self.effects))])
 
     def _model(self, p: Reals, thetas: Sequence[Theta]) -> RotorModel:
@@ -238,7 +239,7 @@ class ExtendedProblem:
         if key not in self._resizes:
             moved = p.copy()
             moved[i] += STEP
-            self._resizes[key] = self._model_of(moved).dof != self._model_of(p).dof
+            self._resizes[key] = self.model(moved).dof != self.model(p).dof
         return self._resizes[key]
 
     def directions(self, p: Reals, model: RotorModel, which: Index) -> list[Direction]:
@@ -262,7 +263,7 @@ class ExtendedProblem:
                 continue
             moved = p.copy()
             moved[i] += STEP
-            found.append(between(model, self._model_of(moved), STEP))
+            found.append(between(model, self.model(moved), STEP))
         return found
 
     def amounts(self, recording: Recording, p: Reals, *, halved: bool = False) -> Complex:
@@ -283,12 +284,16 @@ class ExtendedProblem:
             return self.units.of(recording, p, moving.model, order) @ p[self.parameters.own]
         mine = moving.loads(recording, order)
         if order != 1:
-            return recording.columns(moving.model, mine, order=order).sum(axis=-1)
+            return recording.columns(self.above(moving), mine, order=order).sum(axis=-1)
         units = recording.columns(moving.model, [*moving.planes, *mine], order=1)
         planes = len(moving.planes)
         amounts = self.amounts(recording, p, halved=moving.halved)
         z = np.einsum("rpl,rl->rp", units[..., :planes], amounts)
         return z + units[..., planes:].sum(axis=-1)
+
+    def above(self, moving: Moving) -> RotorModel:
+        """Return the rotor for responses above 1X: under force laws that of the start of a fit, its passing known."""
+        return moving.model if self._above is None or not moving.laws else self._above
 
     def linear_at(self, order: int) -> bool:
         """Say whether the effects that could push at that order are all linear."""

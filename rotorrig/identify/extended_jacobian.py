@@ -124,10 +124,11 @@ def _exact(
             _by_loads(problem, recording, p, free, moving, order, found[order])
         else:
             motion = _by_rotor(problem, recording, p, free, moving, order, found[order])
-        if order == 1 or np.any(motion):
-            _by_probes(problem, p, motion, free, found[order])
+            if lawful is not None:
+                lawful.fill_above(recording, found[order], order=order)
+        _by_probes(problem, p, motion, problem.probes.common_hum(recording, p, order), free, found[order])
         _by_runout(problem, free, order, found[order])
-        _by_hum(problem, recording, free, order, found[order])
+        _by_hum(problem, recording, p, free, order, found[order])
         if order == 1:
             first = problem.probes.of_motion(p, motion, order=1)
         _by_curvature(problem, first, free, order, found[order])
@@ -165,7 +166,7 @@ def _by_rotor(
             d = np.einsum("rpl,rl->rp", by[k], amounts)
             found[..., np.searchsorted(free, i)] = problem.probes.linear(p, d)
     elif loads:
-        unit = recording.columns(moving.model, loads, order=order)
+        unit = recording.columns(moving.model if order == 1 else problem.above(moving), loads, order=order)
     if loads:
         motion = np.einsum("rpl,rl->rp", unit, amounts)
     if order == 1:
@@ -216,14 +217,14 @@ def _by_loads(
         found[..., np.searchsorted(free, i)] += problem.probes.linear(p, units[..., i - names.own.start])
 
 
-def _by_probes(problem: ExtendedProblem, p: Reals, motion: Complex, free: Index, found: Complex) -> None:
-    """Fill in the columns by gain and angle error."""
+def _by_probes(problem: ExtendedProblem, p: Reals, motion: Complex, hum: Complex, free: Index, found: Complex) -> None:
+    """Fill in the columns by gain and angle error; the hum is common to all probes, (row + 1, 1)."""
     base = problem.parameters.base
     gain, cos, sin = problem.probes.figures(p)
     n = len(gain)
     along, across = motion[:, :n], motion[:, n:]
     for part, d in (
-        (base.gain, cos * along + sin * across),
+        (base.gain, cos * along + sin * across + hum),
         (base.angle, gain * (cos * across - sin * along)),
     ):
         for i in free[(free >= part.start) & (free < part.stop)]:
@@ -238,12 +239,14 @@ def _by_runout(problem: ExtendedProblem, free: Index, order: int, found: Complex
         found[:, probe, np.searchsorted(free, i)] = 1j if imaginary else 1.0
 
 
-def _by_hum(problem: ExtendedProblem, recording: Recording, free: Index, order: int, found: Complex) -> None:
+def _by_hum(problem: ExtendedProblem, recording: Recording, p: Reals, free: Index, order: int, found: Complex) -> None:
     part = problem.parameters.hums
+    gain = problem.probes.figures(p)[0]
     own = part.start + 2 * len(MAINS) * recording.number
     for i in free[(free >= own) & (free < own + 2 * len(MAINS))]:
         frequency, imaginary = divmod(int(i) - own, 2)
-        found[..., np.searchsorted(free, i)] = (recording.hum[order][:, frequency] * (1j if imaginary else 1))[:, None]
+        leak = recording.hum[order][:, frequency] * (1j if imaginary else 1)
+        found[..., np.searchsorted(free, i)] = leak[:, None] * gain
 
 
 def _by_curvature(problem: ExtendedProblem, first: Complex, free: Index, order: int, found: Complex) -> None:

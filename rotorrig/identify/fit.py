@@ -21,7 +21,7 @@ from rotorrig.identify.intervals import with_intervals
 from rotorrig.identify.measurement import Measurement, measure
 from rotorrig.identify.objective import Name
 from rotorrig.identify.parameters import Reals
-from rotorrig.identify.polish import Problem
+from rotorrig.identify.polish import MOST_STEPS, Problem
 from rotorrig.identify.search import Found, search
 from rotorrig.identify.solving import Polished
 from rotorrig.processing.response import OrderTrackedResponse
@@ -31,6 +31,7 @@ from rotorrig.rig.provenance import code_version
 
 WHOLE = "whole sweep"
 _STARTS = 2  # minima of the search that are refined, beside the nameplate, unless an earlier start is good
+_FIRST_STEPS = 12  # of a fit that others only begin from
 _SEEN = 0.3  # sine of the least angle between a probe and the other axis for it to count as looking along this one
 
 Progress = Callable[[str], None]
@@ -93,10 +94,14 @@ def _check(rig: RigConfig) -> None:
 
 
 def first_fit(response: OrderTrackedResponse, *, seed: int = 0) -> Polished:
-    """Return the refined fit of the whole sweep alone, in the vector of `Parameters`. Raises as `fit`."""
+    """Return a fit of the whole sweep alone to begin others from, in the vector of `Parameters`. Raises as `fit`."""
     _check(response.rig)
     with threadpool_limits(1, user_api="blas"):
-        return _solved(response, _band(response, WHOLE), _Options(objective="residual", seed=seed, profile=False))[1]
+        return _solved(
+            response,
+            _band(response, WHOLE),
+            _Options(objective="residual", seed=seed, profile=False, steps=_FIRST_STEPS),
+        )[1]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,6 +111,7 @@ class _Options:
     objective: Name  # of the global search
     seed: int
     profile: bool
+    steps: int = MOST_STEPS  # of the least squares with all unknowns free
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,7 +134,9 @@ def _solved(
     """Search a band, and refine what was found and, if given, `near`: the parameters of another band."""
     space = band.problem.parameters.space
     found = search(response, band.measured, space, objective=options.objective, seed=options.seed)
-    return found, _best(_refined(band.problem, [np.array(o.theta[: len(space)]) for o in found.optima], near))
+    return found, _best(
+        _refined(band.problem, [np.array(o.theta[: len(space)]) for o in found.optima], near, steps=options.steps)
+    )
 
 
 @dataclass(frozen=True)
@@ -143,7 +151,7 @@ class _Again:
         return _solved(self.response, band, self.options)[1]
 
 
-def _refined(problem: Problem, optima: list[Reals], near: Reals | None) -> Iterator[Polished]:
+def _refined(problem: Problem, optima: list[Reals], near: Reals | None, *, steps: int) -> Iterator[Polished]:
     """Refine one start after the other: `near`, the search's best minimum, the nameplate, the next minimum.
 
     Amplitudes of few probes leave valleys in which the search cannot choose; the nameplate is a fair guess there.
@@ -151,7 +159,7 @@ def _refined(problem: Problem, optima: list[Reals], near: Reals | None) -> Itera
     if near is not None:
         yield problem.solve(near)
     for theta in (*optima[:1], problem.parameters.space.nameplate, *optima[1:_STARTS]):
-        yield problem.refined(theta)
+        yield problem.refined(theta, max_steps=steps)
 
 
 def _best(refined: Iterator[Polished]) -> Polished:

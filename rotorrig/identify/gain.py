@@ -9,7 +9,8 @@ from rotorrig.identify.base_fit import Assessed
 from rotorrig.identify.held_out import Prediction, held_out, predicted
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.recording import Recording
-from rotorrig.identify.selection import Candidate, Selection, called_for
+from rotorrig.identify.selection import Selection, called_for
+from rotorrig.identify.trial import Candidate
 
 _WORSE = 1.1  # times the error of the base: a cause at 2X leaves it as it was, give or take
 _MEASURED = 3  # causes whose prediction is measured

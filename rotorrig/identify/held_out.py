@@ -1,6 +1,6 @@
 """Prediction of what a fit never saw: speeds in blocks, or a whole recording."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,13 +11,14 @@ from rotorrig.identify.least_squares import LinearModel, stepped
 from rotorrig.identify.parameters import Reals
 from rotorrig.identify.recording import Recording
 
+Complex = NDArray[np.complex128]
+
 BLOCK = 24  # rows that are left out together, at most: neighbours share their noise
 BLOCKS = 6  # that a recording is divided into at least
 _ACCURATE = 0.3  # of chi2
 _NEARLY = 5e-4  # of the chi2 of a model that is wrong
 _CLOSE = 20  # times that: what so short a step leaves, the derivatives before it tell
 _STEPS = 3
-_LAWFUL_STEPS = 1  # under a force law: each takes seconds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,23 +39,22 @@ def held_out(problem: ExtendedProblem, p: Reals) -> Prediction:
     """Return how well the model, fitted to one half of the blocks, predicts the other, both ways round.
 
     `p` is its fit to all rows. Half of them moves that by little, so the derivatives there serve both halves; it is
-    only where the model is wrong that a second step is needed.
+    only where the model is wrong that a second step is needed. Under a force law, whose derivatives take longest, one
+    has to do.
     """
-    lawful = bool(problem.moving(p).laws)
-    J = None if lawful else problem.jacobian(p)
+    J, r = problem.jacobian(p), problem.residual(p)
+    steps = 1 if problem.moving(p).laws else _STEPS
     parts = []
     for shown, hidden in _halves(problem.recordings):
         of_shown = problem.on(shown)
-        if J is None:
-            fit = of_shown.solve(p, tolerance=_ACCURATE, max_steps=_LAWFUL_STEPS).p
-        else:
-            fit = _refitted(of_shown, p, J * _counted(of_shown)[:, None])
-        parts.append(errors(problem.on(hidden), fit))
+        counted = _counted(of_shown)
+        fit = _refitted(of_shown, p, counted * r, counted[:, None] * J, steps=steps)
+        parts.append(errors(problem.on(hidden), of_shown.predict(fit)))
     return summed(parts)
 
 
-def _refitted(problem: ExtendedProblem, p: Reals, J: Reals) -> Reals:
-    """Return the fit of `problem` from `p`, where its Jacobian is `J`: as many steps as are worth it."""
+def _refitted(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: int) -> Reals:
+    """Return the fit of `problem` from `p`, its residual `r` and its Jacobian `J` there, in `steps` or fewer."""
     free = np.setdiff1d(np.arange(len(p)), list(problem.parameters.frozen))
     bounds = tuple(bound[free] for bound in problem.bounds)
 
@@ -63,16 +63,15 @@ def _refitted(problem: ExtendedProblem, p: Reals, J: Reals) -> Reals:
         whole[free] = part
         return whole
 
-    r = problem.residual(p)
     enough = max(_ACCURATE, _NEARLY * float(r @ r))
-    for _ in range(_STEPS):
+    for step in range(1, steps + 1):
         model = LinearModel(J[:, free], r, p[free], bounds)
         promise = model.promise(model.best(0.0))
         taken = stepped(model, lambda part: problem.residual(full(part))) if promise > enough else None
         if taken is None:
             break
         p, r = full(taken.p), taken.r
-        if promise < _CLOSE * enough and promise - (model.cost - float(r @ r)) < enough:
+        if step == steps or (promise < _CLOSE * enough and promise - (model.cost - float(r @ r)) < enough):
             break
         J = problem.jacobian(p)
     return p
@@ -86,13 +85,16 @@ def _counted(problem: ExtendedProblem) -> Reals:
 
 def predicted(problem: ExtendedProblem, p: Reals) -> Prediction:
     """Return how well the model at `p` predicts the recordings of `problem`, nothing fitted."""
-    return summed([errors(problem, p)])
+    return summed([errors(problem, problem.predict(p))])
 
 
-def errors(problem: ExtendedProblem, p: Reals) -> NDArray[np.float64]:
-    """Return sums over the usable 1X vectors: |error|^2, 2 sigma^2, |error|^2 in sigmas, and their number."""
+def errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]]) -> NDArray[np.float64]:
+    """Return sums over the usable 1X vectors: |error|^2, 2 sigma^2, |error|^2 in sigmas, and their number.
+
+    `vectors` are the model's, order -> (row + 1, probe) [m] of every recording.
+    """
     total = np.zeros(4)
-    for recording, found in zip(problem.recordings, problem.predict(p), strict=True):
+    for recording, found in zip(problem.recordings, vectors, strict=True):
         measured = recording.measured[1]
         usable = measured.usable[:-1]
         off = np.where(usable, found[1][:-1] - measured.z[:-1], 0)

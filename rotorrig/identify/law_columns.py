@@ -37,12 +37,15 @@ class LawColumns:
         structural = [int(i) for i in free if i < names.base.structural.stop]
         matrices: list[int] = []  # unknowns of effects
         others: list[int] = []
+        nonlinear: list[int] = []  # whose loads are no multiples of them
         for effect, part in zip(problem.effects, names.theta, strict=True):
             own = [int(i) for i in free if part.start <= i < part.stop and under_laws(problem, p, effect, int(i))]
             (others if type(effect).changed is Effect.changed else matrices).extend(own)
+            nonlinear.extend(own if not effect.linear and type(effect).loads is not Effect.loads else [])
         which = [*structural, *matrices]
         directions = problem.directions(p, moving.model, np.array(which, dtype=np.intp))
         self._directions: dict[int, Direction] = dict(zip(which, directions, strict=True))
+        self._nonlinear = nonlinear
         self._after = {i: self._stepped(i) for i in [*which, *others]}
         loaded = (free >= names.base.unbalance.start) & (free < names.base.unbalance.stop) | (free == names.keyphasor)
         self._moves = bool(self._after) or bool(loaded.any())  # else nothing of the march changes
@@ -78,6 +81,16 @@ class LawColumns:
                 for k, column in enumerate(columns):
                     found[order][rows, :, column] += problem.probes.linear(p, change[..., k])[rows]
         return motion
+
+    def fill_above(self, recording: Recording, found: Complex, *, order: int) -> None:
+        """Add the columns by loads above 1X that are not linear in the unknowns to `found` (row + 1, probe, column)."""
+        known = self._moving.loads(recording, order)
+        rotor = self._problem.above(self._moving)
+        for i in self._nonlinear:
+            pairs = zip(known, self._after[i].loads(recording, order), strict=True)
+            more = [replace(old, pattern=(new.pattern - old.pattern) / STEP) for old, new in pairs]
+            z = recording.columns(rotor, more, order=order).sum(axis=-1)
+            found[..., np.searchsorted(self._free, i)] += self._problem.probes.linear(self._p, z)
 
     def _stepped(self, i: int) -> Moving:
         moved = self._p.copy()
@@ -130,10 +143,18 @@ class LawColumns:
 def under_laws(problem: ExtendedProblem, p: Reals, effect: Effect, i: int) -> bool:
     """Say whether unknown `i` of an effect has a column here: it moves the rotor, and does it smoothly."""
     kind = type(effect)
-    loads = kind.loads is Effect.loads or effect.linear
     matrices = kind.changed is Effect.changed or not problem.resized(p, i)
     moves = kind.changed is not Effect.changed or kind.loads is not Effect.loads or kind.laws is not Effect.laws
-    return moves and loads and matrices and kind.seen is Effect.seen
+    return moves and matrices and kind.seen is Effect.seen and not _moves_a_law(problem, p, effect, i)
+
+
+def _moves_a_law(problem: ExtendedProblem, p: Reals, effect: Effect, i: int) -> bool:
+    """Say whether unknown `i` is where a force law of its effect acts, and not only how."""
+    k = problem.effects.index(effect)
+    q = effect.parameters[i - problem.parameters.theta[k].start]
+    theta, model = problem.parameters.of_effect(p, k), problem.model(p)
+    there = effect.laws(model, theta | {q.name: theta[q.name] + STEP * q.size})
+    return any(not np.array_equal(a.rows, b.rows) for a, b in zip(effect.laws(model, theta), there, strict=True))
 
 
 def _unit(size: int, i: int) -> Complex:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.centreline import MEAN
 from rotorrig.processing.probe_planes import measured_planes, whirl
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import RPM
@@ -23,7 +24,7 @@ class Misfit:
 
     run: str
     probe: str
-    order: float
+    order: float  # 0: of the mean position, by how much it moves
     speed_from: float  # rad/s
     speed_to: float  # rad/s
     sigma: float  # root mean square of the whitened residual over the stretch
@@ -79,10 +80,13 @@ def _sentence(
 ) -> str:
     omega = response.omega[s.rows]
     name, order = response.probes[s.probe], response.orders[s.order]
-    seen = f"{np.nanmax(off) * 1e6:.2g} um 0-peak at {omega[np.nanargmax(off)] * RPM:.0f} rpm, {s.sigma:.0f} sigma"
+    size = f"{np.nanmax(off) * 1e6:.2g} um{'' if order == MEAN else ' 0-peak'}"
+    seen = f"{size} at {omega[np.nanargmax(off)] * RPM:.0f} rpm, {s.sigma:.0f} sigma"
     what = f"probe {name} shows {order:g}X of up to {seen}, where the linear model has none"
     if order == 1:
         what = f"probe {name} departs from the model by up to {seen} ({relation})"
+    if order == MEAN:
+        what = f"the mean position at probe {name} moves by up to {seen}"
     where = f"In the {response.runs[s.run].name} run, {omega.min() * RPM:.0f} to {omega.max() * RPM:.0f} rpm"
     return ", ".join([where, what, *filter(None, more)]) + "."
 
@@ -94,7 +98,9 @@ def _relation(relative: float, phase: float) -> str:
 
 
 def _backward(response: OrderTrackedResponse, residual: Complex, s: Stretch) -> float:
-    """Return the share of the residual's square that whirls backward in the plane of the probe."""
+    """Return the share of the residual's square that whirls backward in the plane of the probe; NaN of the mean."""
+    if response.orders[s.order] == MEAN:
+        return float("nan")
     for plane, pair in measured_planes(response.rig, response.probes):
         if s.probe in pair:
             vectors = whirl(plane, residual[s.rows][:, pair, s.order], rotation=response.rig.rotation)

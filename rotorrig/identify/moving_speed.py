@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.base_fit import Assessed
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.held_out import held_out
-from rotorrig.identify.selection import DETECTED
+from rotorrig.identify.stage import DETECTED
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import RPM
 

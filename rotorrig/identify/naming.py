@@ -7,13 +7,17 @@ from typing import Any
 import numpy as np
 
 from rotorrig.identify.cause import Cause, Figure
+from rotorrig.identify.gain import Predictions
 from rotorrig.identify.held_out import Prediction
 from rotorrig.identify.least_squares import Stop
-from rotorrig.identify.selection import Candidate, Selection, Stage, called_for, plausible
+from rotorrig.identify.selection import Selection, called_for
 from rotorrig.identify.separation import DETECTABLE, NAMEABLE
+from rotorrig.identify.stage import Stage
+from rotorrig.identify.trial import Candidate, plausible
 from rotorrig.sims.effects.base import Effect, Parameter, magnitudes
 
 _LEFT = 0.03  # of the excess of chi2 that a force law may leave
+_OVER_FLOOR = 4.0  # of the error of unseen data then: twice that of clearances and springs that were found
 _ENOUGH_VISIBLE = 0.5  # of the known effects, at their typical size: below, data that show nothing say nothing
 
 
@@ -28,50 +32,61 @@ class Verdict(StrEnum):
 
 
 def verdict(
-    selection: Selection, *, adequate_before: bool, adequate_after: bool, visible: float, worse: bool = False
+    selection: Selection, *, adequate_before: bool, adequate_after: bool, visible: float, predictions: Predictions
 ) -> Verdict:
     """Conclude; `visible` is the share of the known effects that this data could show.
 
-    `worse` says that the extended model predicts data no fit saw worse than the base: then it is no explanation.
+    If the extended model predicts data no fit saw worse than the base, it is no explanation.
     """
     if selection.problem.effects == selection.start.effects:
         if not adequate_before:
             return Verdict.UNEXPLAINED
         return Verdict.ADEQUATE if visible >= _ENOUGH_VISIBLE else Verdict.CANNOT_TELL
-    if worse or not (adequate_after or _nearly_all(selection)):
+    if predictions.worse or not (adequate_after or _nearly_all(selection, predictions)):
         return Verdict.UNEXPLAINED
     return Verdict.TIED if ties(selection) else Verdict.NAMED
 
 
 def ties(selection: Selection) -> tuple[tuple[str, ...], ...]:
-    """Return the sets of labels that fit alike, one for every chosen effect with a rival of another kind."""
+    """Return the sets of labels that fit alike, one for every chosen effect with a rival that is another cause."""
     return tuple(tuple(candidate.effect.label for candidate in group) for group in tied_candidates(selection))
 
 
 def tied_candidates(selection: Selection) -> list[list[Candidate]]:
     """Return these sets as candidates, the chosen one first."""
     found = []
-    for stage in selection.stages:
-        best = stage.tried[0] if stage.tried else None
-        if best is None or best.effect not in selection.problem.effects:
+    for effect in selection.problem.effects:
+        if (stage := _stage_of(selection, effect)) is None:
             continue
+        best = stage.tried[0]
         rivals = _rivals(stage, best)
-        if any(rival.effect.name != best.effect.name for rival in rivals):
+        if any(_other(rival.effect, best.effect) for rival in rivals):
             found.append([best, *rivals])
     return found
+
+
+def _other(effect: Effect, best: Effect) -> bool:
+    """Say whether it is another cause: another kind, or the same of another probe; not the next place on the shaft."""
+    return effect.name != best.name or type(effect).seen is not Effect.seen
+
+
+def _stage_of(selection: Selection, effect: Effect) -> Stage | None:
+    """Return the last step in which an effect was the best; None of one that the config brings."""
+    return next((s for s in reversed(selection.stages) if s.tried and s.tried[0].effect is effect), None)
 
 
 def _rivals(stage: Stage, best: Candidate) -> list[Candidate]:
     return [c for c in stage.tried[1:] if called_for(c) and best.evidence - c.evidence < NAMEABLE]
 
 
-def _nearly_all(selection: Selection) -> bool:
-    """Say whether a force law explains the residual as well as its describing function can.
+def _nearly_all(selection: Selection, predictions: Predictions) -> bool:
+    """Say whether a force law explains the residual as well as its describing function can, in unseen data too.
 
     Its 3X is not followed, and 2X and 3X act back on the first order only as if they came and went slowly.
     """
     left = selection.polished.chi2 - selection.polished.dof
-    return selection.problem.curved and left < _LEFT * (selection.base.chi2 - selection.base.dof)
+    nearly = left < _LEFT * (selection.base.chi2 - selection.base.dof)
+    return selection.problem.curved and nearly and predictions.after.over_floor < _OVER_FLOOR
 
 
 def visible_share(selection: Selection) -> float:
@@ -134,10 +149,11 @@ def causes(selection: Selection, predictions: dict[str, tuple[Prediction, Predic
     """
     final = selection.problem
     chosen = [
-        _cause(candidate, selection, i, predictions, chosen=True)
+        _cause(stage.tried[0], selection, i, predictions, chosen=True)
         for i, effect in enumerate(final.effects)
-        for candidate in _of(selection, effect)
+        if (stage := _stage_of(selection, effect)) is not None
     ]
+    chosen.sort(key=lambda cause: -cause.evidence)
     names = {cause.label for cause in chosen}
     others: dict[str, Cause] = {}
     for stage in selection.stages:
@@ -145,10 +161,6 @@ def causes(selection: Selection, predictions: dict[str, tuple[Prediction, Predic
             if candidate.effect.label not in names:
                 others.setdefault(candidate.effect.label, _cause(candidate, None, -1, predictions, chosen=False))
     return (*chosen, *sorted(others.values(), key=lambda cause: (not cause.plausible, -cause.evidence)))
-
-
-def _of(selection: Selection, effect: Effect) -> list[Candidate]:
-    return [c for stage in selection.stages for c in stage.tried[:1] if c.effect is effect]
 
 
 def _cause(

@@ -9,8 +9,10 @@ from typing import Any
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.naming import tied_candidates
 from rotorrig.identify.planned import Plan, plans, recorded
-from rotorrig.identify.selection import Candidate, Selection
+from rotorrig.identify.selection import Selection
 from rotorrig.identify.separation import NAMEABLE, separation
+from rotorrig.identify.trial import Candidate
+from rotorrig.rig.errors import DataError
 
 
 def cheapest(selection: Selection) -> dict[str, Any]:
@@ -20,7 +22,10 @@ def cheapest(selection: Selection) -> dict[str, Any]:
         return {}
     best, *rivals = groups[0]
     found: list[tuple[float, Plan]] = []
-    for plan in plans(best.problem.recordings[0].response):
+    measured = best.problem.recordings
+    for plan in plans(measured[0].response):
+        if plan.backward and any(recording.backward for recording in measured):
+            continue
         lam = min(_separated(best, rival, plan) for rival in rivals)
         found.append((lam, plan))
         if lam >= NAMEABLE:
@@ -34,10 +39,14 @@ def cheapest(selection: Selection) -> dict[str, Any]:
 
 
 def _separated(best: Candidate, rival: Candidate, plan: Plan) -> float:
+    """Return lambda of a rival in the recordings of a plan; none where nobody knows what these would show."""
     recordings = recorded(best.problem.recordings[0].response, plan)
-    truth = ExtendedProblem(recordings, best.problem.effects)
+    truth = ExtendedProblem(recordings, (*plan.unknown, *best.problem.effects))
     named = dict(zip(best.problem.parameters.names, best.polished.p, strict=True))
     p = truth.parameters.start(best.polished.p[:0])
     for i, name in enumerate(truth.parameters.names):
         p[i] = named.get(name, p[i])
-    return separation(truth, p, rival.problem.effects)
+    try:
+        return separation(truth, p, (*plan.unknown, *rival.problem.effects))
+    except DataError:  # a force law, in a rotor that turns backwards
+        return 0.0

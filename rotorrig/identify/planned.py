@@ -6,10 +6,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.mark_edge import MarkEdge
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
+from rotorrig.sims.effects.base import Effect
 from rotorrig.sims.rotor.timeline import TURN, Timeline
 
 Reals = NDArray[np.float64]
@@ -28,11 +30,20 @@ class Plan:
     low: float  # rad/s
     high: float
     ramp: float  # rad/s^2, up and down
-    trial: dict[str, complex] = field(default_factory=dict)  # of a second recording; empty: there is one only
+    trial: dict[str, complex] = field(default_factory=dict)  # of a second recording; empty: there is none with one
+    backward: bool = False  # a second recording has the rotor turning the other way
+
+    @property
+    def unknown(self) -> tuple[Effect, ...]:
+        """What a fit of these recordings has to find beside all that one of the first alone has."""
+        return (MarkEdge.of_recording(1),) if self.backward else ()
 
 
 def plans(response: OrderTrackedResponse) -> Iterator[Plan]:
-    """Yield what one could do next, cheapest first: what takes no tools, then a trial mass, then more probes."""
+    """Yield what one could do next, cheapest first: what takes no tools, then a trial mass, then more probes.
+
+    Of what takes none, turning the other way comes last: not every drive can, and screws may work loose.
+    """
     rig = response.rig
     low, high = float(response.omega.min()), float(response.omega.max())
     ramp = float(np.median(np.abs(response.alpha[np.isfinite(response.alpha)]))) or 3.0
@@ -57,6 +68,15 @@ def plans(response: OrderTrackedResponse) -> Iterator[Plan]:
             high=top,
             ramp=ramp,
         )
+    yield Plan(
+        kind="reverse rotation",
+        words="Sweep once more with the rotor turning the other way, if the drive can reverse.",
+        rig=rig,
+        low=low,
+        high=high,
+        ramp=ramp,
+        backward=True,
+    )
     disk = rig.identify.unbalance[0] if rig.identify else rig.disks[0].name
     if not any(run.trial_unbalance for run in response.runs):
         yield Plan(
@@ -86,8 +106,11 @@ def plans(response: OrderTrackedResponse) -> Iterator[Plan]:
 def recorded(response: OrderTrackedResponse, plan: Plan) -> list[Recording]:
     """Return the recordings of a plan, their vectors nothing yet, their noise that of `response` at like speeds."""
     first = _response(response, plan, {})
+    if plan.backward:
+        reverse = replace(first, rig=plan.rig.turned_over)
+        return [Recording(first, planned=True), Recording(reverse, number=1, backward=True, planned=True)]
     both = [first, _response(response, plan, plan.trial)] if plan.trial else [first]
-    return [Recording(r, number=i) for i, r in enumerate(both)]
+    return [Recording(r, number=i, planned=True) for i, r in enumerate(both)]
 
 
 def _response(response: OrderTrackedResponse, plan: Plan, trial: dict[str, complex]) -> OrderTrackedResponse:

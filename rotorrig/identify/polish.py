@@ -17,6 +17,7 @@ from rotorrig.processing.response import OrderTrackedResponse
 
 Complex = NDArray[np.complex128]
 
+MOST_STEPS = 50
 _NEAR = 1.0  # of chi2: from here on all parameters are freed
 
 
@@ -53,7 +54,7 @@ class Problem:
         p[self.parameters.sought] = np.clip(space.to_working(values), *space.working_bounds.T)
         return self.settled(p, np.arange(len(p)))
 
-    def refined(self, values: Reals) -> Polished:
+    def refined(self, values: Reals, *, max_steps: int = MOST_STEPS) -> Polished:
         """Refine from the unknowns in SI: first as if the nameplate and the probes were exact, then with all free.
 
         Far from the minimum a nuisance would take what the unknowns have not reached yet, and find back only slowly.
@@ -61,7 +62,7 @@ class Problem:
         names = self.parameters
         nuisances = [i for part in (names.nameplate, names.gain, names.angle) for i in range(part.start, part.stop)]
         near = self.solve(self.start(values), fixed=dict.fromkeys(nuisances, 0.0), tolerance=_NEAR)
-        return self.solve(near.p)
+        return self.solve(near.p, max_steps=max_steps)
 
     @property
     def bounds(self) -> tuple[Reals, Reals]:
@@ -73,10 +74,17 @@ class Problem:
         """Number of real figures measured, and of priors."""
         return self.measured.size + len(self.parameters.priors)
 
-    def solve(self, start: Reals, *, fixed: Mapping[int, float] = NONE_FIXED, tolerance: float = TOLERANCE) -> Polished:
+    def solve(
+        self,
+        start: Reals,
+        *,
+        fixed: Mapping[int, float] = NONE_FIXED,
+        tolerance: float = TOLERANCE,
+        max_steps: int = MOST_STEPS,
+    ) -> Polished:
         """Refine by least squares within the bounds, the parameters in `fixed` held: solving.solve."""
         # damped: a search may end far off, where full steps of a wrong model run to the bounds
-        return solve(self, start, fixed=fixed, tolerance=tolerance, damped=True)
+        return solve(self, start, fixed=fixed, tolerance=tolerance, max_steps=max_steps, damped=True)
 
     def at_bound(self, p: Reals, i: int) -> bool:
         """Say whether unknown number `i` ended within a per cent of its bound."""

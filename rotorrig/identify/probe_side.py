@@ -44,7 +44,11 @@ class ProbeSide:
         return bends(first, order, odd=p[self._parameters.odd], even=p[self._parameters.even])
 
     def hum(self, recording: Recording, p: Reals, order: int) -> Complex:
-        """Return what the mains leave in the vectors of every probe, (row + 1, 1)."""
+        """Return what the mains leave in the vectors of every probe, by its gain as a motion, (row + 1, probe)."""
+        return self.common_hum(recording, p, order) * self.figures(p)[0]
+
+    def common_hum(self, recording: Recording, p: Reals, order: int) -> Complex:
+        """Return what a probe without a gain error shows of the mains, (row + 1, 1)."""
         own = p[self._parameters.hums].reshape(-1, len(MAINS), 2)[recording.number]
         return (recording.hum[order] @ (own[:, 0] + 1j * own[:, 1]))[:, None]
 

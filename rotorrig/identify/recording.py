@@ -12,6 +12,7 @@ from rotorrig.identify.extended_parameters import MAINS
 from rotorrig.identify.measurement import Measurement, measure
 from rotorrig.identify.trial_masses import trial_unbalance
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Seen
 from rotorrig.sims.effects.line_hum import leak
@@ -21,6 +22,7 @@ from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives
 from rotorrig.sims.rotor.loads import Load, in_recording
+from rotorrig.sims.rotor.reversal import reversed_direction, reversed_load, reversed_rotor
 from rotorrig.sims.rotor.steady_law import steady_law_derivatives, steady_with_law
 from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
 from rotorrig.sims.rotor.swept_law import swept_with_law
@@ -38,15 +40,28 @@ _BEYOND = 0.1  # m: no rotor kit does
 class Recording:
     """The rows of one response. Those of the slow roll, one vector per probe and order, come last."""
 
-    def __init__(self, response: OrderTrackedResponse, *, swept: bool = True, number: int = 0) -> None:
+    def __init__(
+        self,
+        response: OrderTrackedResponse,
+        *,
+        swept: bool = True,
+        number: int = 0,
+        backward: bool = False,
+        planned: bool = False,
+    ) -> None:
         """Gather the rows; `swept` False takes the speed as steady, as a table without times does.
 
-        `number` counts the recordings of a diagnosis from 0.
+        `number` counts the recordings of a diagnosis from 0. `backward`: the rotor turned against the model's sense of
+        rotation; all vectors here are then told by the model's shaft angle, which falls (see `as_measured`). `planned`:
+        it was not made, so no vector of it is known.
         """
         self.response = response
         self.number = number
+        self.backward = backward
+        self._reversed: list[tuple[RotorModel, RotorModel]] = []  # the latest rotor, and as it turns backwards
         self.orders = tuple(order for order in ORDERS if float(order) in response.orders)
-        self.measured: dict[int, Measurement] = {n: measure(response, order=float(n)) for n in self.orders}
+        told = told_by_falling_angle(response) if backward else response
+        self.measured: dict[int, Measurement] = {n: measure(told, order=float(n)) for n in self.orders}
         self.rows = self.measured[1].rows
         slow = response.slow_roll_omega
         self._omega = response.omega[self.rows]
@@ -61,9 +76,15 @@ class Recording:
                 revolutions=response.revolutions[self.rows],
                 window=response.window,
             )
-        self.trial = trial_unbalance(response, self.rows)
-        self._views = {order: self._view(order) for order in self.orders}
+        self.trial = trial_unbalance(told, self.rows)
+        views = {order: self._view(order) for order in self.orders}
+        self._views = views if planned else _with_slow_roll(views, self.measured)
         self.hum = {order: self._leaks(order) for order in self.orders}
+
+    @property
+    def rig(self) -> RigConfig:
+        """The rig, in the model's sense of rotation."""
+        return self.response.rig.turned_over if self.backward else self.response.rig
 
     @property
     def swept(self) -> bool:
@@ -82,6 +103,8 @@ class Recording:
     def _with(self, measured: dict[int, Measurement]) -> "Recording":
         other = copy.copy(self)
         other.measured = measured
+        known = all(len(view.slow_roll) for view in self._views.values())
+        other._views = _with_slow_roll(self._views, measured) if known else self._views
         return other
 
     def begins(self, load: Load) -> float:
@@ -96,18 +119,19 @@ class Recording:
         """Return the response to each of `loads`, all of that order, (row + 1, probe, load) m per its unit."""
         if not loads:
             return np.zeros((len(self.rows) + 1, len(model.probes), 0), dtype=complex)
-        loads = self._own(loads)
+        model, loads = self._turning(model, self._own(loads))
         if self._tracked is not None:
             moving = swept_columns(model, self._tracked, loads=loads, order=order)
         else:
             moving = load_columns(model, self._omega, loads) * self._begun(loads)[:, None]
-        return np.concatenate([moving, self._early(load_columns(model, self._slow, loads), loads)])
+        return self.as_measured(np.concatenate([moving, self._early(load_columns(model, self._slow, loads), loads)]))
 
     def derivatives(
         self, model: RotorModel, loads: Sequence[Load], directions: Sequence[Direction], *, order: int
     ) -> Derivatives:
         """Return that and its derivatives along `directions`, (direction, row + 1, probe, load)."""
-        loads = self._own(loads)
+        model, loads = self._turning(model, self._own(loads))
+        directions = [reversed_direction(d) for d in directions] if self.backward else directions
         if self._tracked is not None:
             moving = swept_derivatives(model, self._tracked, loads=loads, directions=directions, order=order)
         else:
@@ -116,8 +140,8 @@ class Recording:
             moving = Derivatives(steady.z * begun, steady.by * begun)
         slow = steady_derivatives(model, self._slow, loads=loads, directions=directions, order=order)
         return Derivatives(
-            np.concatenate([moving.z, self._early(slow.z, loads)]),
-            np.concatenate([moving.by, self._early(slow.by, loads)], axis=1),
+            self.as_measured(np.concatenate([moving.z, self._early(slow.z, loads)])),
+            self.as_measured(np.concatenate([moving.by, self._early(slow.by, loads)], axis=1)),
         )
 
     def with_laws(
@@ -135,6 +159,7 @@ class Recording:
         `above` is another model for the orders above 1, see swept_with_law. A stiffness that turns with the shaft is
         left out. Raises DataError where the force is not found.
         """
+        self._check_forward()
         model = _without_turning(model)
         loads = self._own(loads)
         slow = steady_with_law(model, self._slow, loads, amounts * self._acting(loads), laws, orders=orders)
@@ -162,6 +187,7 @@ class Recording:
         Above 1X those of the laws' forces. A stiffness that turns with the shaft is left out. Raises DataError where
         the force is not found.
         """
+        self._check_forward()
         model = _without_turning(model)
         changes = [c if c.direction is None else replace(c, direction=c.direction._replace(T=0.0)) for c in changes]
         loads = self._own(loads)
@@ -175,6 +201,10 @@ class Recording:
         by = {order: np.concatenate([moving.by[order], slow.by[order]]) for order in orders}
         return LawDerivatives(np.concatenate([moving.z, slow.z]), by)
 
+    def as_measured(self, z: Complex) -> Complex:
+        """Return vectors told by the model's shaft angle as told by the measured one, which rises, or back."""
+        return z.conj() if self.backward else z
+
     def view(self, order: int) -> Seen:
         """Return what a probe-side effect may know."""
         return self._views[order]
@@ -187,7 +217,7 @@ class Recording:
             angle=np.array([p.angle for p in probes]),
             position=np.array([p.position for p in probes]),
             order=order,
-            omega=np.append(self._omega, self._slow),
+            omega=np.append(self._omega, self._slow) * (-1 if self.backward else 1),
             t=response.t[self.rows],
             revolutions=response.revolutions[self.rows],
             window=response.window,
@@ -202,6 +232,18 @@ class Recording:
             for i, frequency in enumerate(MAINS):
                 found[:-1, i] = leak(self.view(order), np.arange(len(t)), frequency)
         return found
+
+    def _turning(self, model: RotorModel, loads: Sequence[Load]) -> tuple[RotorModel, Sequence[Load]]:
+        """Return rotor and loads in the sense in which this recording's turned."""
+        if not self.backward:
+            return model, loads
+        if not self._reversed or self._reversed[0][0] is not model:
+            self._reversed = [(model, reversed_rotor(model))]
+        return self._reversed[0][1], [reversed_load(load) for load in loads]
+
+    def _check_forward(self) -> None:
+        if self.backward:
+            raise DataError("a force law is not followed where the rotor turns backwards, want a forward run for it")
 
     def _own(self, loads: Sequence[Load]) -> list[Load]:
         """Return loads, which come on the clock of all recordings, on that of this one."""
@@ -221,6 +263,32 @@ class Recording:
         pulses = self.response.keyphasor_t
         first = pulses[0] if len(pulses) else 0.0
         return np.array([load.since <= first for load in loads], dtype=bool)
+
+
+def _with_slow_roll(views: Mapping[int, Seen], measured: Mapping[int, Measurement]) -> dict[int, Seen]:
+    """Return what a probe-side effect may know, the slow roll as measured among it."""
+    return {order: replace(view, slow_roll=measured[order].z[-1]) for order, view in views.items()}
+
+
+def told_by_falling_angle(response: OrderTrackedResponse) -> OrderTrackedResponse:
+    """Return a response told as of the rig that turns the other way, x = Re(z e^{j n theta}) with an angle that falls.
+
+    Angles of trial masses are then in that rig's sense of rotation.
+    """
+    sign = np.resize([1.0, -1.0], response.covariance.shape[-1])
+    flipped = np.outer(sign, sign)
+    return replace(
+        response,
+        rig=response.rig.turned_over,
+        runs=tuple(
+            replace(run, trial_unbalance={disk: np.conj(u) for disk, u in run.trial_unbalance.items()})
+            for run in response.runs
+        ),
+        z=response.z.conj(),
+        covariance=response.covariance * flipped,
+        slow_roll=response.slow_roll.conj(),
+        slow_roll_covariance=response.slow_roll_covariance * flipped,
+    )
 
 
 def _without_turning(model: RotorModel) -> RotorModel:

@@ -28,19 +28,22 @@ class Score:
     lam: float  # by how much chi2 would fall
     step: Reals  # (parameter,) of the effect, in its sizes, that would do it
     visible: float  # lambda of the effect at its typical size: what this data could show of it
-    begin: Reals | None = None  # (parameter,) of an effect without a first order, in its sizes: where to begin
+    begin: Reals | None = None  # (parameter,) of the problem with it, of one without a first order: where to begin
 
 
 def scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> list[Score]:
     """Return the scores of `candidates` beside the effects `problem` has, at its fit `p`; best first.
 
-    One that is scanned stands where its score is best. Those that have no first order, as a clearance, are left to
-    `curved_scores`.
+    One that is scanned, or has several beginnings, stands where its score is best. Those that have no first order, as
+    a clearance, are left to `curved_scores`.
     """
     Q, r = _projection(problem, p)
     able = [effect for effect in candidates if not effect.curved]
     placed = [_placed(problem, p, effect, Q, r) if effect.scan else effect for effect in able]
-    return sorted(_scores(problem, p, placed, Q, r), key=lambda score: -score.lam)
+    begun = [effect for several in placed for effect in several.begun()]
+    found = sorted(_scores(problem, p, begun, Q, r), key=lambda score: -score.lam)
+    first = {score.effect.label: score for score in reversed(found)}
+    return [score for score in found if score is first[score.effect.label]]
 
 
 def relocated(problem: ExtendedProblem, p: Reals, effect: Effect) -> Effect:
@@ -98,7 +101,7 @@ def _curved(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Rea
         share = -float(left @ r) / size
         lam = share**2 * size if share > 0 else 0.0
         if lam >= best.lam:
-            best = replace(best, lam=lam, visible=size, begin=begun[own.stop - len(effect.parameters) :])
+            best = replace(best, lam=lam, visible=size, begin=begun)
     return best
 
 
@@ -110,17 +113,25 @@ def _beyond(columns: Reals, Q: Reals) -> Reals:
 
 
 def _score(effect: Effect, columns: Reals, left: Reals, r: Reals) -> Score:
-    """Score an effect by its `columns` and what of them is beyond the model so far."""
+    """Score an effect by its `columns` and what of them is beyond the model so far.
+
+    An unknown that is never less than nothing, as a loss factor, is left out where less is what would suit.
+    """
     step = np.zeros(len(effect.parameters))
     length = _lengths(columns)
     size = _lengths(left)
     seen = size > _OPEN * np.maximum(length, 1e-300)
-    if not seen.any():
-        return Score(effect=effect, lam=0.0, step=step, visible=0.0)
-    basis, triangle = np.linalg.qr(left[:, seen])
-    along = basis.T @ r
-    step[seen] = -np.linalg.lstsq(triangle, along, rcond=1e-9)[0]
-    return Score(effect=effect, lam=float(along @ along), step=step, visible=float(np.max(size**2)))
+    one_sided = np.array([q.low == q.nothing for q in effect.parameters])
+    lam, visible = 0.0, float(np.max(size[seen] ** 2, initial=0.0))
+    while seen.any():
+        basis, triangle = np.linalg.qr(left[:, seen])
+        along = basis.T @ r
+        step[seen] = -np.linalg.lstsq(triangle, along, rcond=1e-9)[0]
+        lam = float(along @ along)
+        if not (backward := one_sided & (step < 0)).any():
+            break
+        lam, seen, step = 0.0, seen & ~backward, np.where(backward, 0.0, step)
+    return Score(effect=effect, lam=lam, step=step, visible=visible)
 
 
 def _scaled(J: Reals) -> Reals:

@@ -5,42 +5,72 @@ i, weighted by the noise of the data at hand. With noise, chi2 of j exceeds that
 difference of 16 is one of four standard deviations. Nothing here looks at what was measured.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.least_squares import Worth, always
 from rotorrig.identify.parameters import Reals
 from rotorrig.identify.solving import Polished
+from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect
 
 DETECTABLE = 25.0  # lambda against the base
 NAMEABLE = 16.0  # against the nearest other cause
 
+HOPED = 2.0  # times what a full step promises: a fit that would not get there even so is given up
+HOPED_OF_LAWS = 10.0  # the same under force laws, which bend more
+
 _ACCURATE = 0.3  # of chi2
 _STEPS = 10
 
 
-def separation(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect]) -> float:
-    """Return lambda of the prediction of `truth` at `p` when it is fitted by the effects in `rival`."""
+def separation(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect], *, enough: float = math.inf) -> float:
+    """Return lambda of the prediction of `truth` at `p` when it is fitted by the effects in `rival`.
+
+    A fit that could not come below `enough` is given up: what is returned is then some figure above it.
+    """
     recordings = [r.instead(z) for r, z in zip(truth.recordings, truth.predict(p), strict=True)]
     problem = ExtendedProblem(recordings, rival, models=truth.models)
     own = truth.parameters.prior_residual(p)
-    return max(0.0, fitted(problem, problem.parameters.start(p)).chi2 - float(own @ own))
+    floor = float(own @ own)
+    hoped = HOPED_OF_LAWS if problem.curved or truth.curved else HOPED
+
+    def worth(chi2: float, promise: float) -> bool:
+        return chi2 - hoped * promise < enough + floor
+
+    return max(0.0, fitted(problem, problem.parameters.start(p), worth=worth).chi2 - floor)
 
 
-def fitted(problem: ExtendedProblem, base: Reals) -> Polished:
+def fitted(problem: ExtendedProblem, base: Reals, *, worth: Worth = always) -> Polished:
     """Fit a problem from a vector of base parameters, its effects from each of their starts; return the best.
 
-    A start is where the parameters of an effect that name several begin, all the first, all the second.. together.
+    A start is where the parameters of an effect that name several begin, all the first, all the second.. together;
+    one at which there is no motion is passed over. The fit is given up where `worth` says so, as least_squares.minimise
+    has it. Raises DataError if there is no motion at any start.
     """
-    names = problem.parameters
-    start = names.start(base)
-    if not problem.effects:
-        return problem.solve(start, tolerance=_ACCURATE, max_steps=_STEPS)
-    begun = [_begun(problem, start, k) for k in range(_starts(problem))]
-    costs = [float(np.sum(problem.residual(p) ** 2)) for p in begun]
-    return problem.solve(begun[int(np.argmin(costs))], tolerance=_ACCURATE, max_steps=_STEPS)
+    start = problem.parameters.start(base)
+    with np.errstate(over="ignore", invalid="ignore"):  # steps that go too far, and are taken back
+        if problem.effects:
+            start = _best_begun(problem, start)
+        return problem.solve(start, tolerance=_ACCURATE, max_steps=_STEPS, worth=worth)
+
+
+def _best_begun(problem: ExtendedProblem, start: Reals) -> Reals:
+    """Return the start that misses the recordings least."""
+    found: list[tuple[float, Reals]] = []
+    failed: DataError | None = None
+    for k in range(_starts(problem)):
+        try:
+            p = _begun(problem, start, k)
+            found.append((float(np.sum(problem.residual(p) ** 2)), p))
+        except DataError as error:
+            failed = error
+    if failed is not None and not found:
+        raise failed
+    return min(found, key=lambda each: each[0])[1]
 
 
 def _starts(problem: ExtendedProblem) -> int:

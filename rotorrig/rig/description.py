@@ -215,6 +215,11 @@ class RigConfig(Part):
         return self._hash(exclude=set() if self.effects else {"effects"})
 
     @property
+    def turned_over(self) -> Self:
+        """The same rig with its rotor turning the other way."""
+        return self.model_copy(update={"rotation": "y-to-x" if self.rotation == "x-to-y" else "x-to-y"})
+
+    @property
     def nameplate_hash(self) -> str:
         """The hash without the effects: the same for a rig and the same rig with an extended model."""
         return self._hash(exclude={"effects"})

@@ -388,7 +388,7 @@ def test_the_plots_are_drawn_in_a_browser_without_errors(full: Path, page: Page,
     drawn = done.stdout.split("<main", 1)[1]
     assert page.elements.count("figure") == drawn.count("<figure")
     canvases = drawn.split('class="canvas')[1:]
-    assert len(canvases) == 7  # four Bode plots, two maps of the residual at 1X, the second order
+    assert len(canvases) == 8  # four Bode plots, two maps of the residual at 1X, the second order, the centreline
     assert all('class="main-svg"' in canvas for canvas in canvases)
     # what the page itself complains of, a refused fetch included; the rest of the log is the browser's own
     assert [line for line in done.stderr.splitlines() if "CONSOLE" in line] == []

@@ -24,7 +24,7 @@ def every(short: OrderTrackedResponse) -> dict[str, Effect]:
 
 def central(problem: ExtendedProblem, p: np.ndarray, i: int) -> np.ndarray:
     name = problem.parameters.names[i]
-    h = 1e-9 if name.startswith(("u ", "runout")) and i < problem.parameters.own.start else 1e-4
+    h = 1e-9 if name.startswith(("u ", "runout", "hum")) and i < problem.parameters.own.start else 1e-4
     ahead, behind = p.copy(), p.copy()
     ahead[i] += h
     behind[i] -= h
@@ -59,6 +59,23 @@ def test_the_jacobian_is_the_derivative_of_the_residual(
         within = FORCE_LAWS if follows_a_law else 1e-3 if i in own else 5e-3
         assert np.linalg.norm(column[part] - expected) <= within * np.linalg.norm(expected), names.names[i]
         assert np.linalg.norm(expected) > 0, names.names[i]
+
+
+def test_a_hum_is_shown_by_the_gain_of_every_probe(short: OrderTrackedResponse, hidden: np.ndarray) -> None:
+    problem = ExtendedProblem([Recording(short)], models=MODELS)
+    names, p = problem.parameters, problem.parameters.start(hidden)
+    p[names.hums.start] = 2e-6
+    p[names.names.index("gain 2x")] = 0.1
+    without = p.copy()
+    without[names.hums] = 0.0
+    hum = {n: z - problem.predict(without)[0][n] for n, z in problem.predict(p)[0].items()}
+    assert np.abs(hum[2]).max() > 0.1e-6
+    for z in hum.values():
+        assert z[:, 2] == pytest.approx(1.1 * z[:, 0], abs=1e-15)
+        assert z[:, 3] == pytest.approx(z[:, 0], abs=1e-15)
+    which = np.array([names.names.index("gain 2x"), names.hums.start, names.hums.start + 1])
+    for column, i in zip(problem.jacobian(p, which).T, which, strict=True):
+        assert column == pytest.approx(central(problem, p, int(i)), rel=1e-3, abs=1e-3 * np.abs(column).max())
 
 
 def test_some_columns_are_those_of_the_whole(

@@ -7,8 +7,11 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from rotorrig.identify.gain import Predictions
+from rotorrig.identify.held_out import Prediction
 from rotorrig.identify.naming import Verdict, figures, hidden, ties, verdict, visible_share
-from rotorrig.identify.selection import Candidate, Selection
+from rotorrig.identify.selection import Selection
+from rotorrig.identify.trial import Candidate
 from rotorrig.sims.effects.base import Effect, Parameter, pair
 
 PLAUSIBLE = 0.5
@@ -20,6 +23,13 @@ class Bend(Effect):
 
 class Lump(Effect):
     name = "lump"
+
+
+class Seen(Effect):
+    name = "seen"
+
+    def seen(self, z: Any, view: Any, theta: Any) -> Any:
+        return z
 
 
 def effect(kind: type[Effect], where: str = "") -> Effect:
@@ -63,6 +73,12 @@ def selection(*stages: list[Tried], taken: bool = True, seen: Any = ()) -> Selec
     )
 
 
+def predicts(*, before: float = 5.0, after: float = 0.8) -> Predictions:
+    """Errors of unseen data as multiples of the noise floor."""
+    was, now = (Prediction(error=error * 1e-6, floor=1e-6, sigmas=error) for error in (before, after))
+    return Predictions(before=was, after=now, by_label={}, on="blocks")
+
+
 BEND, LUMP = effect(Bend), effect(Lump)
 ALONE = selection([Tried(BEND, 100.0)])
 CLOSE = selection([Tried(BEND, 100.0), Tried(LUMP, 95.0)])
@@ -86,12 +102,34 @@ NONE = selection([Tried(BEND, 1.0)], taken=False)
 def test_the_verdict_follows_from_the_tests_and_the_causes(
     found: Selection, before: bool, after: bool, visible: float, expected: Verdict
 ) -> None:
-    assert verdict(found, adequate_before=before, adequate_after=after, visible=visible) is expected
+    concluded = verdict(found, adequate_before=before, adequate_after=after, visible=visible, predictions=predicts())
+    assert concluded is expected
 
 
 def test_what_predicts_worse_is_no_explanation() -> None:
-    found = verdict(ALONE, adequate_before=False, adequate_after=True, visible=0.9, worse=True)
+    found = verdict(
+        ALONE, adequate_before=False, adequate_after=True, visible=0.9, predictions=predicts(before=5.0, after=6.0)
+    )
     assert found is Verdict.UNEXPLAINED
+
+
+@pytest.mark.parametrize(
+    ("left", "after", "expected"),
+    [
+        (200.0, 2.0, Verdict.NAMED),  # 1 % of the excess, and what was not seen is predicted
+        (200.0, 20.0, Verdict.UNEXPLAINED),
+        (1000.0, 2.0, Verdict.UNEXPLAINED),
+    ],
+)
+def test_a_force_law_may_leave_a_little_if_it_predicts_what_was_not_seen(
+    left: float, after: float, expected: Verdict
+) -> None:
+    law = cast(Any, selection([Tried(BEND, 100.0)]))
+    law.problem.curved = True
+    law.polished.chi2 = left
+    told = predicts(before=50.0, after=after)
+    found = verdict(law, adequate_before=False, adequate_after=False, visible=0.9, predictions=told)
+    assert found is expected
 
 
 def test_causes_that_fit_alike_are_tied_the_chosen_one_first() -> None:
@@ -112,6 +150,11 @@ def test_a_rival_is_none_if(rival: Tried, why: str) -> None:
 
 def test_a_rival_of_a_size_no_rig_has_is_one_all_the_same() -> None:
     assert ties(selection([Tried(BEND, 100.0), Tried(LUMP, 95.0, value=3.0)])) == (("bend", "lump"),)
+
+
+def test_the_same_cause_at_another_probe_is_a_rival() -> None:
+    one, other = effect(Seen, "probe 1x"), effect(Seen, "probe 1y")
+    assert ties(selection([Tried(one, 100.0), Tried(other, 95.0)])) == (("seen, probe 1x", "seen, probe 1y"),)
 
 
 def test_every_cause_has_its_own_ties() -> None:

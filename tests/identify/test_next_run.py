@@ -1,5 +1,7 @@
 """The run that is proposed for tied causes does tell them apart."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -13,19 +15,26 @@ from rotorrig.identify.separation import NAMEABLE, separation
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
-from rotorrig.sims.effects.base import find
-from tests.identify.swept import swept_response
+from rotorrig.sims.effects.base import Effect, find
+from tests.identify.swept import U, swept_response
 
 BOW = {"bow re": 22e-6, "bow im": 0.0}
 LABELS = ("bow", "runout, plane 1")
 
 
-def selected(response: OrderTrackedResponse, hidden: NDArray[np.float64]) -> Selection:
-    problem = ExtendedProblem([Recording(response)])
+def selected(
+    response: OrderTrackedResponse,
+    hidden: NDArray[np.float64],
+    labels: Sequence[str] = LABELS,
+    *,
+    more: Sequence[Recording] = (),
+    nuisances: Sequence[Effect] = (),
+) -> Selection:
+    problem = ExtendedProblem([Recording(response), *more], nuisances)
     start = problem.parameters.start(np.zeros(0))
     start[problem.parameters.base.sought] = hidden[problem.parameters.base.sought]
     base = problem.solve(problem.settled(start, np.arange(len(start))))
-    return select(problem, base, [find(response.rig, label) for label in LABELS], wrong=True)
+    return select(problem, base, [find(response.rig, label) for label in labels], wrong=True)
 
 
 @pytest.fixture(scope="module")
@@ -63,3 +72,36 @@ def test_before_that_run_they_were_not(tied: Selection) -> None:
 
 def test_nothing_is_proposed_where_nothing_is_tied(healthy: OrderTrackedResponse, hidden: NDArray[np.float64]) -> None:
     assert cheapest(selected(healthy, hidden)) == {}
+
+
+LATE = {"delay": 1e-3}  # s
+LATE_OR_TURNED = ("delay, probe 1y", "probe_angle, probe 1y")
+BELOW = {"speeds": (480, 2000)}  # rpm: the first critical speeds are at 2226 and 2237
+
+
+@pytest.fixture(scope="module")
+def below_critical(one_plane: RigConfig) -> RigConfig:
+    """A rig that may not go any faster than it did."""
+    assert one_plane.limits is not None
+    return one_plane.model_copy(update={"limits": one_plane.limits.model_copy(update={"overspeed": 2100 / RPM})})
+
+
+def test_a_late_probe_and_a_turned_one_are_told_apart_by_turning_the_other_way(
+    below_critical: RigConfig, hidden: NDArray[np.float64]
+) -> None:
+    """A turned probe lags one way round and leads the other, a late one lags both ways."""
+    late = [(find(below_critical, "delay, probe 1y"), LATE)]
+    forward = swept_response(below_critical, rng=np.random.default_rng(5), hidden=late, **BELOW)
+    tied = selected(forward, hidden, LATE_OR_TURNED)
+    found = cheapest(tied)
+    assert found["kind"] == "reverse rotation"
+    assert found["lam"] >= NAMEABLE
+    assert set(found["separates"]) == set(LATE_OR_TURNED)
+    other_way = below_critical.turned_over
+    made = swept_response(other_way, rng=np.random.default_rng(6), hidden=late, unbalance=np.conj(U), **BELOW)
+    reverse = Recording(made, number=1, backward=True)
+    plan = next(plan for plan in plans(forward) if plan.kind == "reverse rotation")
+    best, *rivals = selected(forward, hidden, LATE_OR_TURNED, more=[reverse], nuisances=plan.unknown).stages[0].tried
+    assert best.effect.label == "delay, probe 1y"
+    assert all(best.evidence > rival.evidence + NAMEABLE for rival in rivals)
+    assert best.polished.chi2 < best.polished.dof, "the reversed rotor is the one of the config that turns from y to x"

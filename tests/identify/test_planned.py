@@ -19,12 +19,13 @@ def below(one_plane: RigConfig) -> OrderTrackedResponse:
 
 def test_what_needs_no_tools_comes_first_and_more_probes_last(below: OrderTrackedResponse) -> None:
     kinds = [plan.kind for plan in plans(below)]
-    assert list(dict.fromkeys(kinds)) == ["ramp rate", "through critical", "trial mass", "second plane"]
+    want = ["ramp rate", "through critical", "reverse rotation", "trial mass", "second plane"]
+    assert list(dict.fromkeys(kinds)) == want
 
 
 def test_what_the_run_had_already_is_not_planned(rig: RigConfig) -> None:
     top = swept_response(rig, trial=1e-6, speeds=(900, 3800), ramp=600)
-    assert {plan.kind for plan in plans(top)} == {"ramp rate"}
+    assert {plan.kind for plan in plans(top)} == {"ramp rate", "reverse rotation"}
 
 
 def test_no_plan_goes_beyond_the_limits(below: OrderTrackedResponse) -> None:
@@ -82,3 +83,13 @@ def test_a_trial_mass_is_run_with_and_without(below: OrderTrackedResponse) -> No
     assert not first.trial
     assert set(second.trial) == {"disk"}
     assert (first.number, second.number) == (0, 1)
+
+
+def test_a_reverse_run_is_one_more_after_a_forward_one_by_a_mark_of_unknown_width(below: OrderTrackedResponse) -> None:
+    plan = next(p for p in plans(below) if p.kind == "reverse rotation")
+    forward, reverse = recorded(below, plan)
+    assert (forward.backward, reverse.backward) == (False, True)
+    assert reverse.number == 1
+    assert [effect.recording for effect in plan.unknown] == [1]
+    assert all(effect.slight for effect in plan.unknown), "a nuisance, no discovery"
+    assert not any(p.unknown for p in plans(below) if p.kind != "reverse rotation")

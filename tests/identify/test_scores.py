@@ -96,6 +96,36 @@ def test_an_effect_without_a_first_order_is_begun_at_its_best_start(rig: RigConf
     there = ExtendedProblem([problem.recordings[0].instead(predicted)])
     (score,) = curved_scores(there, there.parameters.start(hidden), [effect])
     assert score.begin is not None
-    assert score.begin[0] * q.size == pytest.approx(q.starts[1])
+    assert score.begin[-1] * q.size == pytest.approx(q.starts[1])
     assert score.lam == pytest.approx(score.visible, rel=1e-3), "the whole of the misfit is what that start changes"
     assert not scores(there, there.parameters.start(hidden), [effect])
+
+
+def test_an_unknown_that_is_never_less_than_nothing_scores_only_what_more_of_it_explains(
+    rig: RigConfig, hidden: np.ndarray
+) -> None:
+    loss = find(rig, "hysteresis")
+    response = swept_response(rig, hidden=[(loss, {"eta": 0.01})], **FAST)
+    problem = ExtendedProblem([Recording(response)])
+    p = problem.parameters.start(hidden)
+    z = problem.predict(p)[0]
+    lost = {order: measured.z - z[order] for order, measured in problem.recordings[0].measured.items()}
+    for sign, explained in ((1, True), (-1, False)):
+        there = ExtendedProblem([problem.recordings[0].instead({n: z[n] + sign * d for n, d in lost.items()})])
+        (score,) = scores(there, p, [loss])
+        assert (score.lam > 0) == explained
+        assert (score.step[0] > 0) == explained
+
+
+def test_an_effect_with_several_beginnings_is_scored_once_where_it_suits_best(
+    rig: RigConfig, hidden: np.ndarray
+) -> None:
+    crack = find(rig, "crack")
+    mouth = np.radians(97.0)
+    hung = [(crack, {"softness": 1e-4, "mouth": mouth, "place": 0.3})]
+    response = swept_response(rig, orders=(1, 2, 3), hidden=hung, speeds=(500.0, 1600.0), ramp=300.0)
+    problem = ExtendedProblem([Recording(response)])
+    (score,) = scores(problem, problem.parameters.start(hidden), [crack])
+    assert score.effect.label == "crack"
+    assert score.effect.at_nothing["mouth"] == pytest.approx(np.radians(90.0))
+    assert score.step[0] > 0

@@ -1,5 +1,7 @@
 """Which causes the data call for: the one that is hidden, and none where none is."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -7,7 +9,10 @@ from numpy.typing import NDArray
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.recording import Recording
-from rotorrig.identify.selection import DETECTED, ENOUGH, NEAR, Selection, called_for, plausible, select
+from rotorrig.identify.selection import ENOUGH, MODEL_ERROR, Selection, _again, called_for, select
+from rotorrig.identify.solving import Polished
+from rotorrig.identify.stage import DETECTED, Stage, step
+from rotorrig.identify.trial import NEAR, plausible
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find
@@ -69,6 +74,49 @@ def test_two_causes_are_both_found(rig: RigConfig, hidden: NDArray[np.float64]) 
     found = selected(response, hidden)
     assert {e.label for e in found.problem.effects} == set(both)
     assert found.polished.chi2 < found.base.chi2 - 2 * DETECTED
+
+
+def test_parts_of_one_cause_are_replaced_by_the_whole(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
+    whole = effect_of(rig, "probe_angle, plane 1", 2.0)
+    response = swept_response(rig, rng=np.random.default_rng(12), hidden=[whole])
+    parts = [find(rig, f"probe_angle, probe {name}") for name in ("1x", "1y")]
+    problem = ExtendedProblem([Recording(response)], parts)
+    polished = problem.solve(problem.parameters.start(hidden))
+
+    def search(problem: ExtendedProblem, polished: Polished, among: Sequence[Effect]) -> Stage:
+        return step(problem, polished, among, lambda share: None, wrong=False, first=False)
+
+    stages: list[Stage] = []
+    found, fit = _again(problem, polished, search, [whole[0], *parts], stages, kept=0)
+    assert [e.label for e in found.effects] == ["probe_angle, plane 1"]
+    assert fit.chi2 == pytest.approx(polished.chi2, abs=10)
+    assert stages[-1].tried[0].effect is found.effects[0]
+
+
+def test_a_second_cause_has_to_explain_more_than_an_error_of_the_first_ones_model(
+    rig: RigConfig, hidden: NDArray[np.float64]
+) -> None:
+    response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "skew_stiffness", 1.5)])
+    best = selected(response, hidden, ("skew_stiffness",)).stages[0].tried[0]
+    just = (best.lam - DETECTED) / MODEL_ERROR**2
+    assert called_for(best, explained=0.99 * just)
+    assert not called_for(best, explained=1.01 * just)
+
+
+@pytest.mark.parametrize("begun", ["at 440 mm", "at 520 mm"])
+def test_an_unbalance_is_named_by_where_it_is_not_by_where_its_fit_began(
+    rig: RigConfig, hidden: NDArray[np.float64], begun: str
+) -> None:
+    effect = find(rig, "unbalance_plane, at 400 mm")
+    theta = {"unbalance re": 8e-6, "unbalance im": 3e-6, "shift": 0.012}
+    response = swept_response(rig, hidden=[(effect, theta)])
+    found = selected(response, hidden, (f"unbalance_plane, {begun}",))
+    assert [e.label for e in found.problem.effects] == ["unbalance_plane, at 400 mm"]
+    assert found.stages[0].tried[0].effect is found.problem.effects[0]
+    names = found.problem.parameters
+    sigma = names.of_effect(found.polished.sigma, 0)
+    for name, value in names.of_effect(found.polished.p, 0).items():
+        assert abs(value - theta[name]) < 0.3 * sigma[name], name
 
 
 def test_without_the_hidden_effect_the_fit_does_not_get_as_good(rig: RigConfig, hidden: NDArray[np.float64]) -> None:

@@ -82,3 +82,11 @@ def test_of_several_starts_the_best_is_taken(fast: OrderTrackedResponse, hidden:
     there = ExtendedProblem([problem.recordings[0].instead(predicted)], [pedestal])
     found = fitted(there, there.parameters.start(hidden)[: there.parameters.own.start])
     assert found.p[-2] * sizes[1] == pytest.approx(34 * 2 * np.pi, rel=0.02)
+
+
+def test_how_far_beyond_enough_a_cause_is_is_not_found_out(fast: OrderTrackedResponse, hidden: np.ndarray) -> None:
+    problem, p = with_cause(fast, hidden, "skew_stiffness", 1.0)
+    rival = [find(fast.rig, "delay")]
+    whole = separation(problem, p, rival)
+    assert separation(problem, p, rival, enough=2 * whole) == pytest.approx(whole, rel=0.01)
+    assert separation(problem, p, rival, enough=whole / 10) > whole / 10

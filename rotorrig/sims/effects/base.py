@@ -64,11 +64,12 @@ class Seen:
     angle: NDArray[np.float64]  # (probe,) rad, of the nameplate
     position: NDArray[np.float64]  # (probe,) m
     order: int
-    omega: NDArray[np.float64]  # (row + 1,) rad/s; 0: no slow roll
+    omega: NDArray[np.float64]  # (row + 1,) rad/s; 0: no slow roll; below zero: of a shaft that turns backwards
     t: NDArray[np.float64]  # (row,) s; NaN: unknown
     revolutions: NDArray[np.float64]  # (row,) turns of a row's window
     window: str
     keyphasor_t: NDArray[np.float64]  # (pulse,) s; empty: unknown
+    slow_roll: Complex = field(default_factory=lambda: np.zeros(0, complex))  # (probe,) m, measured; empty: was not
     leaks: dict[float, Complex] = field(default_factory=dict, repr=False, compare=False)  # line_hum.leak, by Hz, once
 
 
@@ -86,6 +87,9 @@ class Effect:
     places: Mapping[str, float] = field(default_factory=dict)  # planes it needs in the model: name -> m
     recording: int | None = None  # where it acts alone; None: in all
     scan: tuple[tuple[float, ...], ...] = ()  # stretches of its scanned unknown: where to look first, ascending
+    beginnings: tuple[
+        Theta, ...
+    ] = ()  # values of some unknowns, all nothing, where to look first: a fit moves on from there
 
     @property
     def label(self) -> str:
@@ -111,10 +115,22 @@ class Effect:
         """Return the effect without the parameters that vectors of these orders cannot show."""
         return replace(self, parameters=tuple(p for p in self.parameters if not p.order or p.order in orders))
 
+    def begun(self) -> tuple[Self, ...]:
+        """Return the effect begun at each of its beginnings; itself where it has none."""
+        moved = (
+            tuple(replace(p, nothing=values.get(p.name, p.nothing)) for p in self.parameters)
+            for values in self.beginnings or ({},)
+        )
+        return tuple(replace(self, parameters=parameters) for parameters in moved)
+
     def held(self, theta: Theta) -> Self:
         """Return the effect with its scanned unknown held where `theta` has it."""
         parameters = (replace(p, nothing=theta[p.name]) if p.scanned else p for p in self.parameters)
         return replace(self, parameters=tuple(parameters))
+
+    def nearest(self, theta: Theta) -> tuple["Effect", Theta]:
+        """Return the same effect told from the place of its kind that is nearest to where `theta` has it."""
+        return self, theta
 
     def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with other matrices, coordinates or bearings."""

@@ -10,25 +10,27 @@ Against integration in time within 4 % of what it does: the curvature is read of
 what 2X and 3X do to the opening is left out.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.places import bending_stiffness, free_places, span, tube_at
 from rotorrig.sims.effects.shaft_motion import at_rest, curvature_rows
-from rotorrig.sims.rotor.assembly import Added, RotorModel, with_added
+from rotorrig.sims.rotor.assembly import Added, RotorModel, assemble, with_added
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.modes import weight
 
 Reals = NDArray[np.float64]
 
-MOUTHS = 8  # angles about the shaft that a fit may begin at: within 22 degrees of any
+MOUTHS = 8  # angles about the shaft at which it is looked for first: within 22 degrees of any
 OPEN = 0.25  # of a compliance, on the average of a turn: open for half of it, and across the mouth alone
 #: order -> kink along the moment and across it, in the sense of rotation, as phasors of cos^2 and cos sin while cos < 0
 BREATHING = MappingProxyType(
@@ -38,6 +40,7 @@ BREATHING = MappingProxyType(
         3: (-4 / (15 * np.pi), 2j / (5 * np.pi)),
     }
 )
+LEAST = 0.1  # of the largest moment of the weight: where it is less, nothing can be said by it
 RIGID = 1e-9  # of the shaft's greatest stiffness: less is rounding, and bends it not at all
 
 
@@ -50,26 +53,26 @@ class _Hinge(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Crack(Effect):
-    """The "compliance" [rad/(N m)] of the open mouth, and where it is from where a scan looks for it.
+    """By what part an open crack lets the rotor sag more, "softness", its angle "mouth" [rad] and its "place" [m].
 
-    It looks "turn" [rad] past `mouth` and is "shift" [m] past `position`.
+    A crack elsewhere that is as soft does nearly the same, so that softness is known well where the place is not.
     """
 
     name = "crack"
     title = "breathing crack"
     orders = EVERY
-    position: float  # m from the coupling
-    mouth: float  # rad from the keyphasor mark, in the sense of rotation
-    bending_stiffness: float  # N m^2 there
-    ends: tuple[float, float]  # m, between which it may be
-    gravity: str
+    rig: RigConfig = field(repr=False, compare=False)
+    sag: CubicSpline = field(repr=False, compare=False)  # m, of the nameplate's rotor, (2,) at a place
+    work: float  # N m, of its weight on its sag
+    least: float  # N m, a moment that counts
 
     def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model as soft as it is on the average of a turn under the weight."""
-        if not theta["compliance"]:
+        compliance = self.compliance(theta)
+        if not compliance:
             return model
         hinge = self._hinge(model, theta)
-        lost = OPEN * theta["compliance"] / _reading(hinge, theta)
+        lost = OPEN * compliance / _reading(hinge, compliance)
         return with_added(model, Added(K=-lost * hinge.rows.T @ hinge.rows))
 
     def loads(self, model: RotorModel, theta: Theta) -> tuple[Load, ...]:
@@ -77,8 +80,9 @@ class Crack(Effect):
         hinge = self._hinge(model, theta)
         moment = self._at_rest(model, hinge, theta)
         aside = model.rotation * np.array([-moment[1], moment[0]])
-        angle = self.mouth + theta["turn"] - model.rotation * np.arctan2(moment[1], moment[0])
-        compliance = theta["compliance"] / _reading(hinge, theta)  # the softness of `changed` yields to it too
+        angle = theta["mouth"] - model.rotation * np.arctan2(moment[1], moment[0])
+        compliance = self.compliance(theta)
+        compliance /= _reading(hinge, compliance)  # the softness of `changed` yields to it too
         return tuple(
             Load(
                 pattern=compliance * np.exp(1j * n * angle) * (down * moment + side * aside) @ hinge.rows,
@@ -91,33 +95,47 @@ class Crack(Effect):
     def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
         """Return what the vibration adds to that, and to the softness of `changed`."""
         hinge = self._hinge(model, theta)
-        mouth = self.mouth + theta["turn"]
-        reading = _reading(hinge, theta)
-        constants = [theta["compliance"] / reading, reading, np.cos(mouth), np.sin(mouth), model.rotation]
+        compliance, mouth = self.compliance(theta), theta["mouth"]
+        reading = _reading(hinge, compliance)
+        constants = [compliance / reading, reading, np.cos(mouth), np.sin(mouth), model.rotation]
         return (
             ForceLaw(
                 rows=hinge.rows,
                 force=breathing,
                 constants=np.array([*constants, *self._at_rest(model, hinge, theta), 1.0, 0.0]),
-                static=hinge.rows @ at_rest(model, self.gravity),
+                static=hinge.rows @ at_rest(model, self.rig.gravity),
                 overtones=False,
             ),
         )
 
+    def compliance(self, theta: Theta) -> float:
+        """Return by how much the open mouth kinks per bending moment, rad/(N m)."""
+        return theta["softness"] / self.softness_of(1.0, self._place(theta))
+
+    def softness_of(self, compliance: float, place: float) -> float:
+        """Return the softness of a crack of that compliance: its work under the weight's moment, by Castigliano.
+
+        Where the weight hardly bends the shaft, as under `least`.
+        """
+        moment = max(_moment(self.rig, self.sag, place), self.least)
+        return compliance * moment**2 / self.work
+
     def words(self, theta: Theta) -> str:
         """Say where it is, which way it looks and how far it gives way."""
-        angle = np.degrees(self.mouth + theta["turn"]) % 360
+        angle = np.degrees(theta["mouth"]) % 360
         return (
             f"a crack {1e3 * self._place(theta):.0f} mm from the coupling, its mouth at {angle:.0f} deg from the "
-            f"keyphasor mark, lets the shaft kink by {1e6 * theta['compliance']:.1f} urad per N m while it is open"
+            f"keyphasor mark, lets the shaft kink by {1e6 * self.compliance(theta):.1f} urad per N m while it is open, "
+            f"and the rotor sag by {100 * theta['softness']:.2g} % more"
         )
 
     def _place(self, theta: Theta) -> float:
-        left, right = self.ends
-        return min(max(self.position + theta["shift"], left), right)
+        left, right = span(self.rig)
+        return min(max(theta["place"], left), right)
 
     def _hinge(self, model: RotorModel, theta: Theta) -> _Hinge:
-        rows = self.bending_stiffness * curvature_rows(model, self._place(theta))
+        place = self._place(theta)
+        rows = bending_stiffness(tube_at(self.rig, place)) * curvature_rows(model, place)
         stiffness, shapes = np.linalg.eigh(model.shaft.K)
         bent = stiffness > RIGID * stiffness[-1]
         moments = rows @ shapes[:, bent]
@@ -125,13 +143,18 @@ class Crack(Effect):
 
     def _at_rest(self, model: RotorModel, hinge: _Hinge, theta: Theta) -> Reals:
         """Return the moments (2,) [N m] under the weight, of a `changed` model."""
-        moments: Reals = hinge.rows @ at_rest(model, self.gravity) / _reading(hinge, theta)
+        moments: Reals = hinge.rows @ at_rest(model, self.rig.gravity) / _reading(hinge, self.compliance(theta))
         return moments
 
 
-def _reading(hinge: _Hinge, theta: Theta) -> float:
+def _moment(rig: RigConfig, sag: CubicSpline, place: float) -> float:
+    """Return the size of the bending moment of a shaft that hangs so, N m."""
+    return bending_stiffness(tube_at(rig, place)) * float(np.linalg.norm(sag(place, 2)))
+
+
+def _reading(hinge: _Hinge, compliance: float) -> float:
     """Return what the rows read of a moment that the kink is the average one of."""
-    return 1 + OPEN * theta["compliance"] * hinge.own
+    return 1 + OPEN * compliance * hinge.own
 
 
 @njit(cache=True)
@@ -150,26 +173,26 @@ def breathing(x: float, y: float, vx: float, vy: float, constants: Reals) -> tup
 
 
 def effects(rig: RigConfig) -> tuple[Crack, ...]:
-    """Return one for every angle at every place of a scan between the bearings; none where gravity bends nothing."""
+    """Return the one crack there may be, wherever it is between the bearings; none where gravity bends nothing."""
     if rig.gravity == "none":
         return ()
     left, right = span(rig)
+    places = [z for z in free_places(rig).values() if left < z < right]
     unknown = (
-        Parameter(name="compliance", unit="rad/(N m)", low=0.0, high=2e-4, size=1e-5),
-        Parameter(name="turn", unit="rad", low=-0.5, high=0.5, size=0.1),
-        Parameter(name="shift", unit="m", low=-0.02, high=0.02, size=0.005),
+        Parameter(name="softness", unit="", low=0.0, high=0.2, size=0.005),
+        Parameter(name="mouth", unit="rad", low=-2 * np.pi, high=4 * np.pi, size=0.1),
+        Parameter(name="place", unit="m", low=left, high=right, size=0.005, nothing=(left + right) / 2),
     )
-    return tuple(
-        Crack(
-            where=f"{where}, mouth at {360 * k / MOUTHS:.0f} deg",
-            position=z,
-            mouth=2 * np.pi * k / MOUTHS,
-            bending_stiffness=bending_stiffness(tube_at(rig, z)),
-            ends=(left, right),
-            gravity=rig.gravity,
-            parameters=unknown,
-        )
-        for where, z in free_places(rig).items()
-        if left < z < right
-        for k in range(MOUTHS)
+    beginnings = tuple({"place": z, "mouth": 2 * np.pi * k / MOUTHS} for z in places for k in range(MOUTHS))
+    model = assemble(rig)
+    rest = at_rest(model, rig.gravity)
+    sag = CubicSpline(model.z, model.centreline @ rest, axis=1)
+    crack = Crack(
+        rig=rig,
+        sag=sag,
+        work=float(weight(model, rig.gravity) @ rest),
+        least=LEAST * max(_moment(rig, sag, z) for z in places),
+        parameters=unknown,
+        beginnings=beginnings,
     )
+    return (crack,)

@@ -50,7 +50,10 @@ class LineHum(Effect):
 
 
 def leak(view: Seen, rows: NDArray[np.intp], frequency: float) -> Complex:
-    """Return the vectors (row,) that a hum e^{j 2 pi f t} leaves: 2 mean(Re(e^{j 2 pi f t}) e^{-j n theta})."""
+    """Return the vectors (row,) that a hum e^{j 2 pi f t} leaves: 2 mean(Re(e^{j 2 pi f t}) e^{-j n theta}).
+
+    Where the speed is below zero, so is the shaft's angle.
+    """
     timeline = Timeline(view.keyphasor_t)
     count = int(np.ceil(POINTS * view.revolutions[rows].max(initial=1.0)))
     x = (np.arange(count) + 0.5) / count - 0.5  # of the window, in shaft angle
@@ -58,6 +61,7 @@ def leak(view: Seen, rows: NDArray[np.intp], frequency: float) -> Complex:
     turn = timeline.theta(view.t[rows])[:, None] / TURN + view.revolutions[rows, None] * x
     t = CubicSpline(np.arange(len(timeline.t)), timeline.t)(turn)
     signal = 2 * np.cos(TURN * frequency * t)
+    turn = turn * np.sign(view.omega[rows, None])
     return (signal * np.exp(-1j * TURN * view.order * turn)) @ (weight / weight.sum())
 
 

@@ -1,6 +1,7 @@
 """Vectors from which a slow-roll vector was taken before they reached us, though the table does not say so.
 
-What is left is y(Omega) - kappa y(slow roll): a bow turns into false unbalance. Source: API 670 on slow-roll
+What is left is y(Omega) - kappa y(slow roll): a bow turns into false unbalance. What was taken off is the vector as it
+was measured, with its noise and whatever response was in it, at however high a speed. Source: API 670 on slow-roll
 compensation; where the subtraction is known it belongs to the base model and not here.
 """
 
@@ -22,8 +23,9 @@ class SlowRollSubtracted(Effect):
     linear = True
 
     def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
-        """Return the rows less that share of the last one, which stays."""
-        return np.concatenate([z[:-1] - theta["share"] * z[-1], z[-1:]])
+        """Return the rows less that share of the measured slow roll, or else the model's; that row itself stays."""
+        taken = np.nan_to_num(view.slow_roll) if len(view.slow_roll) else z[-1]
+        return np.concatenate([z[:-1] - theta["share"] * taken, z[-1:]])
 
     def words(self, theta: Theta) -> str:
         """Say how much of it, in percent."""

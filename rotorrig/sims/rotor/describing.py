@@ -28,7 +28,7 @@ from rotorrig.sims.rotor.march import invert
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-LAWS = 4  # the kernels are compiled for that many, or a multiple
+LAWS = 2  # the kernels are compiled for that many, or a multiple: handing one over takes 0.2 ms
 OVERTONES = (2, 3)  # of the motion: what the force's own move, and what that makes of the force
 POINTS = 32  # a turn
 ACCURACY = 1e-8  # of the motion
@@ -36,7 +36,9 @@ MOST_STEPS = 40
 SLOW = 0.5  # a step that leaves more of the residual wants a new Jacobian
 STEP = 1e-6  # of the motion, of the differences
 TINY = 1e-15  # m
-COSINE, SINE = (f(2 * np.pi * np.arange(POINTS) / POINTS) for f in (np.cos, np.sin))
+REORDERED = {"reassoc", "contract", "nsz"}  # sums may be: several at once, but no number is taken to be finite
+_TURNED = 2 * np.pi / POINTS * np.outer(np.arange(2 * OVERTONES[-1] + 1), np.arange(POINTS))
+COSINE, SINE = np.cos(_TURNED), np.sin(_TURNED)  # (n, point) of n psi, up to the sum of two harmonics
 
 REALS = {n: types.Array(types.float64, n, "C") for n in (1, 2)}  # by number of axes
 COMPLEX = {n: types.Array(types.complex128, n, "C") for n in (2, 3, 4)}
@@ -82,11 +84,16 @@ def slopes(laws: Sequence[ForceLaw], omega: Reals, u: Reals) -> Reals:
     return found
 
 
-def overtones(laws: Sequence[ForceLaw], omega: Reals, u: Reals, order: int) -> Complex:
-    """Return a harmonic of these forces, (n, place): 2 mean(f e^{-j order psi}); of order 0 it is the mean."""
-    functions, constants = pointers(laws)
-    found: Complex = called(_every_overtone, (*_ON_MOTIONS, types.int64), functions, constants, omega, u, order)
-    return found
+def overtones(laws: Sequence[ForceLaw], omega: Reals, u: Reals, F: Reals, order: int) -> Complex:
+    """Return a harmonic of the forces F on motions u, (n, place): 2 mean(f e^{-j order psi}); of order 0 the mean.
+
+    Where the motions have no overtones, those of the force are found here.
+    """
+    places = 2 * len(laws)
+    if (2 * order + 1) * places > F.shape[1]:
+        u = np.pad(u, ((0, 0), (0, (2 * order + 1) * places - u.shape[1])))
+        F = forces(laws, omega, u)
+    return F[:, :places].astype(complex) if order == 0 else phasor(F, places, order)
 
 
 def phasor(u: Reals, places: int, order: int = 1) -> Complex:
@@ -119,10 +126,8 @@ def settle(
     for _ in range(MOST_STEPS):
         if left <= ACCURACY * _largest(u):
             return True
+        _newton(inverse, r, step)
         for i in range(size):
-            step[i] = 0
-            for k in range(size):
-                step[i] -= inverse[i, k] * r[k]
             new_u[i] = u[i] + step[i]
         new_left = _residual(functions, constants, omega, known, A, mean, new_u, new_F, new_r)
         if not new_left < SLOW * left:
@@ -146,25 +151,30 @@ def settle(
 
 
 @njit(cache=True)
+def foresee(known: Reals, A: Complex, mean: Reals, u: Reals, F: Reals, inverse: Reals) -> None:
+    """Let a guess of u and F follow what is known: a step of `settle` for which the force is not evaluated."""
+    r, step = np.empty((2, len(u)))
+    _left(known, A, mean, u, F, r)
+    _newton(inverse, r, step)
+    for i in range(len(u)):
+        u[i] += step[i]
+
+
+@njit(cache=True, fastmath=REORDERED)
+def _newton(inverse: Reals, r: Reals, step: Reals) -> None:
+    """Put -inverse r into `step`."""
+    for i in range(len(r)):
+        total = 0.0
+        for k in range(len(r)):
+            total += inverse[i, k] * r[k]
+        step[i] = -total
+
+
+@njit(cache=True)
 def _every_harmonics(functions: tuple[Callable, ...], constants: Reals, omega: Reals, u: Reals) -> Reals:
     found = np.empty(u.shape)
     for k in range(len(u)):
         _harmonics(functions, constants, omega[k], u[k], found[k])
-    return found
-
-
-@njit(cache=True)
-def _every_overtone(functions: tuple[Callable, ...], constants: Reals, omega: Reals, u: Reals, order: int) -> Complex:
-    count = 2 * len(constants)
-    found = np.zeros((len(u), count), dtype=np.complex128)
-    for k in range(len(u)):
-        for law in range(len(constants)):
-            for p in range(POINTS):
-                fx, fy = _force(functions[law], constants[law], omega[k], u[k], count, law, p)
-                q = order * p % POINTS
-                turn = complex(COSINE[q], -SINE[q]) * (2 if order else 1) / POINTS
-                found[k, 2 * law] += fx * turn
-                found[k, 2 * law + 1] += fy * turn
     return found
 
 
@@ -181,8 +191,15 @@ def _residual(
     r: Reals,
 ) -> float:
     """Put F(u) into F and u - known - A F into r; return the largest component of r."""
-    harmonics, count = A.shape[:2]
     _harmonics(functions, constants, omega, u, F)
+    _left(known, A, mean, u, F, r)
+    return _largest(r)
+
+
+@njit(cache=True)
+def _left(known: Reals, A: Complex, mean: Reals, u: Reals, F: Reals, r: Reals) -> None:
+    """Put u - known - A F into r."""
+    harmonics, count = A.shape[:2]
     for i in range(len(F)):
         r[i] = u[i] - known[i]
     for i in range(count):
@@ -193,30 +210,28 @@ def _residual(
                 moved = A[h, i, k] * complex(F[re + k], F[im + k])
                 r[re + i] -= moved.real
                 r[im + i] -= moved.imag
-    return _largest(r)
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=REORDERED)
 def _harmonics(functions: tuple[Callable, ...], constants: Reals, omega: float, u: Reals, F: Reals) -> None:
     """Put the mean and the harmonics of the force on a motion u into F."""
     count = 2 * len(constants)
-    harmonics = len(u) // count // 2
-    for i in range(len(F)):
-        F[i] = 0
+    path, push = np.empty((4, POINTS)), np.empty((2, POINTS))
     for law in range(len(constants)):
-        m, n = 2 * law, 2 * law + 1
-        for p in range(POINTS):
-            fx, fy = _force(functions[law], constants[law], omega, u, count, law, p)
-            F[m] += fx
-            F[n] += fy
-            for h in range(harmonics):
-                q, re, im = (h + 1) * p % POINTS, (2 * h + 1) * count, (2 * h + 2) * count
-                F[re + m] += fx * COSINE[q]
-                F[re + n] += fy * COSINE[q]
-                F[im + m] -= fx * SINE[q]
-                F[im + n] -= fy * SINE[q]
-    for i in range(len(F)):
-        F[i] *= (1 if i < count else 2) / POINTS
+        _path(u, count, law, omega, path)
+        _push(functions[law], constants[law], path, push)
+        for axis in range(2):
+            mean = 0.0
+            for p in range(POINTS):
+                mean += push[axis, p]
+            F[2 * law + axis] = mean / POINTS
+            for h in range(1, len(u) // count // 2 + 1):
+                re, im = 0.0, 0.0
+                for p in range(POINTS):
+                    re += push[axis, p] * COSINE[h, p]
+                    im -= push[axis, p] * SINE[h, p]
+                F[(2 * h - 1) * count + 2 * law + axis] = 2 * re / POINTS
+                F[2 * h * count + 2 * law + axis] = 2 * im / POINTS
 
 
 @njit(cache=True)
@@ -228,28 +243,24 @@ def _largest(values: Reals) -> float:
 
 
 @njit(cache=True)
-def _force(
-    function: Callable, constants: Reals, omega: float, u: Reals, count: int, law: int, p: int
-) -> tuple[float, float]:
-    """Return the force at one of the points of a turn."""
-    x, y, vx, vy = _motion(u, count, law, p)
-    constants[-2], constants[-1] = COSINE[p], SINE[p]
-    return function(x, y, omega * vx, omega * vy, constants)
+def _push(function: Callable, constants: Reals, path: Reals, push: Reals) -> None:
+    """Put the force at every point of a turn into `push` (2, point)."""
+    for p in range(POINTS):
+        constants[-2], constants[-1] = COSINE[1, p], SINE[1, p]
+        push[0, p], push[1, p] = function(path[0, p], path[1, p], path[2, p], path[3, p], constants)
 
 
-@njit(cache=True)
-def _motion(u: Reals, count: int, law: int, p: int) -> tuple[float, float, float, float]:
-    """Return x, y there and their velocities over Omega: Re(j h Q e^{j h psi}) of harmonic h."""
-    m, n = 2 * law, 2 * law + 1
-    x, y, vx, vy = u[m], u[n], 0.0, 0.0
-    for h in range(1, len(u) // count // 2 + 1):
-        q, re, im = h * p % POINTS, (2 * h - 1) * count, 2 * h * count
-        c, s = COSINE[q], SINE[q]
-        x += u[re + m] * c - u[im + m] * s
-        y += u[re + n] * c - u[im + n] * s
-        vx -= h * (u[re + m] * s + u[im + m] * c)
-        vy -= h * (u[re + n] * s + u[im + n] * c)
-    return x, y, vx, vy
+@njit(cache=True, fastmath=REORDERED)
+def _path(u: Reals, count: int, law: int, omega: float, path: Reals) -> None:
+    """Put x, y and their velocities, Re(j h Omega Q e^{j h psi}) of harmonic h, at every point into (4, point)."""
+    for axis in range(2):
+        for p in range(POINTS):
+            path[axis, p], path[2 + axis, p] = u[2 * law + axis], 0.0
+        for h in range(1, len(u) // count // 2 + 1):
+            re, im = u[(2 * h - 1) * count + 2 * law + axis], u[2 * h * count + 2 * law + axis]
+            for p in range(POINTS):
+                path[axis, p] += re * COSINE[h, p] - im * SINE[h, p]
+                path[2 + axis, p] -= h * omega * (re * SINE[h, p] + im * COSINE[h, p])
 
 
 @njit(cache=True)
@@ -262,51 +273,74 @@ def _every_slopes(functions: tuple[Callable, ...], constants: Reals, omega: Real
 
 @njit(cache=True)
 def _slopes(functions: tuple[Callable, ...], constants: Reals, omega: float, u: Reals, slope: Reals) -> None:
-    """Add dF / du at the motion u to `slope` (part, part): a law's force depends on the motion of its own place."""
+    """Put dF / du at the motion u into `slope` (part, part), else zero: a law's force depends on its own place."""
     count = 2 * len(constants)
-    parts = len(u) // count
-    by = np.empty((4, 2))
-    move, rate, take = np.empty((3, parts))
+    path, by = np.empty((4, POINTS)), np.empty((4, 2, POINTS))
+    cosine, sine = np.empty((2, 4, 2, len(COSINE)))
     step = STEP * _largest(u) + TINY
+    for law in range(len(constants)):
+        _path(u, count, law, omega, path)
+        _differences(functions[law], constants[law], omega, path, step, by)
+        _spectrum(by, cosine, sine)
+        for b in range(2):
+            for a in range(2):
+                _add_slopes(cosine, sine, b, a, 2 * law + a, 2 * law + b, count, slope)
+
+
+@njit(cache=True)
+def _differences(function: Callable, constants: Reals, omega: float, path: Reals, step: float, by: Reals) -> None:
+    """Put d(fx, fy) by x, y and their velocities over Omega at every point of a turn into `by` (4, 2, point)."""
     for p in range(POINTS):
-        _parts_at(p, move, rate, take)
-        for law in range(len(constants)):
-            _differences(functions[law], constants[law], omega, u, count, law, p, step, by)
-            for b in range(2):
-                for a in range(2):
-                    for j in range(parts):
-                        change = by[b, a] * move[j] + by[2 + b, a] * rate[j]
-                        for i in range(parts):
-                            slope[i * count + 2 * law + a, j * count + 2 * law + b] += take[i] * change
+        constants[-2], constants[-1] = COSINE[1, p], SINE[1, p]
+        x, y, vx, vy = path[0, p], path[1, p], path[2, p], path[3, p]
+        fx, fy = function(x, y, vx, vy, constants)
+        gx, gy = function(x + step, y, vx, vy, constants)
+        by[0, 0, p], by[0, 1, p] = (gx - fx) / step, (gy - fy) / step
+        gx, gy = function(x, y + step, vx, vy, constants)
+        by[1, 0, p], by[1, 1, p] = (gx - fx) / step, (gy - fy) / step
+        gx, gy = function(x, y, vx + omega * step, vy, constants)
+        by[2, 0, p], by[2, 1, p] = (gx - fx) / step, (gy - fy) / step
+        gx, gy = function(x, y, vx, vy + omega * step, constants)
+        by[3, 0, p], by[3, 1, p] = (gx - fx) / step, (gy - fy) / step
 
 
-@njit(cache=True)
-def _parts_at(p: int, move: Reals, rate: Reals, take: Reals) -> None:
-    """Put how a unit of every part moves a place at a point of a turn, at what rate over Omega, and what it takes up.
-
-    (1 + 2 harmonic,) each; the last is the weight of the force there in that part of it.
-    """
-    move[0], rate[0], take[0] = 1.0, 0.0, 1.0 / POINTS
-    for h in range(1, len(move) // 2 + 1):
-        c, s = COSINE[h * p % POINTS], SINE[h * p % POINTS]
-        move[2 * h - 1], move[2 * h] = c, -s
-        rate[2 * h - 1], rate[2 * h] = -h * s, -h * c
-        take[2 * h - 1], take[2 * h] = 2 * c / POINTS, -2 * s / POINTS
-
-
-@njit(cache=True)
-def _differences(
-    function: Callable, constants: Reals, omega: float, u: Reals, count: int, law: int, p: int, step: float, by: Reals
-) -> None:
-    """Put d(fx, fy) by x, y and their velocities over Omega at a point of a turn into `by` (4, 2)."""
-    x, y, vx, vy = _motion(u, count, law, p)
-    constants[-2], constants[-1] = COSINE[p], SINE[p]
-    fx, fy = function(x, y, omega * vx, omega * vy, constants)
+@njit(cache=True, fastmath=REORDERED)
+def _spectrum(by: Reals, cosine: Reals, sine: Reals) -> None:
+    """Put mean(by cos(n psi)) and mean(by sin(n psi)) of (4, 2, point) into `cosine` and `sine` (4, 2, n)."""
     for i in range(4):
-        dx, dy = step if i == 0 else 0.0, step if i == 1 else 0.0
-        dvx, dvy = step if i == 2 else 0.0, step if i == 3 else 0.0
-        gx, gy = function(x + dx, y + dy, omega * (vx + dvx), omega * (vy + dvy), constants)
-        by[i, 0], by[i, 1] = (gx - fx) / step, (gy - fy) / step
+        for a in range(2):
+            for n in range(len(COSINE)):
+                c, s = 0.0, 0.0
+                for p in range(POINTS):
+                    c += by[i, a, p] * COSINE[n, p]
+                    s += by[i, a, p] * SINE[n, p]
+                cosine[i, a, n], sine[i, a, n] = c / POINTS, s / POINTS
+
+
+@njit(cache=True)
+def _add_slopes(cosine: Reals, sine: Reals, b: int, a: int, row: int, column: int, count: int, slope: Reals) -> None:
+    """Put what the parts of a motion along axis b make of those of a force along axis a into `slope` (part, part).
+
+    `cosine` and `sine` (4, 2, n) are the means of f_x cos(n psi) and f_x sin(n psi), and of f_v likewise, where df =
+    f_x dx + f_v dv / Omega; dx is cos(h psi) for the real part of harmonic h and -sin(h psi) for the imaginary one.
+    """
+    harmonics = len(slope) // count // 2
+    for i in range(harmonics + 1):
+        for j in range(harmonics + 1):
+            n, m, sign = i + j, abs(i - j), 1.0 if i > j else -1.0
+            half = 0.5 if i == 0 else 1.0  # the mean of a force, but twice the mean for its harmonics
+            c_n, c_m, s_n, s_m = cosine[b, a, n], cosine[b, a, m], sine[b, a, n], sign * sine[b, a, m]
+            v = 2 + b
+            cv_n, cv_m, sv_n, sv_m = cosine[v, a, n], cosine[v, a, m], sine[v, a, n], sign * sine[v, a, m]
+            re_i, im_i = max(2 * i - 1, 0) * count + row, 2 * i * count + row
+            re_j, im_j = max(2 * j - 1, 0) * count + column, 2 * j * count + column
+            if i and j:
+                slope[im_i, im_j] = half * (c_m - c_n + j * (sv_n + sv_m))
+            if i:
+                slope[im_i, re_j] = -half * (s_n + s_m - j * (cv_m - cv_n))
+            if j:
+                slope[re_i, im_j] = -half * (s_n - s_m + j * (cv_m + cv_n))
+            slope[re_i, re_j] = half * (c_m + c_n - j * (sv_n - sv_m))
 
 
 @njit(cache=True)
@@ -330,19 +364,22 @@ def _jacobian(
     invert(by, inverse, work)
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=REORDERED)
 def _learn(inverse: Reals, step: Reals, change: Reals) -> None:
     """Let the inverse Jacobian take `change` to `step`: Broyden's update, by Sherman and Morrison."""
     size = len(step)
     taken, back = np.zeros((2, size))
     weight, squared = 0.0, 0.0
     for i in range(size):
+        total = 0.0
         for k in range(size):
-            taken[i] += inverse[i, k] * change[k]
+            total += inverse[i, k] * change[k]
             back[k] += step[i] * inverse[i, k]
-        weight += step[i] * taken[i]
+        taken[i] = total
+        weight += step[i] * total
         squared += step[i] * step[i]
     if abs(weight) > 1e-3 * squared:
         for i in range(size):
+            part = (step[i] - taken[i]) / weight
             for k in range(size):
-                inverse[i, k] += (step[i] - taken[i]) / weight * back[k]
+                inverse[i, k] += part * back[k]

@@ -1,7 +1,7 @@
 """What a change makes of a force law: of the force on a motion, and of the response to its harmonics."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -35,15 +35,47 @@ class LawDerivatives(NamedTuple):
     by: dict[int, Complex]
 
 
-def by_changed(laws: Sequence[ForceLaw], change: LawChange, omega: Reals, u: Reals, F: Reals) -> tuple[Reals, Reals]:
-    """Return what a change of the laws does to the forces on the same motions, (n, part), and to where these rest.
+def changing_laws(changes: Sequence[LawChange]) -> NDArray[np.intp]:
+    """Return which of the changes change the laws."""
+    return np.array([i for i, change in enumerate(changes) if change.laws is not None], dtype=np.intp)
 
-    The rest is (place,) m. Of a change that has laws.
+
+def by_changed(
+    laws: Sequence[ForceLaw], after: Sequence[LawChange], omega: Reals, u: Reals, F: Reals
+) -> tuple[Reals, Reals]:
+    """Return what changes of the laws do to the forces on the same motions, (n, part, change), and to where these rest.
+
+    The rest is (place, change) m. Many changes move few constants, as all of a rotor's stiffnesses move how its journal
+    lies: a force is found anew for every constant, not for every change.
     """
-    assert change.laws is not None
-    dF = (forces(change.laws, omega, u) - F) / change.step
-    rest = np.concatenate([after.static - before.static for before, after in zip(laws, change.laws, strict=True)])
-    return dF, rest / change.step
+    dF, rest = np.zeros((*F.shape, len(after))), np.zeros((2 * len(laws), len(after)))
+    for n, law in enumerate(laws):
+        changed = [change.laws[n] for change in after if change.laws is not None]
+        steps = np.array([own.constants - law.constants for own in changed]).reshape(len(after), len(law.constants))
+        for i, change in enumerate(after):
+            rest[2 * n : 2 * n + 2, i] = (changed[i].static - law.static) / change.step
+        for j in np.flatnonzero(steps.any(axis=0)):
+            step = steps[np.argmax(np.abs(steps[:, j])), j]
+            moved = replace(law, constants=law.constants + step * (np.arange(len(law.constants)) == j))
+            by_constant = (forces((*laws[:n], moved, *laws[n + 1 :]), omega, u) - F) / step
+            dF += by_constant[..., None] * (steps[:, j] / [change.step for change in after])
+    return dF, rest
+
+
+def settled(A: Complex, mean: Reals, slope: Reals, known: Reals, dF: Reals) -> tuple[Reals, Reals]:
+    """Solve du = known + A (slope du + dF); return du and slope du + dF, (n, part, change).
+
+    A (n, harmonic, place, place) is what each harmonic of the force does, `mean` (place, place) what its mean does.
+    """
+    places = len(mean)
+    whole = np.zeros_like(slope)
+    whole[:, :places, :places] = mean
+    for h in range(A.shape[1]):
+        re, im = (slice(part * places, (part + 1) * places) for part in (2 * h + 1, 2 * h + 2))
+        whole[:, re, re] = whole[:, im, im] = A[:, h].real
+        whole[:, re, im], whole[:, im, re] = -A[:, h].imag, A[:, h].imag
+    du = np.linalg.solve(np.eye(whole.shape[1]) - whole @ slope, known + whole @ dF).astype(float)
+    return du, slope @ du + dF
 
 
 def overtone_derivatives(
@@ -53,21 +85,27 @@ def overtone_derivatives(
     omega: Reals,
     u: Reals,
     du: Reals,
+    dF: Reals,
     *,
     order: int,
 ) -> Complex:
     """Return the derivatives of the steady response to an overtone of the force, 2 or 3, (n, probe, change).
 
-    The motions u (n, part) at speeds (n,) change by `du` (n, part, change).
+    The motions u (n, part) at speeds (n,) change by `du`, the forces on them by `dF` (n, part, change).
     """
     places = 2 * len(laws)
-    more = places * (1 + 2 * OVERTONES[-1]) - u.shape[1]  # that do not move where the force is found without overtones
-    u, du = np.pad(u, ((0, 0), (0, more))), np.pad(du, ((0, 0), (0, more), (0, 0)))
-    F = forces(laws, omega, u)
-    dF = slopes(laws, omega, u) @ du
-    for i, change in enumerate(changes):
-        if change.laws is not None:
-            dF[..., i] += (forces(change.laws, omega, u) - F) / change.step
+    if u.shape[1] == 3 * places:  # the force was found without overtones
+        dF = _with_overtones(laws, changes, omega, u, du)
     units = [Load(pattern=row.astype(complex), law="constant", order=order) for law in laws for row in law.rows]
     found: Complex = load_columns(model, omega, units) @ phasor(dF, places, order)
     return found
+
+
+def _with_overtones(laws: Sequence[ForceLaw], changes: Sequence[LawChange], omega: Reals, u: Reals, du: Reals) -> Reals:
+    """Return the change of all parts of the force on motions that have a mean and a first harmonic, (n, part, ..)."""
+    more = 4 * len(laws) * (OVERTONES[-1] - 1)  # parts that do not move
+    u, du = np.pad(u, ((0, 0), (0, more))), np.pad(du, ((0, 0), (0, more), (0, 0)))
+    dF: Reals = slopes(laws, omega, u) @ du
+    lawful = changing_laws(changes)
+    dF[..., lawful] += by_changed(laws, [changes[i] for i in lawful], omega, u, forces(laws, omega, u))[0]
+    return dF

@@ -10,13 +10,14 @@ from rotorrig.sims.rotor.assembly import matrices
 from rotorrig.sims.rotor.describing import phasor
 from rotorrig.sims.rotor.directions import Direction
 from rotorrig.sims.rotor.envelope import polynomial
-from rotorrig.sims.rotor.law_changes import LawChange, by_changed
+from rotorrig.sims.rotor.law_changes import LawChange, by_changed, changing_laws
 from rotorrig.sims.rotor.law_passage import LawPassage, Marched, at_once
 from rotorrig.sims.rotor.passage import Passage
 from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,19 +26,22 @@ class Forcing:
 
     force: Complex  # (turn, mode, column) on the passed modes, as long as the force at the places stays
     force_mid: Complex  # (turn - 1, mode, column) halfway in time
-    motion: Reals  # (turn, part, column) of the places, as long as modes and force stay
-    reaction: Reals  # (turn, part, column) of the force there, as long as the motion stays
+    motion: Reals  # (turn, 3 place, column) of the places' mean and first harmonic, as long as modes and force stay
+    lawful: Index  # (law column,) the columns that change the laws
+    reaction: Reals  # (turn, part, law column) of the force there, as long as the motion stays
     at_rows: Complex  # (row, probe, column) of what the rows show, as long as modes and force stay
 
 
 def forcing(places: LawPassage, found: Marched, changes: Sequence[LawChange]) -> Forcing:
     """Return what the changes do to the motion found."""
     (turns, modes), size, count = found.a.shape, found.u.shape[1], len(changes)
+    lawful = changing_laws(changes)
     driving = Forcing(
         force=np.zeros((turns, modes, count), dtype=complex),
         force_mid=np.zeros((turns - 1, modes, count), dtype=complex),
-        motion=np.zeros((turns, size, count)),
-        reaction=np.zeros((turns, size, count)),
+        motion=np.zeros((turns, 3 * len(places.at), count)),
+        lawful=lawful,
+        reaction=np.zeros((turns, size, len(lawful))),
         at_rows=np.zeros((len(places.rows.seen), places.probes, count), dtype=complex),
     )
     directions = {i: c.direction for i, c in enumerate(changes) if c.direction is not None}
@@ -46,10 +50,9 @@ def forcing(places: LawPassage, found: Marched, changes: Sequence[LawChange]) ->
     amounts = {i: c.amounts for i, c in enumerate(changes) if c.amounts is not None}
     if amounts:
         _by_amounts(places, amounts, driving)
-    for i, change in enumerate(changes):
-        if change.laws is not None:
-            driving.reaction[..., i], rest = by_changed(places.laws, change, places.rows.turns.omega, found.u, found.F)
-            driving.motion[:, : len(rest), i] += rest
+    own, omega = [changes[i] for i in lawful], places.rows.turns.omega
+    driving.reaction[:], rest = by_changed(places.laws, own, omega, found.u, found.F)
+    driving.motion[:, : len(rest), lawful] += rest
     return driving
 
 

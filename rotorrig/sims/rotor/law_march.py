@@ -9,10 +9,10 @@ straight line, which is stable however stiff the law (Hairer, Wanner, Solving Or
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.describing import COMPLEX, REALS, settle
+from rotorrig.sims.rotor.describing import COMPLEX, REALS, foresee, settle
 from rotorrig.sims.rotor.march import invert
 
 Reals = NDArray[np.float64]
@@ -24,7 +24,7 @@ STRAIGHT = (0.5, 0.5, 0.0, 0.0)
 
 MARCH = (
     *(REALS[2], REALS[1], REALS[1], COMPLEX[3], COMPLEX[4], COMPLEX[2], COMPLEX[2], COMPLEX[2]),
-    *(COMPLEX[3], COMPLEX[3], COMPLEX[2], COMPLEX[3], REALS[2], COMPLEX[4]),
+    *(COMPLEX[3], COMPLEX[3], COMPLEX[2], COMPLEX[3], REALS[2], COMPLEX[4], types.int64),
 )  # the types of march's arguments after the functions
 
 
@@ -45,6 +45,7 @@ def march(
     flexibility: Complex,
     mean: Reals,
     above: Complex,
+    most: int,
 ) -> tuple[Complex, Complex, Reals, Reals, int]:
     """Return a and a' (turn, mode), the place's motion and the force on it (turn, part), and how many failed.
 
@@ -52,7 +53,7 @@ def march(
     A unit of force at the place gives `push` (turn, mode, place) to the modes, of which it sees `seen` (turn, place,
     mode), and moves it by `flexibility` (turn, place, place) at once; the loads move it by `base` (turn, place). The
     mean force shifts it by `mean` (place, place) from `static` (place,), its overtones move it by `above` (turn,
-    overtone, place, place), as in steady motion. It begins in the steady state.
+    overtone, place, place), as in steady motion. It begins in the steady state and ends when more than `most` failed.
     """
     turns, modes, places = push.shape
     a, rate = np.zeros((turns, modes), dtype=np.complex128), force.copy()
@@ -68,10 +69,10 @@ def march(
         comply(flexibility[k], seen[k], moved, A[0])
         A[1:] = above[k]
         _foresee(static, base[k], seen[k], free, known)
-        for i in range(parts):
-            u[k, i] = known[i] if k == 0 else u[k - 1, i] if k == 1 else 2 * u[k - 1, i] - u[k - 2, i]
-        if not settle(functions, constants, omega[k], known, A, mean, u[k], F[k], inverse):
+        if not _found(k, functions, constants, omega, known, A, mean, u, F, inverse):
             failed += 1
+            if failed > most:
+                break
         for i in range(places):
             forces[2, i], forces[1, i] = forces[1, i], forces[0, i]
             forces[0, i] = complex(F[k, places + i], F[k, 2 * places + i])
@@ -84,6 +85,34 @@ def march(
             press_ahead(steps[k], turned[k], push[k], push[k + 1], weights[0], moved)
         add(L[k], a[k], 1.0, rate[k])
     return a, rate, u, F, failed
+
+
+@njit(cache=True)
+def _found(
+    k: int,
+    functions: tuple[Callable, ...],
+    constants: Reals,
+    omega: Reals,
+    known: Reals,
+    A: Complex,
+    mean: Reals,
+    u: Reals,
+    F: Reals,
+    inverse: Reals,
+) -> bool:
+    """Find the motion and the force of turn k; return whether that went well.
+
+    It begins where the last two turns point, moved on by what is known by now; if that leads nowhere, at the last turn.
+    """
+    if k > 1:
+        for i in range(len(known)):
+            u[k, i], F[k, i] = 2 * u[k - 1, i] - u[k - 2, i], 2 * F[k - 1, i] - F[k - 2, i]
+        foresee(known, A, mean, u[k], F[k], inverse)
+        if settle(functions, constants, omega[k], known, A, mean, u[k], F[k], inverse):
+            return True
+    u[k] = known if k == 0 else u[k - 1]
+    inverse[:] = np.eye(len(known))
+    return settle(functions, constants, omega[k], known, A, mean, u[k], F[k], inverse)
 
 
 @njit(cache=True)

@@ -2,7 +2,11 @@
 
 At every turn du = dknown + A dF with dF = F' du + dF', where F' du is what the force makes of the place's changed
 motion and dF' what a changed law makes of it unchanged: a few equations, solved once for all columns (the theorem of
-implicit functions). The force depends on the phase of the motion, so columns are by real unknowns.
+implicit functions). The march is driven by the first harmonic of the force alone, so it is that of
+
+    dF = dF' + G (dknown + A dF'),  G = F' (1 - A F')^-1,
+
+that is worked out. The force depends on the phase of the motion, so columns are by real unknowns.
 """
 
 import numpy as np
@@ -14,6 +18,7 @@ from rotorrig.sims.rotor.march import add_matrix, invert
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+Index = NDArray[np.intp]
 
 
 @njit(cache=True)
@@ -31,20 +36,23 @@ def tangent(
     slopes: Reals,
     force: Complex,
     force_mid: Complex,
-    du: Reals,
-    dF: Reals,
-) -> tuple[Complex, Complex]:
-    """Return the derivatives of a and a', (turn, mode, column); fill in those of u and F, (turn, part, column).
+    known: Reals,
+    reaction: Reals,
+    lawful: Index,
+) -> tuple[Complex, Complex, Complex, Complex]:
+    """Return the derivatives of a and a', (turn, mode, column), of the force's first harmonic, (turn, place, column).
 
-    The first arguments are those of law_march.march, and what it returned; `slopes` (turn, part, part) are F'.
-    `force` (turn, mode, column) and `force_mid` push the modes as long as F stays; given are `du` as long as modes and
-    forces stay, and `dF` as long as u does.
+    The last is A of that harmonic, (turn, place, place). The first arguments are those of law_march.march, and what it
+    returned; `slopes` (turn, part, part) are F'. `force` (turn, mode, column) and `force_mid` push the modes as long as
+    F stays. `known` (turn, 3 place, column), the change of mean and first harmonic as long as modes and forces stay, is
+    filled up to dknown. `reaction` (turn, part, law column) is dF' of the columns `lawful`; the others have none.
     """
     turns, modes, columns = force.shape
     places = push.shape[2]
     a, rate = np.zeros(force.shape, dtype=np.complex128), force.copy()
-    forces = np.zeros((3, places, columns), dtype=np.complex128)  # at the turn, and at the two before it
+    dF = np.zeros((turns, places, columns), dtype=np.complex128)
     free, moved = np.zeros((modes, columns), dtype=np.complex128), np.zeros((modes, places), dtype=np.complex128)
+    compliance = np.empty(flexibility.shape, dtype=np.complex128)
     A = np.empty((1 + above.shape[1], places, places), dtype=np.complex128)
     at_rest, work = np.empty((2, modes, modes), dtype=np.complex128)
     invert(L[0], at_rest, work)
@@ -53,15 +61,15 @@ def tangent(
     for k in range(turns):
         comply(flexibility[k], seen[k], moved, A[0])
         A[1:] = above[k]
-        _see(seen[k], free, du[k])
-        _settle(A, mean, slopes[k], du[k], dF[k])
-        _shift(forces, dF[k])
+        compliance[k] = A[0]
+        _see(seen[k], free, known[k])
+        _react(_reactions(A, mean, slopes[k]), A, mean, known[k], reaction[k], lawful, dF[k])
         a[k] = free
-        add_matrix(moved, forces[0], 1.0, a[k])
-        add_matrix(push[k], forces[0], 1.0, rate[k])  # so far all that pushes
+        add_matrix(moved, dF[k], 1.0, a[k])
+        add_matrix(push[k], dF[k], 1.0, rate[k])  # so far all that pushes
         if k + 1 < turns:
             weights = interpolation(k, A[0], F, u)
-            _push_halfway(push[k], push[k + 1], weights, forces, force_mid[k])
+            _push_halfway(push[k], push[k + 1], weights, dF[max(k - 2, 0) : k + 1], force_mid[k])
             middle, end = turned[k]
             free[:] = 0
             add_matrix(steps[k, 0], a[k], end.conjugate(), free)
@@ -70,78 +78,106 @@ def tangent(
             add_matrix(steps[k, 3], force[k + 1], 1.0, free)
             press_ahead(steps[k], turned[k], push[k], push[k + 1], weights[0], moved)
         add_matrix(L[k], a[k], 1.0, rate[k])
-    return a, rate
+    return a, rate, dF, compliance
 
 
 @njit(cache=True)
-def _see(seen: Complex, a: Complex, du: Reals) -> None:
-    """Add what the places see of the modes to `du`."""
+def _see(seen: Complex, a: Complex, known: Reals) -> None:
+    """Add what the places see of the modes to `known`."""
     places, modes = seen.shape
     for i in range(places):
         for mode in range(modes):
             by = seen[i, mode]
             for c in range(a.shape[1]):
                 Q = by * a[mode, c]
-                du[places + i, c] += Q.real
-                du[2 * places + i, c] += Q.imag
+                known[places + i, c] += Q.real
+                known[2 * places + i, c] += Q.imag
 
 
 @njit(cache=True)
-def _settle(A: Complex, mean: Reals, slope: Reals, du: Reals, dF: Reals) -> None:
-    """Solve du = dknown + A dF, dF = F' du + dF' in place, of dknown and dF'."""
+def _react(G: Reals, A: Complex, mean: Reals, known: Reals, reaction: Reals, lawful: Index, dF: Complex) -> None:
+    """Put the first harmonic of dF' + G (dknown + A dF') into dF (place, column)."""
+    places, columns = dF.shape
+    for i in range(places):
+        for j in range(len(known)):
+            by = complex(G[i, j], G[places + i, j])
+            for c in range(columns):
+                dF[i, c] += by * known[j, c]
+    if len(lawful):
+        moved = np.zeros(reaction.shape)
+        _move(A, mean, reaction, moved)
+        for n in range(len(lawful)):
+            for i in range(places):
+                total = complex(reaction[places + i, n], reaction[2 * places + i, n])
+                for j in range(len(moved)):
+                    total += complex(G[i, j], G[places + i, j]) * moved[j, n]
+                dF[i, lawful[n]] += total
+
+
+@njit(cache=True)
+def _move(A: Complex, mean: Reals, F: Reals, u: Reals) -> None:
+    """Add A F to u, both (part, column)."""
     harmonics, places = A.shape[:2]
-    size = len(du)
-    whole, equations = np.zeros((2, size, size))  # A for means, real and imaginary parts; 1 - A F'
     for i in range(places):
         for j in range(places):
-            whole[i, j] = mean[i, j]
+            for c in range(F.shape[1]):
+                u[i, c] += mean[i, j] * F[j, c]
             for h in range(harmonics):
                 re, im, by = (2 * h + 1) * places, (2 * h + 2) * places, A[h, i, j]
-                whole[re + i, re + j] = whole[im + i, im + j] = by.real
-                whole[re + i, im + j], whole[im + i, re + j] = -by.imag, by.imag
+                for c in range(F.shape[1]):
+                    u[re + i, c] += by.real * F[re + j, c] - by.imag * F[im + j, c]
+                    u[im + i, c] += by.imag * F[re + j, c] + by.real * F[im + j, c]
+
+
+@njit(cache=True)
+def _reactions(A: Complex, mean: Reals, slope: Reals) -> Reals:
+    """Return the rows of G = F' (1 - A F')^-1 of the first harmonic, (2 place, part), from (1 - A F')^T G^T = F'^T."""
+    places, size = len(mean), len(slope)
+    moved = np.zeros((size, size))
+    _move(A, mean, slope, moved)
+    rows = np.empty((size, size + 2 * places))  # the equations, and beyond them their right sides
     for i in range(size):
         for j in range(size):
-            equations[i, j] = 1.0 if i == j else 0.0
-            for m in range(size):
-                equations[i, j] -= whole[i, m] * slope[m, j]
-    inverse, work = np.empty((2, size, size))
-    invert(equations, inverse, work)
-    _add_real(whole, dF, du)
-    known = du.copy()
-    du[:] = 0
-    _add_real(inverse, known, du)
-    _add_real(slope, du, dF)
+            rows[i, j] = (1.0 if i == j else 0.0) - moved[j, i]
+        for j in range(2 * places):
+            rows[i, size + j] = slope[places + j, i]
+    _eliminate(rows)
+    return rows[:, size:].T.copy()
 
 
 @njit(cache=True)
-def _add_real(A: Reals, x: Reals, y: Reals) -> None:
-    """Add A x to y, x and y (row, column)."""
-    for i in range(len(A)):
-        for j in range(len(x)):
-            entry = A[i, j]
-            if entry != 0.0:
-                for c in range(x.shape[1]):
-                    y[i, c] += entry * x[j, c]
-
-
-@njit(cache=True)
-def _shift(forces: Complex, dF: Reals) -> None:
-    """Let the forces (3, place, column) be those at the next turn, with the first harmonic of `dF`."""
-    places = forces.shape[1]
-    for i in range(places):
-        for c in range(forces.shape[2]):
-            forces[2, i, c], forces[1, i, c] = forces[1, i, c], forces[0, i, c]
-            forces[0, i, c] = complex(dF[places + i, c], dF[2 * places + i, c])
+def _eliminate(rows: Reals) -> None:
+    """Solve equations (row, unknown and right side): Gauss and Jordan, by rows of the largest pivot, in place."""
+    size, width = rows.shape
+    for i in range(size):
+        best = i
+        for j in range(i + 1, size):
+            if abs(rows[j, i]) > abs(rows[best, i]):
+                best = j
+        for c in range(i, width):
+            rows[i, c], rows[best, c] = rows[best, c], rows[i, c]
+        by = 1.0 / rows[i, i]
+        for c in range(i, width):
+            rows[i, c] *= by
+        for j in range(size):
+            factor = rows[j, i]
+            if j != i and factor != 0.0:
+                for c in range(i, width):
+                    rows[j, c] -= factor * rows[i, c]
 
 
 @njit(cache=True)
 def _push_halfway(
     push: Complex, later: Complex, weights: tuple[float, float, float, float], forces: Complex, force_mid: Complex
 ) -> None:
-    """Add what the forces known so far do halfway to `force_mid` (mode, column), as the march does."""
+    """Add what the forces known so far do halfway to `force_mid` (mode, column), as the march does.
+
+    `forces` (3 or less, place, column) are the latest, the last of them that of this turn.
+    """
     for mode in range(len(push)):
         for i in range(push.shape[1]):
             by = (push[mode, i] + later[mode, i]) / 2
-            for c in range(force_mid.shape[1]):
-                now, last, before = forces[0, i, c], forces[1, i, c], forces[2, i, c]
-                force_mid[mode, c] += by * (weights[1] * now + weights[2] * last + weights[3] * before)
+            for n in range(len(forces)):
+                weight = by * weights[len(forces) - n]
+                for c in range(force_mid.shape[1]):
+                    force_mid[mode, c] += weight * forces[n, i, c]

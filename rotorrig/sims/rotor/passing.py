@@ -1,6 +1,7 @@
 """A rotor on its way through the speeds of some rows: what all loads, forces and directions of it share."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ class Passing:
 
     spectra: Spectra
     envelope: Envelope
+    marches: list[tuple[Any, Any]] = field(default_factory=list, repr=False, compare=False)  # of law_passage.py
 
 
 def passing(model: RotorModel, rows: TrackedRows) -> Passing:

@@ -28,7 +28,14 @@ from rotorrig.sims.rotor.describing import (
 from rotorrig.sims.rotor.directions import steady_derivatives
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
-from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives, by_changed, overtone_derivatives
+from rotorrig.sims.rotor.law_changes import (
+    LawChange,
+    LawDerivatives,
+    by_changed,
+    changing_laws,
+    overtone_derivatives,
+    settled,
+)
 from rotorrig.sims.rotor.law_passage import by_overtones, read_by
 from rotorrig.sims.rotor.loads import Load
 
@@ -56,11 +63,12 @@ def steady_with_law(
     omega, amounts = np.atleast_1d(np.asarray(omega, dtype=float)), np.asarray(amounts, dtype=complex)
     at = read_by(laws)
     u = _motions(model, omega, loads, amounts, laws)
+    F = forces(laws, omega, u)
     found = []
     for order in orders:
         linear, by_force = _linear(model, omega, loads, amounts, at, order)
-        F = overtones(laws, omega, u, order)
-        found.append((linear if order else 0) + np.einsum("spi,si->sp", by_force, F))
+        of_order = overtones(laws, omega, u, F, order)
+        found.append((linear if order else 0) + np.einsum("spi,si->sp", by_force, of_order))
     return np.stack(found, axis=-1)
 
 
@@ -95,28 +103,15 @@ def steady_law_derivatives(
             du[:, : len(at), i] -= F[:, : len(at)] @ (lean.T @ np.real(change.direction.K) @ lean).T
         if change.amounts is not None:
             direct[..., i] += z[..., : len(loads)] @ change.amounts
-        if change.laws is not None:
-            dF[..., i], rest = by_changed(laws, change, omega, u, F)
-            du[:, : len(at), i] += rest
+    lawful = changing_laws(changes)
+    dF[..., lawful], rest = by_changed(laws, [changes[i] for i in lawful], omega, u, F)
+    du[:, : len(at), lawful] += rest
     du[:, len(at) : 3 * len(at)] += np.concatenate([direct[:, n:].real, direct[:, n:].imag], axis=1)
     A = np.concatenate([z[:, None, n:, len(loads) :], by_overtones(model, omega, laws)], axis=1)
-    du, dF = _settled(A, at @ lean, slopes(laws, omega, u), du, dF)
-    by = {order: overtone_derivatives(model, laws, changes, omega, u, du, order=order) for order in orders if order > 1}
+    du, dF = settled(A, at @ lean, slopes(laws, omega, u), du, dF)
+    by = {n: overtone_derivatives(model, laws, changes, omega, u, du, dF, order=n) for n in orders if n > 1}
     by[1] = direct[:, :n] + z[:, :n, len(loads) :] @ phasor(dF, len(at))
     return LawDerivatives(np.einsum("spl,sl->sp", z[:, :n], weights), by)
-
-
-def _settled(A: Complex, mean: Reals, slope: Reals, known: Reals, dF: Reals) -> tuple[Reals, Reals]:
-    """Solve du = known + A (slope du + dF) at every speed; return du and slope du + dF, (speed, part, change)."""
-    places = len(mean)
-    whole = np.zeros_like(slope)
-    whole[:, :places, :places] = mean
-    for h in range(A.shape[1]):
-        re, im = (slice(part * places, (part + 1) * places) for part in (2 * h + 1, 2 * h + 2))
-        whole[:, re, re] = whole[:, im, im] = A[:, h].real
-        whole[:, re, im], whole[:, im, re] = -A[:, h].imag, A[:, h].imag
-    du = np.linalg.solve(np.eye(whole.shape[1]) - whole @ slope, known + whole @ dF).astype(float)
-    return du, slope @ du + dF
 
 
 def _motions(

@@ -58,7 +58,8 @@ def swept_with_law(
         rotor = model if above is None or order == 0 else above
         same = [i for i, load in enumerate(loads) if load.order == order]
         linear = swept_columns(rotor, rows, loads=[loads[i] for i in same], order=order) @ amounts[same] if same else 0
-        found.append(linear + _forced(rotor, rows, laws, overtones(laws, rows.turns.omega, marched.u, order), order))
+        F = overtones(laws, rows.turns.omega, marched.u, marched.F, order)
+        found.append(linear + _forced(rotor, rows, laws, F, order))
     return np.stack(found, axis=-1)
 
 

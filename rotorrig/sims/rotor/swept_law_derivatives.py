@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.describing import phasor, slopes
+from rotorrig.sims.rotor.describing import slopes
 from rotorrig.sims.rotor.force_law import ForceLaw
-from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives, overtone_derivatives
-from rotorrig.sims.rotor.law_forcing import forcing
-from rotorrig.sims.rotor.law_passage import LawPassage, at_once
+from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives, overtone_derivatives, settled
+from rotorrig.sims.rotor.law_forcing import Forcing, forcing
+from rotorrig.sims.rotor.law_passage import LawPassage, Marched, at_once
 from rotorrig.sims.rotor.law_tangent import tangent
 from rotorrig.sims.rotor.loads import Load
 from rotorrig.sims.rotor.sweep import projected
@@ -41,7 +41,8 @@ def swept_law_derivatives(
     places = LawPassage(model, rows, loads, np.asarray(amounts, dtype=complex), laws)
     found = places.marched()
     driving = forcing(places, found, changes)
-    a, rate = tangent(
+    slope = slopes(laws, rows.turns.omega, found.u)
+    a, rate, dF, compliance = tangent(
         places.envelope.operator,
         places.envelope.steps,
         places.envelope.turned,
@@ -49,25 +50,40 @@ def swept_law_derivatives(
         places.seen,
         places.flexibility,
         places.mean,
-        places.above,
+        found.above,
         found.u,
         found.F,
-        slopes(laws, rows.turns.omega, found.u),
+        slope,
         driving.force,
         driving.force_mid,
         driving.motion,
         driving.reaction,
+        driving.lawful,
     )
     others = places.modes.others[:, : places.probes]
     by = projected(places.modes.shape[..., : places.probes], rows.averages(a, rate, powers=len(others)))
-    by = by + at_once(rows, others[..., places.loads :], phasor(driving.reaction, len(places.at))) + driving.at_rows
-    above = {order: _above(places, found.u, driving.motion, changes, order) for order in orders if order > 1}
+    by = by + at_once(rows, others[..., places.loads :], dF) + driving.at_rows
+    higher = [order for order in orders if order > 1]
+    above = _above(places, found, driving, slope, compliance, changes, higher) if higher else {}
     return LawDerivatives(places.seen_by_rows(found), {1: by} | above)
 
 
-def _above(places: LawPassage, u: Reals, du: Reals, changes: Sequence[LawChange], order: int) -> Complex:
-    """Return the derivatives of the response at an order above 1, (row, probe, change)."""
+def _above(
+    places: LawPassage,
+    found: Marched,
+    driving: Forcing,
+    slope: Reals,
+    compliance: Complex,
+    changes: Sequence[LawChange],
+    orders: Sequence[int],
+) -> dict[int, Complex]:
+    """Return the derivatives of the response at orders above 1, (row, probe, change) each."""
     rows = places.rows
     middle = rows.seen[:, rows.seen.shape[1] // 2]
-    omega = rows.turns.omega[middle]
-    return overtone_derivatives(places.model, places.laws, changes, omega, u[middle], du[middle], order=order)
+    omega, u = rows.turns.omega[middle], found.u[middle]
+    known, reaction = np.zeros((2, *u.shape, len(changes)))
+    known[:, : driving.motion.shape[1]] = driving.motion[middle]
+    reaction[..., driving.lawful] = driving.reaction[middle]
+    A = np.concatenate([compliance[middle, None], found.above[middle]], axis=1)
+    du, dF = settled(A, places.mean, slope[middle], known, reaction)
+    return {n: overtone_derivatives(places.model, places.laws, changes, omega, u, du, dF, order=n) for n in orders}

@@ -85,6 +85,14 @@ def test_a_slow_roll_that_was_subtracted_stands_in_its_own_row(rk4: RigConfig) -
     assert looked_at(rk4, "slow_roll_subtracted", {"share": 0.5}) == pytest.approx(np.stack([Z[0] - Z[1] / 2, Z[1]]))
 
 
+def test_the_slow_roll_that_was_subtracted_is_the_measured_one(rk4: RigConfig) -> None:
+    """Whatever was in it: noise, and response to unbalance at too high a speed."""
+    measured = np.array([3e-6, -2e-6j, 1e-6 + 1e-6j, np.nan])
+    seen = replace(view(rk4, 1, TWO), slow_roll=measured)
+    got = find(rk4, "slow_roll_subtracted").seen(Z, seen, {"share": 0.5})
+    assert got == pytest.approx(np.stack([Z[0] - np.nan_to_num(measured) / 2, Z[1]]))
+
+
 def steady(turns_per_second: float, *, order: int = 1, revolutions: float = 8.0, window: str = "hann") -> Seen:
     """One row in the middle of a second of even rotation, and a slow roll."""
     return Seen(

@@ -76,12 +76,13 @@ def test_an_even_bow_shows_at_rest_as_the_arc_it_is(rk4: RigConfig) -> None:
     assert np.abs(z) == pytest.approx(arc, rel=2e-3)
 
 
-def test_unbalance_between_the_parts_acts_as_at_a_plane_there(rk4: RigConfig) -> None:
+@pytest.mark.parametrize("shift", [0.0, -0.013])
+def test_unbalance_between_the_parts_acts_as_at_a_plane_there(rk4: RigConfig, shift: float) -> None:
     rig = rk4.model_copy(update={"planes": ()})
     there = find(rig, "unbalance_plane, at 400 mm")
-    theta = {"unbalance re": 5e-6, "unbalance im": -2e-6}
+    theta = {"unbalance re": 5e-6, "unbalance im": -2e-6, "shift": shift}
     table = rk4.model_dump(mode="json", exclude_unset=True)
-    with_plane = from_si({**table, "planes": [{"name": "hub", "position": 0.4}]})
+    with_plane = from_si({**table, "planes": [{"name": "hub", "position": 0.4 + shift}]})
     hub = find(with_plane, "unbalance_plane, at hub")
     assert alone(there, theta, rig, 200.0) == pytest.approx(alone(hub, theta, with_plane, 200.0), rel=1e-4)
 

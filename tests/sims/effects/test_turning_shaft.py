@@ -67,9 +67,9 @@ def test_an_asymmetric_shaft_moves_as_in_the_plant(lying: RigConfig, delta: floa
 @pytest.mark.parametrize("compliance", [2e-6, 2e-5])
 @pytest.mark.parametrize(("order", "rpm"), [(1, 600), (1, 2700), (1, 2820), (2, 1420), (3, 940)])
 def test_a_crack_breathes_as_in_the_plant(lying: RigConfig, compliance: float, order: int, rpm: float) -> None:
-    label = "crack, at 240 mm, mouth at 45 deg"
-    theta = {"compliance": compliance, "turn": 0.1, "shift": -0.01}
-    got = expected(lying, label, theta, rpm)[order] - expected(lying, label, {}, rpm)[order]
+    softness = find(lying, "crack").softness_of(compliance, 0.23)
+    theta = {"softness": softness, "mouth": np.pi / 4 + 0.1, "place": 0.23}
+    got = expected(lying, "crack", theta, rpm)[order] - expected(lying, "crack", {}, rpm)[order]
     values = {"compliance": compliance, "angle": np.pi / 4 + 0.1, "position": 0.23}
     want = differs(lying, "crack", values, rpm, order)
     assert np.abs(got - want).max() < PART["crack"] * np.abs(want).max() + NOISE

@@ -5,16 +5,18 @@ import pytest
 
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import find
+from rotorrig.sims.effects.crack import Crack
 from rotorrig.sims.rotor.assembly import assemble, matrices
 from tests.sims.effects.predicted import Complex, pair_at, predicted, simple_rig
 
 LIGHT = {"length": 0.4, "diameter": 0.01, "density": 1e-3, "youngs_modulus": 210e9}
 POINT = {"name": "disk", "position": 0.2, "mass": 0.8, "polar_inertia": 0.0, "transverse_inertia": 0.0}
 PINNED = [{"name": name, "position": z, "rigid": True} for name, z in (("A", 0.0), ("B", 0.4))]
+G = 9.80665  # m/s^2
 EI = 210e9 * np.pi * 0.01**4 / 64
 K = 48 * EI / 0.4**3
 CRITICAL = np.sqrt(K / 0.8)
-SAG = 0.8 * 9.80665 / K
+SAG = 0.8 * G / K
 SHEAR = 3e-3  # of the bending of a shaft this slender
 
 
@@ -49,13 +51,13 @@ def test_turned_by_hand_the_shaft_hangs_lowest_with_its_soft_side_down() -> None
 
 def test_a_crack_bends_the_shaft_like_a_hinge() -> None:
     at, compliance = 0.12, 1e-5
-    kink = compliance * 0.8 * 9.80665 / 2 * at  # of the weight's moment there
+    kink = compliance * 0.8 * G / 2 * at  # of the weight's moment there
     # its mouth down at the mark: open while cos(theta) > 0, it bends by cos^2 down and by cos sin aside, where it goes
     down, aside = (4 / (3 * np.pi), 1 / 4, 4 / (15 * np.pi)), (2 / (3 * np.pi), 1 / 4, 2 / (5 * np.pi))
     for z in (0.06, 0.25):
         triangle = kink * min(z, at) * (0.4 - max(z, at)) / 0.4
         for order in (1, 2, 3):
-            seen = vectors(pinned(z), crack(at, 270), order, 0.0, compliance=compliance)
+            seen = cracked(pinned(z), at, 270, order, 0.0, compliance)
             want = [-1j * aside[order - 1] * triangle, -down[order - 1] * triangle]
             assert seen == pytest.approx(want, rel=0.02, abs=1e-4 * triangle)
 
@@ -63,17 +65,14 @@ def test_a_crack_bends_the_shaft_like_a_hinge() -> None:
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_a_crack_resonates_at_a_fraction_of_the_critical_speed(order: int) -> None:
     rig = pinned(0.2)
-    near, off = (
-        abs(vectors(rig, crack(0.12, 90), order, ratio * CRITICAL / order, compliance=1e-7)[1])
-        for ratio in (0.995, 0.5)
-    )
+    near, off = (abs(cracked(rig, 0.12, 90, order, ratio * CRITICAL / order, 1e-7)[1]) for ratio in (0.995, 0.5))
     assert near > 50 * off
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_a_crack_in_a_shaft_that_turns_the_other_way_is_its_mirror_image(order: int) -> None:
     forward, backward = (
-        vectors(pinned(0.25, rotation=rotation), crack(0.12, mouth), order, 100.0, compliance=1e-5, turn=0.2)
+        cracked(pinned(0.25, rotation=rotation), 0.12, mouth + 11.0, order, 100.0, 1e-5)
         for rotation, mouth in (("x-to-y", 45), ("y-to-x", 225))
     )
     assert backward == pytest.approx(forward * [-1, 1], rel=1e-6)
@@ -81,8 +80,7 @@ def test_a_crack_in_a_shaft_that_turns_the_other_way_is_its_mirror_image(order: 
 
 def test_a_crack_makes_the_shaft_softer_by_a_quarter_of_what_it_gives_way_by() -> None:
     rig, compliance = pinned(0.2), 1e-5
-    effect = find(rig, crack(0.12, 0))
-    theta = {**effect.at_nothing, "compliance": compliance}
+    effect, theta = crack(rig, 0.12, 0, compliance)
     model = assemble(rig)
     push = model.disks[0].rows[1]
     before, after = (push @ np.linalg.solve(matrices(m).K, push) for m in (model, effect.changed(model, theta)))
@@ -91,8 +89,7 @@ def test_a_crack_makes_the_shaft_softer_by_a_quarter_of_what_it_gives_way_by() -
 
 
 def test_a_shaft_bent_in_its_own_axes_by_more_than_the_weight_keeps_a_crack_shut_or_open() -> None:
-    effect = find(pinned(0.2), crack(0.12, 0))
-    theta = {**effect.at_nothing, "compliance": 1e-5}
+    effect, theta = crack(pinned(0.2), 0.12, 0, 1e-5)
     model = assemble(pinned(0.2))
     (law,) = effect.laws(model, theta)
     constants = law.constants.copy()
@@ -107,6 +104,24 @@ def test_a_shaft_bent_in_its_own_axes_by_more_than_the_weight_keeps_a_crack_shut
         assert (added[3] - added[2]) @ mouth == pytest.approx(-0.75 * 1e-5 * 50.0 / constants[1] ** 2, rel=1e-6)
 
 
-def crack(at: float, mouth: float) -> str:
-    """The label of a crack."""
-    return f"crack, at {1e3 * at:.0f} mm, mouth at {mouth:.0f} deg"
+def test_the_softness_of_a_crack_is_the_part_by_which_the_disk_sinks_more_while_it_is_open() -> None:
+    rig, compliance = pinned(0.2), 1e-5
+    effect, theta = crack(rig, 0.12, 0, compliance)
+    moment = 0.8 * G / 2 * 0.12
+    # where the disk's is the only weight its work is W sag, and an open hinge lets it sink by moment^2 c / W
+    assert theta["softness"] == pytest.approx(compliance * moment**2 / (0.8 * G * SAG), rel=5 * SHEAR)
+    assert effect.compliance(theta) == pytest.approx(compliance, rel=1e-12)
+
+
+def cracked(rig: RigConfig, at: float, mouth: float, order: int, omega: float, compliance: float) -> Complex:
+    """The vectors of a crack [m from the left, deg from the mark, rad/(N m)]."""
+    _, theta = crack(rig, at, mouth, compliance)
+    return vectors(rig, "crack", order, omega, **theta)
+
+
+def crack(rig: RigConfig, at: float, mouth: float, compliance: float) -> tuple[Crack, dict[str, float]]:
+    """The effect and its unknowns."""
+    effect = find(rig, "crack")
+    assert isinstance(effect, Crack)
+    softness = effect.softness_of(compliance, at)
+    return effect, {"softness": softness, "mouth": np.radians(mouth), "place": at}

@@ -1,0 +1,62 @@
+"""Where the mean position of the shaft goes along a sweep, plane by plane, in micrometres: what the report draws."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.app.curves import RPM, UM, sweeps
+from rotorrig.processing.probe_planes import measured_planes
+from rotorrig.processing.response import OrderTrackedResponse
+
+REFERENCE = 8  # rows, the slowest of a run: where its path begins
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CentrelinePath:
+    """One run in one plane of probes."""
+
+    plane: str
+    run: str
+    direction: int  # +1 speed rises, -1 falls
+    rpm: NDArray[np.float64]  # (row,)
+    x: NDArray[np.float64]  # (row,) um from where the shaft is while the run is slowest
+    y: NDArray[np.float64]
+
+    @property
+    def reach(self) -> float:
+        """How far it goes [um], the rows' scatter left out by the mean of three."""
+        away = np.convolve(self.x + 1j * self.y, np.ones(3) / 3, mode="valid")
+        return float(np.abs(away).max())
+
+
+def centreline_paths(response: OrderTrackedResponse) -> tuple[CentrelinePath, ...]:
+    """Return the paths of every plane of two probes; none if the gap (0X) was not tracked."""
+    if 0.0 not in response.orders:
+        return ()
+    gap = response.order(0.0).real
+    found = []
+    for plane, pair in measured_planes(response.rig, response.probes):
+        for i in sweeps(response):
+            told = response.usable[:, pair].all(axis=1) & np.isfinite(gap[:, pair]).all(axis=1)
+            rows = np.flatnonzero((response.run == i) & told)
+            if len(rows) <= REFERENCE:
+                continue
+            slowest = rows[np.argsort(response.omega[rows])[:REFERENCE]]
+            x, y = ((gap[rows][:, pair] - gap[slowest][:, pair].mean(axis=0)) @ plane.to_xy.T).T * UM
+            found.append(
+                CentrelinePath(
+                    plane=plane.name,
+                    run=response.runs[i].name,
+                    direction=response.runs[i].direction,
+                    rpm=response.omega[rows] * RPM,
+                    x=x,
+                    y=y,
+                )
+            )
+    return tuple(found)
+
+
+def centreline_words(paths: tuple[CentrelinePath, ...]) -> str:
+    """Say how far the shaft goes in every plane and run."""
+    return " ".join(f"{path.plane}, {path.run} run: up to {path.reach:.2g} µm." for path in paths)

@@ -1,0 +1,137 @@
+"""Where to begin a force law: where a fit of it ends while the nuisances stay at their priors.
+
+A strong force law draws the base off, gains and masses and all, by many of their standard deviations, and from there
+its own fit does not find back. Without those nuisances the base cannot follow what the law does, and stays near the
+rotor that it is: bearings, damping and unbalance alone then lead to the law's size from nearly any start, the better
+the weaker it is there. Laws are raced: the one that the first look favours is fitted first, and those that do not
+come near are given up.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.least_squares import LinearModel, Stop
+from rotorrig.identify.parameters import Reals
+from rotorrig.identify.scores import Score
+from rotorrig.identify.solving import Polished
+from rotorrig.rig.errors import DataError
+from rotorrig.sims.effects.base import Effect, Parameter
+
+_DRAWN = 4.0  # sigmas of a prior
+_WEAK = (0.03, 0.2, 1.0)  # of the strength of every start
+_BEHIND = 0.5  # of what the best law has taken from chi2: one that cannot take that much is given up
+_HOPED = 3.0  # times what a full step promises is what it may take in all
+_SETTLED = 1.0  # of chi2
+_STEPS = 15
+
+
+def drawn_off(problem: ExtendedProblem, p: Reals) -> bool:
+    """Say whether a nuisance of `p` is further off than its prior allows."""
+    return bool(np.abs(problem.parameters.prior_residual(p)).max(initial=0.0) > _DRAWN)
+
+
+def held_nuisances(problem: ExtendedProblem) -> dict[int, float]:
+    """Return the nuisances that are not solved for anyway, at their priors: parameter -> value."""
+    names = problem.parameters
+    at_priors = names.start(np.zeros(0))
+    return {int(i): float(at_priors[i]) for i in names.priors if i not in names.linear_nuisances}
+
+
+def held_fit(problem: ExtendedProblem, p: Reals) -> Polished:
+    """Fit `problem` from `p` with its nuisances held at their priors."""
+    held = held_nuisances(problem)
+    return problem.solve(_at_priors(p, held), fixed=held, tolerance=_SETTLED, max_steps=_STEPS)
+
+
+def held_scores(
+    problem: ExtendedProblem, polished: Polished, plain: Polished, candidates: Sequence[Effect]
+) -> list[Score]:
+    """Return the scores of effects that are begun at their starts, beside those of `problem`; best first.
+
+    `plain` is its `held_fit`. The score is by how much chi2 is below that of `polished`, the nuisances at their priors,
+    and what a full step with all of them promises beyond. Of one that was given up it is the first part alone.
+    """
+    held = held_nuisances(problem)
+    looks = [look for effect in candidates if effect.curved and (look := _look(problem, plain.p, effect)) is not None]
+    found: list[Score] = []
+    best = plain.chi2
+    for look in sorted(looks, key=lambda look: look.chi2):
+        fit = _raced(look, held, limit=plain.chi2 - _BEHIND * (plain.chi2 - best))
+        best = min(best, fit.chi2)
+        more = 0.0 if fit.stop is Stop.GIVEN_UP else _promise(look.problem, fit)
+        lam = polished.chi2 - fit.chi2 + more
+        found.append(Score(effect=look.effect, lam=lam, step=np.zeros(0), visible=0.0, begin=fit.p))
+    return sorted(found, key=lambda score: -score.lam)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Look:
+    """A first look at a law, at its best start."""
+
+    problem: ExtendedProblem  # with the law
+    effect: Effect
+    begin: Reals  # (parameter,)
+    chi2: float  # of 1X and the priors, there
+
+
+def _look(problem: ExtendedProblem, p: Reals, effect: Effect) -> _Look | None:
+    """Return the start where chi2 is least beside the base `p`; None if the rotor moves at none."""
+    larger = problem.extended((*problem.effects, effect))
+    best: _Look | None = None
+    for theta in _starts(effect.parameters):
+        begin = np.append(p, theta)
+        try:
+            r = larger.residual(begin, orders=(1,))
+        except DataError:
+            continue
+        chi2 = float(r @ r)
+        if np.isfinite(chi2) and (best is None or chi2 < best.chi2):
+            best = _Look(problem=larger, effect=effect, begin=begin, chi2=chi2)
+    return best
+
+
+def _starts(parameters: Sequence[Parameter]) -> Iterator[Reals]:
+    """Yield the starts of an effect in sizes, (parameter,), weak ones first, none of them twice.
+
+    Its strength is the first of the unknowns with starts that are nothing at zero.
+    """
+    strength = next(q.name for q in parameters if q.starts and q.nothing == 0)
+    count = max(len(q.starts) for q in parameters)
+    seen: set[tuple[float, ...]] = set()
+    for share in _WEAK:
+        for k in range(count):
+            value = {q.name: q.starts[min(k, len(q.starts) - 1)] if q.starts else q.nothing for q in parameters}
+            value[strength] *= share
+            start = tuple(value[q.name] / q.size for q in parameters)
+            if start not in seen:
+                seen.add(start)
+                yield np.array(start)
+
+
+def _raced(look: _Look, held: dict[int, float], *, limit: float) -> Polished:
+    """Fit a law from its first look, the nuisances held, as long as chi2 may come below `limit`."""
+
+    def worth(chi2: float, promise: float) -> bool:
+        return chi2 - _HOPED * promise < limit
+
+    begin = np.clip(look.begin, *look.problem.bounds)
+    return look.problem.solve(begin, fixed=held, tolerance=_SETTLED, max_steps=_STEPS, worth=worth)
+
+
+def _promise(problem: ExtendedProblem, fit: Polished) -> float:
+    """Return by how much chi2 would fall with every unknown free, by the derivatives at a fit."""
+    frozen = problem.parameters.frozen
+    free = np.setdiff1d(np.arange(len(fit.p)), list(frozen))
+    low, high = problem.bounds
+    r = problem.residual(fit.p)
+    model = LinearModel(problem.jacobian(fit.p, free), r, fit.p[free], (low[free], high[free]))
+    return model.promise(model.best(0.0))
+
+
+def _at_priors(p: Reals, held: dict[int, float]) -> Reals:
+    out = p.copy()
+    out[list(held)] = list(held.values())
+    return out

@@ -1,0 +1,33 @@
+"""The keyphasor's mark seen from its other side: a nuisance of a recording with the rotor turning backwards.
+
+The pulse of a forward run comes from one edge of the notch, that of a run the other way round from the other. How far
+apart these are no config says, so such a run tells no angle from the mark that a forward one gave.
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, Seen, Theta
+
+WIDE = 0.35  # rad, one standard deviation: a notch of 20 degrees is common
+
+
+@dataclass(frozen=True, kw_only=True)
+class MarkEdge(Effect):
+    """The angle "width" [rad] from the edge that pulses forwards to the one that pulses backwards."""
+
+    name = "mark_edge"
+    title = "width of the keyphasor's mark"
+    orders = EVERY
+
+    @classmethod
+    def of_recording(cls, number: int) -> Self:
+        """Return the nuisance of that recording."""
+        width = Parameter(name="width", unit="rad", low=-np.pi, high=np.pi, size=0.1, prior=WIDE)
+        return cls(where=f"recording {number + 1}", recording=number, parameters=(width,))
+
+    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
+        """Return the vectors by an angle that is zero at the other edge."""
+        return z * np.exp(1j * view.order * theta["width"])

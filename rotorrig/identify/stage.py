@@ -1,0 +1,151 @@
+"""One step forward: which causes promise something beside those a model has, and how well each of them fits.
+
+What scores high is fitted, one by one. Force laws have no score of the first order: they are tried by their starts, and
+where they have drawn the base off, only if nothing else explains it, or first if nothing else promises to.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rotorrig.identify.adequacy import GLOBAL_LIMIT
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.law_starts import drawn_off, held_fit, held_scores
+from rotorrig.identify.scores import Score, curved_scores, scores
+from rotorrig.identify.solving import Polished
+from rotorrig.identify.trial import Candidate, on_trial, plausible
+from rotorrig.sims.effects.base import Effect
+
+DETECTED = 18.0  # of chi2
+_FITTED = 8  # candidates that are fitted for every one taken up
+_CURVED = 4  # effects without a first order that are fitted, and only as the first cause
+_OF_BEST = 3  # of one kind, at other places, if it scores best
+_PROMISING = 0.05  # of the best score: a candidate below is not fitted
+_LEFT_BY_LAW = 0.03  # of the excess of chi2: what a describing function may leave
+_RIVAL = 0.5  # of the best score
+_REACHED = 0.2  # of the excess of chi2: a score that leaves less may be all there is to it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stage:
+    """One step forward: what was tried beside the effects that were in already."""
+
+    before: Polished
+    scores: tuple[Score, ...]
+    tried: tuple[Candidate, ...]  # best first
+
+    def chose(self, effect: Effect, *, beside: Sequence[Effect]) -> bool:
+        """Say whether `effect` was the best here, and the effects that were in already are those of `beside`."""
+        best = self.tried[0] if self.tried else None
+        return best is not None and best.effect is effect and _labels(best.problem.effects[:-1]) == _labels(beside)
+
+
+def step(
+    problem: ExtendedProblem,
+    polished: Polished,
+    candidates: Sequence[Effect],
+    progress: Callable[[float], None],
+    *,
+    wrong: bool,
+    first: bool,
+) -> Stage:
+    """Try what scores high; force laws that have drawn the base off are kept for where nothing else explains it."""
+    scored = scores(problem, polished.p, candidates)
+    excess = _excess(problem, polished)
+    plain = held_fit(problem, polished.p) if drawn_off(problem, polished.p) else None
+    laws: list[Score] = []
+    later = False  # whether force laws wait for the others
+    if first and wrong and excess > 0 and plain:
+        later = bool(scored) and excess - scored[0].lam < _REACHED * excess
+        laws = [] if later else held_scores(problem, polished, plain, candidates)
+    elif first and (wrong or (scored and scored[0].lam > DETECTED)):
+        laws = curved_scores(problem, polished.p, candidates)
+    promising = _promising(sorted((*scored, *laws), key=lambda s: -s.lam))
+    progress(0.3)
+    tried = _all_tried(problem, polished, plain, promising, (), progress=lambda share: progress(0.3 + 0.5 * share))
+    if first and not any(_explained(candidate, excess) for candidate in tried):
+        laws = held_scores(problem, polished, plain, candidates) if later and plain else laws
+        late = _unpromising(laws, promising)
+        tried = _all_tried(problem, polished, plain, late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
+    progress(1.0)
+    ranked = sorted(tried, key=lambda c: (not plausible(c), -c.evidence))
+    return Stage(before=polished, scores=(*scored, *laws), tried=tuple(ranked))
+
+
+def _excess(problem: ExtendedProblem, polished: Polished) -> float:
+    """Return by how much chi2 of 1X is more than adequate, priors included; negative where it is less."""
+    r = problem.residual(polished.p, orders=(1,))
+    return float(r @ r) - GLOBAL_LIMIT * sum(recording.measured[1].size for recording in problem.recordings)
+
+
+def _all_tried(
+    problem: ExtendedProblem,
+    polished: Polished,
+    plain: Polished | None,
+    scored: Sequence[Score],
+    before: Sequence[Candidate],
+    *,
+    progress: Callable[[float], None],
+) -> list[Candidate]:
+    """Return the candidates of `before` and after them those of the scores, each raced against the best so far."""
+    tried = list(before)
+    for i, score in enumerate(scored):
+        leader = max((c.evidence for c in tried if plausible(c)), default=-np.inf)
+        if (candidate := on_trial(problem, polished, plain, score, leader=leader)) is not None:
+            _keep_better(tried, candidate)
+        progress((i + 1) / len(scored))
+    return tried
+
+
+def _keep_better(tried: list[Candidate], candidate: Candidate) -> None:
+    """Add a candidate; of two fits that were begun apart and ended at one place the better one stays."""
+    label = candidate.effect.label
+    if all(candidate.polished.chi2 < c.polished.chi2 for c in tried if c.effect.label == label):
+        tried[:] = [*(c for c in tried if c.effect.label != label), candidate]
+
+
+def _unpromising(scored: Sequence[Score], promising: Sequence[Score]) -> list[Score]:
+    """Return the best of every kind of force law that is not among the promising ones.
+
+    Its score is a guess by the starts it has, about a base that the law has drawn off: where nothing else explains the
+    residual, it is fitted all the same.
+    """
+    found: dict[str, Score] = {}
+    taken = {s.effect.name for s in promising}
+    for s in scored:
+        if s.begin is not None and s.effect.name not in taken:
+            found.setdefault(s.effect.name, s)
+    return list(found.values())[:_CURVED]
+
+
+def _explained(candidate: Candidate, excess: float) -> bool:
+    """Say whether with the effect on trial next to nothing is left of the `excess` of chi2 at 1X."""
+    left = _LEFT_BY_LAW * excess if candidate.effect.curved else 0.0
+    return _excess(candidate.problem, candidate.polished) <= left
+
+
+def _promising(scored: Sequence[Score]) -> list[Score]:
+    """Return the scores whose causes are fitted: of every kind the best, of the best kind a few.
+
+    Unless a force law leads, those that score nearly alike come by the number of their unknowns: few of them are soon
+    fitted, and then the long fits of the others can be given up.
+    """
+    high = [s for s in scored if s.lam > max(DETECTED / 2, _PROMISING * scored[0].lam)]
+    kinds: dict[str, int] = {}
+    kept, curved = [], 0
+    for s in high:
+        kinds[s.effect.name] = kinds.get(s.effect.name, 0) + 1
+        curved += s.begin is not None
+        best_kind = s.effect.name == high[0].effect.name and s.begin is None
+        if kinds[s.effect.name] <= (_OF_BEST if best_kind else 1) and (s.begin is None or curved <= _CURVED):
+            kept.append(s)
+    kept = kept[:_FITTED]
+    if not kept or kept[0].begin is not None:
+        return kept
+    rivals = [s for s in kept if s.lam > _RIVAL * kept[0].lam]
+    return sorted(rivals, key=lambda s: len(s.effect.parameters)) + kept[len(rivals) :]
+
+
+def _labels(effects: Sequence[Effect]) -> set[str]:
+    return {effect.label for effect in effects}

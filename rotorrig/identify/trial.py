@@ -1,0 +1,154 @@
+"""One effect on trial beside those a model has: fitted together with them, and raced against the best so far.
+
+Evidence is the Bayesian information criterion, BIC = chi2 + k ln n (Schwarz, Annals of Statistics 6 (1978) 461), n the
+figures at 1X that are independent: those of neighbouring rows, `STRETCH` of them, are off together.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rotorrig.identify.adequacy import STRETCH
+from rotorrig.identify.beginnings import elsewhere
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.law_starts import drawn_off, held_nuisances
+from rotorrig.identify.least_squares import Stop, Worth
+from rotorrig.identify.parameters import Reals
+from rotorrig.identify.scores import Score, relocated
+from rotorrig.identify.solving import Polished
+from rotorrig.rig.errors import DataError
+from rotorrig.sims.effects.base import Effect, magnitudes
+
+NEAR = 48.0  # of BIC, three times what tells two causes apart: a candidate further behind the best is given up
+_SETTLED = 0.1  # of chi2
+_STEPS = 15
+_ROUGHLY = 2e-3  # of chi2: what a beginning may be short of
+_CURVED_STEPS = 10
+_RELOCATIONS = 3  # of a scanned effect: the place that suited a wrong base is not yet the right one
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Candidate:
+    """A set of effects, the last of them on trial, and its fit."""
+
+    problem: ExtendedProblem
+    polished: Polished
+    lam: float  # by how much chi2 is below that without the last effect
+    evidence: float  # by how much BIC is
+
+    @property
+    def effect(self) -> Effect:
+        """The one on trial."""
+        return self.problem.effects[-1]
+
+
+def plausible(candidate: Candidate) -> bool:
+    """Say whether the effect on trial is of a size such rigs have; phasors by their magnitude."""
+    names = candidate.problem.parameters
+    theta = names.of_effect(candidate.polished.p, len(names.effects) - 1)
+    sizes = {name: value for name, value, _ in magnitudes(candidate.effect.parameters, theta)}
+    return all(
+        q.low <= sizes.get(q.name.removesuffix(" re"), theta[q.name]) <= q.high
+        for q in candidate.effect.parameters
+        if not q.name.endswith(" im")
+    )
+
+
+def on_trial(
+    problem: ExtendedProblem, polished: Polished, plain: Polished | None, score: Score, *, leader: float
+) -> Candidate | None:
+    """Fit the effect of a score beside those of `problem`, fitted as `polished`; None where it has no solution.
+
+    `plain` is the fit with the nuisances at their priors, where a wrong base has drawn them off: from there they find
+    back only slowly, as in their valley every other unknown has to move with them; so the effect is begun beside it.
+
+    It is given up once it could not come near `leader`, the evidence of the best so far, with twice the fall of chi2
+    that a full step promises, or ten times under a force law, which bends more.
+    """
+    cost = price(problem, score.effect)
+    hoped = 10 if score.effect.curved else 2
+
+    def worth(chi2: float, promise: float) -> bool:
+        return polished.chi2 - chi2 + hoped * promise - cost > leader - NEAR
+
+    larger = problem.extended((*problem.effects, score.effect))
+    begun = plain if plain and worth(polished.chi2, score.lam) else None
+    try:
+        best = _refined(larger, _start(larger, polished, begun, score), worth=worth)
+        for _ in range(_RELOCATIONS if score.effect.scan and best.stop is not Stop.GIVEN_UP else 0):
+            moved = relocated(problem, best.p[: len(polished.p)], score.effect)
+            if _same_place(moved, larger.effects[-1]):
+                break
+            larger = problem.extended((*problem.effects, moved))
+            best = _refined(larger, best.p, worth=worth)
+        if score.effect.beginnings and best.stop is not Stop.GIVEN_UP:
+            best = _from_elsewhere(larger, best, worth=worth)
+    except (DataError, np.linalg.LinAlgError):
+        return None  # no motion is found, or none that is finite
+    larger, best = named_by_place(larger, best)
+    lam = polished.chi2 - best.chi2
+    best = replace(best, jacobian=np.zeros((0, len(best.p))))  # some 15 MB that nobody asks for again
+    return Candidate(problem=larger, polished=best, lam=lam, evidence=lam - cost)
+
+
+def price(problem: ExtendedProblem, effect: Effect) -> float:
+    """Return what BIC asks for the unknowns of an effect."""
+    independent = sum(recording.measured[1].size for recording in problem.recordings) / STRETCH
+    return sum(q.low < q.high for q in effect.parameters) * float(np.log(independent))
+
+
+def named_by_place(problem: ExtendedProblem, fit: Polished) -> tuple[ExtendedProblem, Polished]:
+    """Return a fit whose last effect is told from the place nearest to where the fit took it."""
+    names, effect = problem.parameters, problem.effects[-1]
+    moved, theta = effect.nearest(names.of_effect(fit.p, len(names.effects) - 1))
+    p = fit.p.copy()
+    p[names.theta[-1]] = [theta[q.name] / q.size for q in moved.parameters]
+    same = moved is effect
+    return problem if same else problem.extended((*problem.effects[:-1], moved)), replace(fit, p=p)
+
+
+def _from_elsewhere(problem: ExtendedProblem, fit: Polished, *, worth: Worth) -> Polished:
+    """Return the better of a fit and that from another beginning of its effect, if one promises to be better."""
+    begin = elsewhere(problem, fit)
+    return fit if begin is None else min(_refined(problem, begin, worth=worth), fit, key=_chi2)
+
+
+def _chi2(fit: Polished) -> float:
+    return fit.chi2
+
+
+def _same_place(effect: Effect, other: Effect) -> bool:
+    """Say whether two of a scanned effect stand within a standard deviation of the place: within 1 of chi2."""
+    pairs = zip(effect.parameters, other.parameters, strict=True)
+    return all(abs(a.nothing - b.nothing) <= a.spread for a, b in pairs if a.scanned)
+
+
+def _start(problem: ExtendedProblem, polished: Polished, plain: Polished | None, score: Score) -> Reals:
+    """Return where to begin: where the score says, or else where the effect does nothing, or beside `plain`.
+
+    From where it does nothing the first full step goes as far as the score says.
+    """
+    nothing = np.array([q.nothing / q.size for q in score.effect.parameters])
+    if score.begin is not None or plain is None:
+        return np.append(polished.p, nothing) if score.begin is None else score.begin
+    start = np.append(plain.p, nothing)
+    return problem.solve(start, fixed=held_nuisances(problem), tolerance=_ROUGHLY * plain.chi2, max_steps=_STEPS).p
+
+
+def _refined(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Polished:
+    """Fit from `start`; a force law, where the nuisances are drawn off, from their priors."""
+    start = np.clip(start, *problem.bounds)
+    if not problem.curved:
+        return problem.solve(start, tolerance=_SETTLED, max_steps=_STEPS, worth=worth)
+    if drawn_off(problem, start):
+        near = problem.solve(start, fixed=held_nuisances(problem), tolerance=1.0, max_steps=_STEPS, worth=worth)
+        if near.stop is Stop.GIVEN_UP:
+            return near
+        start = near.p
+    return problem.solve(start, tolerance=_SETTLED, max_steps=_CURVED_STEPS, worth=worth)
+
+
+def refit(problem: ExtendedProblem, start: Reals) -> Polished:
+    """Fit a problem from next to where it ends, to the end."""
+    steps = _CURVED_STEPS if problem.curved else _STEPS
+    return problem.solve(start, tolerance=_SETTLED, max_steps=steps)

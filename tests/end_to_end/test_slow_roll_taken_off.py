@@ -1,0 +1,53 @@
+"""Vectors that were compensated before they came, and do not say so: waveforms of the simulated rig, bent, through
+the chain, and the slow-roll vector taken off behind it."""
+
+from dataclasses import replace
+
+import pytest
+
+from benchmarks.blind_run import record
+from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
+from rotorrig.processing.pipeline import track
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import load
+from rotorrig.rig.units import RPM
+from rotorrig.sims.effects.base import catalogue
+from rotorrig.sims.plant.truth import FaultSpec
+from tests.conftest import CONFIGS
+
+BOW = FaultSpec(name="bow", parameters={"amount": 20e-6})
+TRIED = {"slow_roll_subtracted", "bow", "runout"}  # without force laws
+
+
+@pytest.fixture(scope="module")
+def bent() -> OrderTrackedResponse:
+    """Some 120 rows through the critical speed, their slow roll at the speed of a too hasty one."""
+    rig = load(CONFIGS / "rk4.toml")
+    plan = rig.plans["default"].model_copy(
+        update={"slow_roll": 600 / RPM, "slow_roll_time": 4.0, "start": 700 / RPM, "end": 2600 / RPM, "ramp": 120 / RPM}
+    )
+    hasty = rig.model_copy(update={"plans": {"default": plan}})
+    return track(record(hasty, seed=11, faults=(BOW,)), orders=(1.0, 2.0))
+
+
+def judged(response: OrderTrackedResponse) -> Diagnosis:
+    kinds = {effect.name for effect in catalogue(response.rig)}
+    return diagnose([response], without=kinds - TRIED)
+
+
+def chosen(found: Diagnosis) -> list[str]:
+    return [cause.effect for cause in found.causes if cause.chosen]
+
+
+def test_kept_raw_only_the_bow_is_found(bent: OrderTrackedResponse) -> None:
+    assert chosen(judged(bent)) == ["bow"]
+
+
+def test_what_was_taken_off_is_named_with_its_share(bent: OrderTrackedResponse) -> None:
+    """A vector at 600 rpm, which has response to unbalance in it besides, taken off once too often."""
+    found = judged(replace(bent, z=bent.z - bent.slow_roll))
+    assert found.verdict is Verdict.NAMED
+    first, *_ = found.causes
+    assert first.effect == "slow_roll_subtracted"
+    assert first.theta["share"] == pytest.approx(1.0, abs=0.005)
+    assert set(chosen(found)) <= {"slow_roll_subtracted", "bow"}

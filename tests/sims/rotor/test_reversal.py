@@ -1,0 +1,92 @@
+"""A rotor that turns backwards: solved at a negative speed, and seen in a mirror."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rotorrig.rig.description import RigConfig
+from rotorrig.sims.effects.base import find
+from rotorrig.sims.rotor.assembly import Added, RotorModel, assemble, with_added, with_bearing
+from rotorrig.sims.rotor.directions import along_bearing, steady_derivatives
+from rotorrig.sims.rotor.harmonic import load_columns
+from rotorrig.sims.rotor.loads import Load, unbalance_loads
+from rotorrig.sims.rotor.reversal import reversed_direction, reversed_load, reversed_rotor
+
+OMEGA = np.array([60.0, 180.0, 233.0, 260.0, 390.0])  # rad/s, through the first critical speeds
+U = 9e-6 * np.exp(0.7j)  # kg m
+K, C = np.array([[33e3, 4e3], [4e3, 37e3]]), np.array([[14.0, 3.0], [3.0, 18.0]])  # fixed to the ground: symmetric
+
+
+def turning(rig: RigConfig, *effects: tuple[str, dict[str, float]]) -> RotorModel:
+    model = with_bearing(assemble(rig), "spring", K, C)
+    for label, theta in effects:
+        model = find(rig, label).changed(model, theta)
+    return model
+
+
+def unbalanced(model: RotorModel, phasor: complex = U) -> Load:
+    (unit,) = unbalance_loads(model, ["disk"])
+    return Load(phasor * unit.pattern, "unbalance")
+
+
+def backwards(model: RotorModel, load: Load, order: int = 1) -> NDArray[np.complex128]:
+    """What is measured, x = Re(z e^{j n |theta|})."""
+    return load_columns(reversed_rotor(model), OMEGA, [reversed_load(load)])[..., 0]
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        (),
+        (("internal_damping", {"beta": 4e-5}),),
+        (("pedestal, x", {"lightness": 0.2, "omega": 200.0, "damping ratio": 0.03}),),
+        (("shaft_asymmetry", {"asymmetry re": 0.03, "asymmetry im": 0.02}),),
+    ],
+    ids=["bare", "internal damping", "pedestal", "asymmetric shaft"],
+)
+def test_it_is_the_solution_at_the_negative_speed(rig_config: RigConfig, effects: tuple) -> None:
+    """x = Re(Q e^{j theta}) with theta = -|theta|, so what is measured is conj(Q)."""
+    model = turning(rig_config, *effects)
+    direct = load_columns(model, -OMEGA, [unbalanced(model)])[..., 0]
+    np.testing.assert_allclose(backwards(model, unbalanced(model)), direct.conj(), rtol=1e-9)
+
+
+def test_in_a_mirror_it_turns_forwards(rig_config: RigConfig) -> None:
+    """y to -y: springs aslant lean the other way, and all that follows the sense of rotation is as it was."""
+    mirrored = np.diag([1, -1])
+    model = turning(rig_config, ("internal_damping", {"beta": 4e-5}), ("skew_stiffness", {"k": 2e3}))
+    seen = with_bearing(assemble(rig_config), "spring", mirrored @ K @ mirrored, mirrored @ C @ mirrored)
+    for label, theta in (("internal_damping", {"beta": 4e-5}), ("skew_stiffness", {"k": 2e3})):
+        seen = find(rig_config, label).changed(seen, theta)
+    forwards = load_columns(seen, OMEGA, [unbalanced(seen, np.conj(U))])[..., 0]
+    along_y = np.array([np.sin(rig_config.probe(name).angle) for name in model.probe_names])
+    sign = np.where(np.abs(along_y) > 0.5, -1, 1)  # the probes stand along x or y
+    np.testing.assert_allclose(backwards(model, unbalanced(model)), sign * forwards, rtol=1e-9)
+
+
+def test_skew_stiffness_drives_forward_whirl_either_way_round(rig_config: RigConfig) -> None:
+    """The rig of the other sense of rotation in its config: the effect says itself which way it pushes."""
+    other = rig_config.model_copy(update={"rotation": "y-to-x"})
+    model, way_back = (turning(rig, ("skew_stiffness", {"k": 3e3})) for rig in (rig_config, other))
+    want = load_columns(way_back, OMEGA, [unbalanced(way_back, np.conj(U))])[..., 0]
+    np.testing.assert_allclose(backwards(model, unbalanced(model)), want, rtol=1e-9)
+
+
+def test_turned_back_twice_it_is_itself(rig_config: RigConfig) -> None:
+    model = turning(rig_config, ("shaft_asymmetry", {"asymmetry re": 0.03, "asymmetry im": 0.02}))
+    load = unbalanced(model)
+    again = load_columns(reversed_rotor(reversed_rotor(model)), OMEGA, [reversed_load(reversed_load(load))])
+    np.testing.assert_array_equal(again, load_columns(model, OMEGA, [load]))
+
+
+def test_its_derivatives_are_those_of_the_reversed_rotor(rig_config: RigConfig) -> None:
+    model = turning(rig_config, ("internal_damping", {"beta": 4e-5}))
+    skew = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    direction = along_bearing(model, "spring", K=skew + np.eye(2))
+    load = reversed_load(unbalanced(model))
+    found = steady_derivatives(reversed_rotor(model), OMEGA, loads=[load], directions=[reversed_direction(direction)])
+    step = 1.0  # N/m
+    moved = with_added(model, Added(K=step * direction.K))
+    before = load_columns(reversed_rotor(model), OMEGA, [load])
+    after = load_columns(reversed_rotor(moved), OMEGA, [load])
+    np.testing.assert_allclose(found.by[0], (after - before) / step, rtol=2e-3, atol=1e-13)
