@@ -10,6 +10,7 @@ from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.least_squares import LinearModel, stepped
 from rotorrig.identify.parameters import Reals
 from rotorrig.identify.recording import Recording
+from rotorrig.rig.errors import DataError
 
 Complex = NDArray[np.complex128]
 
@@ -63,11 +64,17 @@ def _refitted(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: 
         whole[free] = part
         return whole
 
+    def residual(part: Reals) -> Reals:
+        try:
+            return problem.residual(full(part))
+        except DataError:  # a step too far, to where there is no motion
+            return np.full(len(r), np.inf)
+
     enough = max(_ACCURATE, _NEARLY * float(r @ r))
     for step in range(1, steps + 1):
         model = LinearModel(J[:, free], r, p[free], bounds)
         promise = model.promise(model.best(0.0))
-        taken = stepped(model, lambda part: problem.residual(full(part))) if promise > enough else None
+        taken = stepped(model, residual) if promise > enough else None
         if taken is None:
             break
         p, r = full(taken.p), taken.r

@@ -10,6 +10,7 @@ from rotorrig.identify.held_out import BLOCK, BLOCKS, held_out, predicted
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import find
 from tests.identify.swept import DRAWN, SIGMA, U, swept_response
 
@@ -66,6 +67,24 @@ def test_the_right_model_predicts_a_healthy_rig_as_well_as_the_noise_allows(
     problem = ExtendedProblem([Recording(healthy)])
     found = held_out(problem, problem.parameters.start(hidden))
     assert 0.9 * DRAWN * SIGMA * np.sqrt(2) < found.error < 1.2 * found.floor
+
+
+def test_a_step_to_where_the_rotor_has_no_motion_is_not_taken(
+    healthy: OrderTrackedResponse, hidden: np.ndarray, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem = ExtendedProblem([Recording(healthy)])
+    p = problem.parameters.start(hidden)
+    fitted, not_fitted = held_out(problem, p).error, predicted(problem, p).error
+    residual = ExtendedProblem.residual
+
+    def at_one_vector_only(self: ExtendedProblem, moved: np.ndarray) -> np.ndarray:
+        if not np.array_equal(moved, p):
+            raise DataError("law: its force is not found")
+        return residual(self, moved)
+
+    monkeypatch.setattr(ExtendedProblem, "residual", at_one_vector_only)
+    assert held_out(problem, p).error == pytest.approx(not_fitted, rel=1e-9, abs=0)
+    assert not_fitted != pytest.approx(fitted, rel=1e-3, abs=0)
 
 
 def test_the_error_of_a_known_offset_is_that_offset(rig: RigConfig, hidden: np.ndarray) -> None:
