@@ -5,9 +5,10 @@ healthy rig of the same design, and the prediction is fitted again: by the base 
 by the base model with each rival. What misfit is left, weighted, is lam; it decides which cases are fair to ask for and
 is no part of any diagnosis. Computed once a case and kept beside it; of two faults for each alone, and the lesser kept.
 
-Rivals are the candidates of a diagnosis but the right answers. Their scores say by how much each could lower the
-misfit; those that could come below `ENOUGH` are fitted in full, the most promising first, those without a first order
-last, until one is too near to tell apart. How far beyond `ENOUGH` the nearest is does not matter, and is not found out.
+Rivals are the candidates of a diagnosis but the right answers, and but the same cause at another place along the
+shaft. Their scores say by how much each could lower the misfit; those that could come below `ENOUGH` are fitted in
+full, the most promising first, those without a first order last, until one is too near to tell apart. How far beyond
+`ENOUGH` the nearest is does not matter, and is not found out.
 """
 
 import json
@@ -26,6 +27,7 @@ from benchmarks.blind_measured import measured
 from benchmarks.blind_names import Answer, answer
 from rotorrig.identify.candidates import background, candidates
 from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.naming import another
 from rotorrig.identify.parameters import Reals
 from rotorrig.identify.recording import Recording
 from rotorrig.identify.scores import Score, curved_scores, scores
@@ -104,7 +106,8 @@ def lam(
     left = max(0.0, best.chi2 - _floor(problem, p))
     if left < DETECTABLE:
         return {"lam": left, "rival_lam": left, "rival": ""}
-    rivals = [e for e in candidates(recordings) if e.label not in hidden.labels]
+    effect = problem.effects[-1]
+    rivals = [e for e in candidates(recordings) if e.label not in hidden.labels and another(e, effect)]
     nearest, which = enough, ""
     for scored in (scores, curved_scores):
         if nearest < NAMEABLE:

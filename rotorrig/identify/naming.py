@@ -60,12 +60,12 @@ def tied_candidates(selection: Selection) -> list[list[Candidate]]:
             continue
         best = stage.tried[0]
         rivals = _rivals(stage, best)
-        if any(_other(rival.effect, best.effect) for rival in rivals):
+        if any(another(rival.effect, best.effect) for rival in rivals):
             found.append([best, *rivals])
     return found
 
 
-def _other(effect: Effect, best: Effect) -> bool:
+def another(effect: Effect, best: Effect) -> bool:
     """Say whether it is another cause: another kind, or the same of another probe; not the next place on the shaft."""
     return effect.name != best.name or type(effect).seen is not Effect.seen
 

@@ -72,9 +72,8 @@ def on_trial(
         return polished.chi2 - chi2 + hoped * promise - cost > leader - NEAR
 
     larger = problem.extended((*problem.effects, score.effect))
-    begun = plain if plain and worth(polished.chi2, score.lam) else None
     try:
-        best = _refined(larger, _start(larger, polished, begun, score), worth=worth)
+        best = _first(larger, polished, plain, score, worth=worth)
         for _ in range(_RELOCATIONS if score.effect.scan and best.stop is not Stop.GIVEN_UP else 0):
             moved = relocated(problem, best.p[: len(polished.p)], score.effect)
             if _same_place(moved, larger.effects[-1]):
@@ -123,16 +122,25 @@ def _same_place(effect: Effect, other: Effect) -> bool:
     return all(abs(a.nothing - b.nothing) <= a.spread for a, b in pairs if a.scanned)
 
 
-def _start(problem: ExtendedProblem, polished: Polished, plain: Polished | None, score: Score) -> Reals:
-    """Return where to begin: where the score says, or else where the effect does nothing, or beside `plain`.
+def _first(
+    problem: ExtendedProblem, polished: Polished, plain: Polished | None, score: Score, *, worth: Worth
+) -> Polished:
+    """Fit from where the score says, or else from where the effect does nothing: beside `plain`, if there is one.
 
-    From where it does nothing the first full step goes as far as the score says.
+    A first full step from there goes as far as the score says. What does not end beside `plain` may do so beside
+    `polished`, if its score is worth it.
     """
+    if score.begin is not None:
+        return _refined(problem, score.begin, worth=worth)
     nothing = np.array([q.nothing / q.size for q in score.effect.parameters])
-    if score.begin is not None or plain is None:
-        return np.append(polished.p, nothing) if score.begin is None else score.begin
-    start = np.append(plain.p, nothing)
-    return problem.solve(start, fixed=held_nuisances(problem), tolerance=_ROUGHLY * plain.chi2, max_steps=_STEPS).p
+    if plain is not None:
+        start, held = np.append(plain.p, nothing), held_nuisances(problem)
+        near = problem.solve(start, fixed=held, tolerance=_ROUGHLY * plain.chi2, max_steps=_STEPS)
+        fit = _refined(problem, near.p, worth=worth)
+        if fit.stop in (Stop.CONVERGED, Stop.GIVEN_UP) or not worth(polished.chi2, score.lam):
+            return fit
+    direct = _refined(problem, np.append(polished.p, nothing), worth=worth)
+    return direct if plain is None else min(direct, fit, key=_chi2)
 
 
 def _refined(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Polished:
