@@ -47,7 +47,7 @@ def plausible(candidate: Candidate) -> bool:
     names = candidate.problem.parameters
     theta = names.of_effect(candidate.polished.p, len(names.effects) - 1)
     sizes = {name: value for name, value, _ in magnitudes(candidate.effect.parameters, theta)}
-    return all(
+    return candidate.effect.possible(theta) and all(
         q.low <= sizes.get(q.name.removesuffix(" re"), theta[q.name]) <= q.high
         for q in candidate.effect.parameters
         if not q.name.endswith(" im")

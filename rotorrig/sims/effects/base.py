@@ -132,6 +132,10 @@ class Effect:
         """Return the same effect told from the place of its kind that is nearest to where `theta` has it."""
         return self, theta
 
+    def possible(self, theta: Theta) -> bool:
+        """Say whether a rotor can have it, where the ranges of its unknowns alone do not say."""
+        return True
+
     def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with other matrices, coordinates or bearings."""
         return model

@@ -41,6 +41,9 @@ BREATHING = MappingProxyType(
     }
 )
 LEAST = 0.1  # of the largest moment of the weight: where it is less, nothing can be said by it
+#: diameters of whole shaft that give way as much, at most: of one through half the shaft they are of the order of two
+#: (Dimarogonas, Papadopoulos, J. Sound Vib. 91 (1983) 583-593)
+DEEPEST = 5.0
 RIGID = 1e-9  # of the shaft's greatest stiffness: less is rounding, and bends it not at all
 
 
@@ -65,6 +68,11 @@ class Crack(Effect):
     sag: CubicSpline = field(repr=False, compare=False)  # m, of the nameplate's rotor, (2,) at a place
     work: float  # N m, of its weight on its sag
     least: float  # N m, a moment that counts
+
+    def possible(self, theta: Theta) -> bool:
+        """Say whether it gives way no more than a crack through most of the shaft."""
+        tube = tube_at(self.rig, self._place(theta))
+        return self.compliance(theta) * bending_stiffness(tube) <= DEEPEST * tube.diameter
 
     def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model as soft as it is on the average of a turn under the weight."""

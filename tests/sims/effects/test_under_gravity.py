@@ -125,3 +125,10 @@ def crack(rig: RigConfig, at: float, mouth: float, compliance: float) -> tuple[C
     assert isinstance(effect, Crack)
     softness = effect.softness_of(compliance, at)
     return effect, {"softness": softness, "mouth": np.radians(mouth), "place": at}
+
+
+def test_a_crack_gives_way_no_more_than_a_shaft_that_is_nearly_through() -> None:
+    rig = pinned(0.2)
+    for diameters, possible in ((2, True), (20, False)):  # of whole shaft, which kinks by 1 / EI per N m and m
+        effect, theta = crack(rig, 0.12, 0, diameters * 0.01 / EI)
+        assert effect.possible(theta) is possible
