@@ -26,6 +26,8 @@ _LEAST_DAMPING, _MOST_DAMPING = 1e-14, 1e6
 _TRIALS = 12  # damped steps tried on one Jacobian
 _BENDS = 4  # further full steps on it
 _LEFT = 0.05  # of its promise: a full step that leaves less needs no further one
+_IDLE = 0.01  # of its promise: a step that gains less has derivatives that are wrong
+_PATIENCE = 2  # such steps in a row, and no more
 _INDEPENDENT = 1e-4  # of a column's length lies beyond those before it: the normal equations keep 8 digits
 
 Worth = Callable[[float, float], bool]  # of the sum of squares and of what a full step promises to take from it
@@ -40,7 +42,7 @@ class Stop(StrEnum):
     """Why it ended."""
 
     CONVERGED = "converged"
-    STALLED = "stalled"  # no step of any length helped: the derivative is at its rounding
+    STALLED = "stalled"  # no step of any length helped, or hardly: the derivative is at its rounding
     BUDGET = "budget"  # its steps were used up
     GIVEN_UP = "given up"  # what was left to gain was not worth it
 
@@ -81,7 +83,7 @@ def minimise(
     full steps cost more than they gain.
     """
     p = settle(start) if damped else start
-    r, damping = residual(p), _DAMPING
+    r, damping, idle = residual(p), _DAMPING, 0
     for step in range(1, max_steps + 1):
         J, cost = jacobian(p), float(r @ r)
         model = LinearModel(J, r, p, bounds)
@@ -91,7 +93,8 @@ def minimise(
         if step > 1 and not worth(cost, promise):
             return Solution(p=p, jacobian=J, cost=cost, steps=step, stop=Stop.GIVEN_UP)
         taken = stepped(model, residual, settle=settle, damping=damping, damped=damped)
-        if taken is None:
+        idle = idle + 1 if taken is None or cost - _sum(taken.r) < _IDLE * promise else 0
+        if taken is None or idle == _PATIENCE:
             return Solution(p=p, jacobian=J, cost=cost, steps=step, stop=Stop.STALLED)
         p, r, damping = taken.p, taken.r, taken.damping
     return Solution(p=p, jacobian=jacobian(p), cost=float(r @ r), steps=max_steps, stop=Stop.BUDGET)
