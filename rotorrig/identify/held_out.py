@@ -66,7 +66,8 @@ def _refitted(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: 
 
     def residual(part: Reals) -> Reals:
         try:
-            return problem.residual(full(part))
+            with np.errstate(over="ignore", invalid="ignore"):  # of a step that goes too far, and is taken back
+                return problem.residual(full(part))
         except DataError:  # a step too far, to where there is no motion
             return np.full(len(r), np.inf)
 

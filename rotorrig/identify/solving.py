@@ -100,17 +100,18 @@ def solve(
         except DataError:
             return part
 
-    found = minimise(
-        residual,
-        lambda part: problem.jacobian(full(part), free),
-        p[free],
-        bounds=(low[free], high[free]),
-        settle=settle,
-        tolerance=tolerance,
-        max_steps=max_steps,
-        worth=worth,
-        damped=damped,
-    )
+    with np.errstate(over="ignore", invalid="ignore"):  # steps that go too far, and are taken back
+        found = minimise(
+            residual,
+            lambda part: problem.jacobian(full(part), free),
+            p[free],
+            bounds=(low[free], high[free]),
+            settle=settle,
+            tolerance=tolerance,
+            max_steps=max_steps,
+            worth=worth,
+            damped=damped,
+        )
     return _polished(found, full(found.p), free, size=problem.size)
 
 
