@@ -20,6 +20,7 @@ from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, magnitudes
 
 NEAR = 48.0  # of BIC, three times what tells two causes apart: a candidate further behind the best is given up
+_UNSURE = 2.0  # sigmas by which a size may be beyond its range
 _SETTLED = 0.1  # of chi2
 _STEPS = 15
 _ROUGHLY = 2e-3  # of chi2: what a beginning may be short of
@@ -43,13 +44,15 @@ class Candidate:
 
 
 def plausible(candidate: Candidate) -> bool:
-    """Say whether the effect on trial is of a size such rigs have; phasors by their magnitude."""
-    names = candidate.problem.parameters
-    theta = names.of_effect(candidate.polished.p, len(names.effects) - 1)
-    sizes = {name: value for name, value, _ in magnitudes(candidate.effect.parameters, theta)}
-    return candidate.effect.possible(theta) and all(
-        q.low <= sizes.get(q.name.removesuffix(" re"), theta[q.name]) <= q.high
-        for q in candidate.effect.parameters
+    """Say whether the effect on trial may be of a size such rigs have; phasors by their magnitude."""
+    names, effect, fit = candidate.problem.parameters, candidate.effect, candidate.polished
+    theta, sigma = (names.of_effect(part, len(names.effects) - 1) for part in (fit.p, fit.sigma))
+    sizes = {name: value for name, value, _ in magnitudes(effect.parameters, theta)}
+    return effect.possible(theta) and all(
+        q.low - _UNSURE * sigma[q.name]
+        <= sizes.get(q.name.removesuffix(" re"), theta[q.name])
+        <= q.high + _UNSURE * sigma[q.name]
+        for q in effect.parameters
         if not q.name.endswith(" im")
     )
 

@@ -11,10 +11,11 @@ from rotorrig.identify.gain import Predictions
 from rotorrig.identify.held_out import Prediction
 from rotorrig.identify.naming import Verdict, figures, hidden, ties, verdict, visible_share
 from rotorrig.identify.selection import Selection
-from rotorrig.identify.trial import Candidate
+from rotorrig.identify.trial import Candidate, plausible
 from rotorrig.sims.effects.base import Effect, Parameter, pair
 
 PLAUSIBLE = 0.5
+SURE = 0.1  # standard deviation of a size
 
 
 class Bend(Effect):
@@ -44,12 +45,14 @@ class Tried:
     evidence: float
     lam: float = 1e3
     value: float = PLAUSIBLE
-    polished: Any = field(default_factory=lambda: SimpleNamespace(p=None))
+    polished: Any = field(default_factory=lambda: SimpleNamespace(p="p", sigma="sigma"))
 
     @property
     def problem(self) -> Any:
         value = self.value
-        names = SimpleNamespace(effects=(self.effect,), of_effect=lambda p, i: {"size": value})
+        names = SimpleNamespace(
+            effects=(self.effect,), of_effect=lambda part, i: {"size": value if part == "p" else SURE}
+        )
         return SimpleNamespace(parameters=names, effects=(self.effect,))
 
 
@@ -155,6 +158,13 @@ def test_a_rival_of_a_size_no_rig_has_is_one_all_the_same() -> None:
 def test_the_same_cause_at_another_probe_is_a_rival() -> None:
     one, other = effect(Seen, "probe 1x"), effect(Seen, "probe 1y")
     assert ties(selection([Tried(one, 100.0), Tried(other, 95.0)])) == (("seen, probe 1x", "seen, probe 1y"),)
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"), [(0.5, True), (1.15, True), (1.25, False), (-0.15, True), (-0.25, False)]
+)
+def test_a_size_is_plausible_within_two_sigmas_of_its_range(value: float, expected: bool) -> None:
+    assert plausible(cast(Any, Tried(BEND, 100.0, value=value))) is expected
 
 
 def test_every_cause_has_its_own_ties() -> None:

@@ -157,7 +157,7 @@ def test_a_rival_far_behind_is_given_up_and_the_named_cause_is_not(rig: RigConfi
 def test_a_cause_of_a_size_no_rig_has_is_not_plausible(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
     effect, theta = effect_of(rig, "unbalance_plane, at 160 mm")
     q = effect.parameters[0]
-    for share, expected in ((0.9, True), (1.5, False)):
+    for share, expected in ((0.9, True), (4.0, False)):  # its place is not known well, so its size is not
         made = [(effect, dict.fromkeys(theta, share * q.high / np.sqrt(2)))]  # of a phasor, by its magnitude
         response = swept_response(rig, rng=np.random.default_rng(13), hidden=made)
         tried = selected(response, hidden, (effect.label,)).stages[0].tried
