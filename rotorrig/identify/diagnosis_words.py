@@ -8,8 +8,7 @@ from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, Adequacy
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.gain import Predictions
 from rotorrig.identify.naming import Verdict
-
-UM = 1e6
+from rotorrig.rig.units import micrometres
 
 
 def sentence(
@@ -45,7 +44,7 @@ def _concluded(
         if chosen:
             labels = " and ".join(cause.label for cause in chosen)
             if predictions.worse:
-                errors = f"{predictions.after.error * UM:.2g} um, not {predictions.before.error * UM:.2g} um"
+                errors = f"{micrometres(predictions.after.error)} um, not {micrometres(predictions.before.error)} um"
                 return (
                     f"The model is NOT adequate: {_figures(before)}. {_worst(before)} With {labels} it fits better, "
                     f"but predicts data no fit saw ({predictions.on}) worse: by {errors}."
@@ -54,8 +53,8 @@ def _concluded(
         return f"The model is NOT adequate: {_figures(before)}. {_worst(before)} {tried}: {_figures(after)}."
     words = "; ".join(cause.words for cause in causes if cause.chosen)
     bought = (
-        f"With that the error on data no fit saw ({predictions.on}) goes from {predictions.before.error * UM:.2g} "
-        f"to {predictions.after.error * UM:.2g} um, {predictions.after.over_floor:.1f} times the noise floor."
+        f"With that the error on data no fit saw ({predictions.on}) goes from {micrometres(predictions.before.error)} "
+        f"to {micrometres(predictions.after.error)} um, {predictions.after.over_floor:.1f} times the noise floor."
     )
     if verdict is Verdict.TIED:
         others = " or ".join(", ".join(group[1:]) for group in tied)
@@ -67,8 +66,8 @@ def moving(cause: Cause, rest: str) -> str:
     """Say what a quasi-static base gets wrong, then what the swept one is told."""
     return (
         f"The quasi-static model is wrong here: {cause.words}. With that the error on data no fit saw (blocks of "
-        f"speeds in turn) goes from {cause.heldout_before * UM:.2g} to {cause.heldout_after * UM:.2g} um. With the "
-        f"moving speed in it {rest[:1].lower()}{rest[1:]}"
+        f"speeds in turn) goes from {micrometres(cause.heldout_before)} to {micrometres(cause.heldout_after)} um. "
+        f"With the moving speed in it {rest[:1].lower()}{rest[1:]}"
     )
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.centreline import MEAN
 from rotorrig.processing.probe_planes import measured_planes, whirl
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.units import RPM
+from rotorrig.rig.units import RPM, micrometres
 
 Complex = NDArray[np.complex128]
 
@@ -80,7 +80,7 @@ def _sentence(
 ) -> str:
     omega = response.omega[s.rows]
     name, order = response.probes[s.probe], response.orders[s.order]
-    size = f"{np.nanmax(off) * 1e6:.2g} um{'' if order == MEAN else ' 0-peak'}"
+    size = f"{micrometres(np.nanmax(off))} um{'' if order == MEAN else ' 0-peak'}"
     seen = f"{size} at {omega[np.nanargmax(off)] * RPM:.0f} rpm, {s.sigma:.0f} sigma"
     what = f"probe {name} shows {order:g}X of up to {seen}, where the linear model has none"
     if order == 1:

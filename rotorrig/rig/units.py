@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import pint
 
 RPM = 30.0 / math.pi  # rpm per rad/s
+UM = 1e6  # um per m
 
 #: quantity -> (SI unit, an example to show in an error)
 QUANTITIES: dict[str, tuple[str, str]] = {
@@ -105,3 +106,9 @@ def reads(quantity: str) -> BeforeValidator:
         return to_si(value, quantity)
 
     return BeforeValidator(validate)
+
+
+def micrometres(length: float) -> str:
+    """Return a length [m] in um for a sentence, to two figures or to the whole um: "0.39", "2.4", "152"."""
+    value = length * UM
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.2g}"

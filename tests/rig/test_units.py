@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.rig.units import QUANTITIES, to_si
+from rotorrig.rig.units import QUANTITIES, micrometres, to_si
 
 
 @pytest.mark.parametrize(
@@ -68,3 +68,10 @@ def test_a_mil_is_a_length_with_and_without_the_registrys_cache(tmp_path: Path) 
     for state in ("no cache", "cached by the run before"):
         said = subprocess.run([sys.executable, "-c", ask], env=env, capture_output=True, text=True)
         assert said.stdout.strip() == "5.08e-05", f"{state}: {said.stdout}{said.stderr}"
+
+
+@pytest.mark.parametrize(
+    ("length", "said"), [(3.94e-7, "0.39"), (2.4e-6, "2.4"), (-55e-6, "-55"), (152.4e-6, "152"), (1.2e-3, "1200")]
+)
+def test_a_length_in_a_sentence_has_no_exponent(length: float, said: str) -> None:
+    assert micrometres(length) == said
