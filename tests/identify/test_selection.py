@@ -1,6 +1,8 @@
 """Which causes the data call for: the one that is hidden, and none where none is."""
 
 from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from rotorrig.identify.recording import Recording
 from rotorrig.identify.selection import ENOUGH, MODEL_ERROR, Selection, _again, called_for, select
 from rotorrig.identify.solving import Polished
 from rotorrig.identify.stage import DETECTED, Stage, step
-from rotorrig.identify.trial import NEAR, plausible
+from rotorrig.identify.trial import NEAR, Candidate, plausible
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find
@@ -162,6 +164,18 @@ def test_a_cause_of_a_size_no_rig_has_is_not_plausible(rig: RigConfig, hidden: N
         response = swept_response(rig, rng=np.random.default_rng(13), hidden=made)
         tried = selected(response, hidden, (effect.label,)).stages[0].tried
         assert [plausible(candidate) for candidate in tried] == [expected]
+
+
+@pytest.mark.parametrize(
+    ("scan", "lam", "expected"), [((), 20.0, True), (((0.0, 1.0),), 20.0, False), (((0.0, 1.0),), 30.0, True)]
+)
+def test_what_was_looked_for_at_many_moments_has_to_explain_more(
+    scan: tuple[tuple[float, ...], ...], lam: float, expected: bool
+) -> None:
+    recording = SimpleNamespace(rows=np.arange(8 * 50))  # 2 ln 50 = 7.8
+    problem, effect = SimpleNamespace(recordings=[recording]), SimpleNamespace(scan=scan)
+    candidate = SimpleNamespace(evidence=10.0, lam=lam, problem=problem, effect=effect)
+    assert called_for(cast(Candidate, candidate)) is expected
 
 
 def test_nothing_to_try_selects_nothing(healthy: OrderTrackedResponse, hidden: NDArray[np.float64]) -> None:
