@@ -8,8 +8,8 @@ from rotorrig.app.wording import plus_minus_of, shown, unit_of
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.separation import NAMEABLE
+from rotorrig.rig.units import UM
 
-UM = 1e6  # µm per m
 LISTED = 8  # causes in a table
 
 

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.curves import RPM, UM, sweeps
+from rotorrig.app.curves import sweeps
 from rotorrig.processing.probe_planes import measured_planes
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.units import RPM, UM, micrometres
 
 REFERENCE = 8  # rows, the slowest of a run: where its path begins
 
@@ -25,9 +26,9 @@ class CentrelinePath:
 
     @property
     def reach(self) -> float:
-        """How far it goes [um], the rows' scatter left out by the mean of three."""
+        """How far it goes [m], the rows' scatter left out by the mean of three."""
         away = np.convolve(self.x + 1j * self.y, np.ones(3) / 3, mode="valid")
-        return float(np.abs(away).max())
+        return float(np.abs(away).max()) / UM
 
 
 def centreline_paths(response: OrderTrackedResponse) -> tuple[CentrelinePath, ...]:
@@ -59,4 +60,4 @@ def centreline_paths(response: OrderTrackedResponse) -> tuple[CentrelinePath, ..
 
 def centreline_words(paths: tuple[CentrelinePath, ...]) -> str:
     """Say how far the shaft goes in every plane and run."""
-    return " ".join(f"{path.plane}, {path.run} run: up to {path.reach:.2g} µm." for path in paths)
+    return " ".join(f"{path.plane}, {path.run} run: up to {micrometres(path.reach)} µm." for path in paths)

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.probe_planes import measured_planes, whirl
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.units import RPM
+from rotorrig.rig.units import RPM, UM
 
-UM = 1e6  # µm per m
 STRONG = 0.1  # of the largest vector: below, a phase is mostly noise and has no say in where the axis is cut
 
 

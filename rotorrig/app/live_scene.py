@@ -6,13 +6,14 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.curves import RPM, UM, phase_window
+from rotorrig.app.curves import phase_window
 from rotorrig.app.drawn_axes import DOWN, MARK, UP
 from rotorrig.app.live_tracking import GrowingBode, LiveTracker, Waveform
 from rotorrig.app.rerun_pictures import BodePicture, OrbitPicture, fastest_rpm
 from rotorrig.processing.probe_planes import Plane, planes
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
+from rotorrig.rig.units import RPM, UM
 
 OLDER = (52, 96, 128)  # the turns before the last
 PER_TURN = 64  # points of a turn that are drawn, at least

@@ -6,10 +6,11 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.curves import RPM, UM, sweeps, vectors
+from rotorrig.app.curves import sweeps, vectors
 from rotorrig.app.orbits import orbit, representative_rows
 from rotorrig.processing.probe_planes import Plane, planes
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.units import RPM, UM
 
 SIDE = 100.0  # half the picture's width, in drawing units
 FILL = 0.84  # of it that the largest excursion takes

@@ -15,7 +15,7 @@ from plotly.offline import get_plotlyjs
 
 from rotorrig.app import figures, report_causes, report_tables
 from rotorrig.app.centreline_paths import centreline_paths, centreline_words
-from rotorrig.app.curves import RPM, slow_roll_known
+from rotorrig.app.curves import slow_roll_known
 from rotorrig.app.diagnosis_part import Vectors, part_of, predictions
 from rotorrig.app.orbit_drawing import orbit_pictures
 from rotorrig.app.report_verdict import banner
@@ -24,6 +24,7 @@ from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Fit, Identification
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import DataError
+from rotorrig.rig.units import RPM
 
 
 def write_report(

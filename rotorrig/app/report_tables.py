@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rotorrig.app.curves import RPM, UM, model_vectors, sweeps, vectors
+from rotorrig.app.curves import model_vectors, sweeps, vectors
 from rotorrig.app.wording import (
     UNDETERMINED,
     at_bound,
@@ -24,6 +24,7 @@ from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Estimate, Fit, Identification
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
+from rotorrig.rig.units import RPM, UM
 
 LISTED_MISFITS = 12
 

@@ -4,11 +4,11 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from rotorrig.app.curves import UM
 from rotorrig.app.wording import probability
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.misfit import Misfit
+from rotorrig.rig.units import UM
 
 POOR = 2.0  # chi2 per degree of freedom above which a fit without a diagnosis is called poor outright
 SHOWN_MISFITS = 3

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app import cause_words
 from rotorrig.app.blueprint import result_blueprint
-from rotorrig.app.curves import RPM, UM, model_vectors, phase_window, residual_grid, slow_roll_known, sweeps, vectors
+from rotorrig.app.curves import model_vectors, phase_window, residual_grid, slow_roll_known, sweeps, vectors
 from rotorrig.app.diagnosis_part import part_of, predictions
 from rotorrig.app.drawn_axes import DOWN, GRID, MODEL_DOWN, MODEL_UP, SOFT, UP, Panel, step_for, texts
 from rotorrig.app.orbits import Plane, orbit, representative_rows
@@ -24,6 +24,7 @@ from rotorrig.identify.identification import Identification
 from rotorrig.processing.probe_planes import planes
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.waveform import Waveforms
+from rotorrig.rig.units import RPM, UM
 
 ORBIT_SPEEDS = 60
 MAP_BINS = 100  # of the residual map: about four rows of a run in each
@@ -52,7 +53,7 @@ def write_result_rrd(
     stream = rr.RecordingStream(
         "rotorrig result", recording_id=f"result-{response.source.source_hash or response.source.config_hash}"
     )
-    stream.set_sinks(*to_file(path).targets, default_blueprint=result_blueprint(response.rig, response.probes))
+    stream.set_sinks(*to_file(path).opened(), default_blueprint=result_blueprint(response.rig, response.probes))
     fit = identification.fits[0] if identification and identification.fits else None
     diagnosis = part_of(diagnosis, response) if diagnosis else None
     base, extended = predictions(response, fit, diagnosis)

@@ -157,7 +157,7 @@ def _with_moving_speed(found: Diagnosis, still: Assessed, cause: Cause) -> Diagn
         chi2=still.polished.chi2,
         dof=still.polished.dof,
         p=float(chdtrc(still.polished.dof, still.polished.chi2)),
-        worst=(*adequacy.misfits[:_SHOWN], *adequacy.centreline),
+        worst=_worst(adequacy),
         residual=adequacy.residual,
         sigmas=adequacy.sigmas,
         causes=(cause, *found.causes),
@@ -199,15 +199,16 @@ def _report(
     causes = naming.causes(selection, predictions.by_label)
     tied = naming.ties(selection)
     source = responses[0].source
+    concluded = diagnosis_words.sentence(verdict, adequacy, extended.adequacy, causes, tied, predictions)
     return Diagnosis(
         verdict=verdict,
-        sentence=diagnosis_words.sentence(verdict, adequacy, extended.adequacy, causes, tied, predictions),
+        sentence=f"{concluded} {diagnosis_words.centreline(adequacy)}".rstrip(),
         false_alarm_rate=FALSE_ALARM_RATE,
         noise_floor=adequacy.noise_floor,
         chi2=base.polished.chi2,
         dof=base.polished.dof,
         p=float(chdtrc(base.polished.dof, base.polished.chi2)),  # as scipy.stats.chi2.sf, whose import takes 0.5 s
-        worst=(*adequacy.misfits[:_SHOWN], *adequacy.centreline),
+        worst=_worst(adequacy),
         residual=adequacy.residual,
         sigmas=adequacy.sigmas,
         causes=causes,
@@ -219,3 +220,7 @@ def _report(
         responses=tuple((r.source.source_hash, len(r.omega)) for r in responses),
         source=replace(source, code_version=code_version()),
     )
+
+
+def _worst(adequacy: Adequacy) -> tuple[Misfit, ...]:
+    return (*adequacy.misfits[:_SHOWN], *adequacy.centreline)

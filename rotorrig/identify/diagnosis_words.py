@@ -20,17 +20,6 @@ def sentence(
     predictions: Predictions,
 ) -> str:
     """Say what was concluded, from the tests before and after the model was extended."""
-    return " ".join([_concluded(verdict, before, after, causes, tied, predictions), *_centreline(before)])
-
-
-def _concluded(
-    verdict: Verdict,
-    before: Adequacy,
-    after: Adequacy,
-    causes: Sequence[Cause],
-    tied: Sequence[Sequence[str]],
-    predictions: Predictions,
-) -> str:
     if verdict is Verdict.ADEQUATE:
         return f"The model is adequate: {_figures(before)}."
     if verdict is Verdict.CANNOT_TELL:
@@ -86,9 +75,9 @@ def character(adequacy: Adequacy) -> str:
     )
 
 
-def _centreline(adequacy: Adequacy) -> list[str]:
-    """Say where the mean position moves most; no effect predicts that, so it stands beside the verdict."""
-    return [f"The mean position is not steady: {adequacy.centreline[0].sentence}"] if adequacy.centreline else []
+def centreline(adequacy: Adequacy) -> str:
+    """Say where the mean position moves most, "" if nowhere; no effect predicts that, so it decides no verdict."""
+    return f"The mean position is not steady: {adequacy.centreline[0].sentence}" if adequacy.centreline else ""
 
 
 def _figures(adequacy: Adequacy) -> str:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.held_base import SETTLED, STEPS, held_nuisances
 from rotorrig.identify.least_squares import LinearModel, Stop
 from rotorrig.identify.parameters import Reals
 from rotorrig.identify.scores import Score
@@ -20,30 +21,9 @@ from rotorrig.identify.solving import Polished
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, Parameter
 
-_DRAWN = 4.0  # sigmas of a prior
 _WEAK = (0.03, 0.2, 1.0)  # of the strength of every start
 _BEHIND = 0.5  # of what the best law has taken from chi2: one that cannot take that much is given up
 _HOPED = 3.0  # times what a full step promises is what it may take in all
-_SETTLED = 1.0  # of chi2
-_STEPS = 15
-
-
-def drawn_off(problem: ExtendedProblem, p: Reals) -> bool:
-    """Say whether a nuisance of `p` is further off than its prior allows."""
-    return bool(np.abs(problem.parameters.prior_residual(p)).max(initial=0.0) > _DRAWN)
-
-
-def held_nuisances(problem: ExtendedProblem) -> dict[int, float]:
-    """Return the nuisances that are not solved for anyway, at their priors: parameter -> value."""
-    names = problem.parameters
-    at_priors = names.start(np.zeros(0))
-    return {int(i): float(at_priors[i]) for i in names.priors if i not in names.linear_nuisances}
-
-
-def held_fit(problem: ExtendedProblem, p: Reals) -> Polished:
-    """Fit `problem` from `p` with its nuisances held at their priors."""
-    held = held_nuisances(problem)
-    return problem.solve(_at_priors(p, held), fixed=held, tolerance=_SETTLED, max_steps=_STEPS)
 
 
 def held_scores(
@@ -118,7 +98,7 @@ def _raced(look: _Look, held: dict[int, float], *, limit: float) -> Polished:
         return chi2 - _HOPED * promise < limit
 
     begin = np.clip(look.begin, *look.problem.bounds)
-    return look.problem.solve(begin, fixed=held, tolerance=_SETTLED, max_steps=_STEPS, worth=worth)
+    return look.problem.solve(begin, fixed=held, tolerance=SETTLED, max_steps=STEPS, worth=worth)
 
 
 def _promise(problem: ExtendedProblem, fit: Polished) -> float:
@@ -129,9 +109,3 @@ def _promise(problem: ExtendedProblem, fit: Polished) -> float:
     r = problem.residual(fit.p)
     model = LinearModel(problem.jacobian(fit.p, free), r, fit.p[free], (low[free], high[free]))
     return model.promise(model.best(0.0))
-
-
-def _at_priors(p: Reals, held: dict[int, float]) -> Reals:
-    out = p.copy()
-    out[list(held)] = list(held.values())
-    return out

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,60 +48,33 @@ def plans(response: OrderTrackedResponse) -> Iterator[Plan]:
     rig = response.rig
     low, high = float(response.omega.min()), float(response.omega.max())
     ramp = float(np.median(np.abs(response.alpha[np.isfinite(response.alpha)]))) or 3.0
+    again = partial(Plan, rig=rig, low=low, high=high, ramp=ramp)
     for factor, word in ((1 / 3, "slower"), (3.0, "faster")):
-        yield Plan(
-            kind="ramp rate",
-            words=f"Repeat the sweep {word}, at {factor * ramp * RPM:.0f} rpm/s.",
-            rig=rig,
-            low=low,
-            high=high,
-            ramp=factor * ramp,
-        )
+        words = f"Repeat the sweep {word}, at {factor * ramp * RPM:.0f} rpm/s."
+        yield again(kind="ramp rate", words=words, ramp=factor * ramp)
+    if (top := _fastest(rig, high)) > 1.05 * high:
+        words = f"Run up to {top * RPM:.0f} rpm, as far as the limits allow."
+        yield again(kind="through critical", words=words, high=top)
+    words = "Sweep once more with the rotor turning the other way, if the drive can reverse."
+    yield again(kind="reverse rotation", words=words, backward=True)
+    disk = rig.identify.unbalance[0] if rig.identify else rig.disks[0].name
+    trial = {disk: TRIAL * 1j}
+    if not any(run.trial_unbalance for run in response.runs):
+        words = f"Repeat the sweep with a known trial mass of {TRIAL * 1e6:.0f} g mm at 90 deg on '{disk}'."
+        yield again(kind="trial mass", words=words, trial=trial)
+    if more := _with_second_plane(rig):
+        words = f"Measure in a second plane, say at {more.probes[-1].position * 1e3:.0f} mm"
+        second = partial(again, kind="second plane", rig=more)
+        yield second(words=f"{words}.")
+        yield second(words=f"{words}, and once more with a known trial mass.", trial=trial)
+
+
+def _fastest(rig: RigConfig, high: float) -> float:
+    """Return the speed up to which the rig may be run [rad/s]; `high`, which it was, if it has no drive."""
     top = rig.motor.max_speed if rig.motor else high
     if rig.limits is not None and rig.limits.overspeed:
         top = min(top, 0.95 * rig.limits.overspeed)
-    if top > 1.05 * high:
-        yield Plan(
-            kind="through critical",
-            words=f"Run up to {top * RPM:.0f} rpm, as far as the limits allow.",
-            rig=rig,
-            low=low,
-            high=top,
-            ramp=ramp,
-        )
-    yield Plan(
-        kind="reverse rotation",
-        words="Sweep once more with the rotor turning the other way, if the drive can reverse.",
-        rig=rig,
-        low=low,
-        high=high,
-        ramp=ramp,
-        backward=True,
-    )
-    disk = rig.identify.unbalance[0] if rig.identify else rig.disks[0].name
-    if not any(run.trial_unbalance for run in response.runs):
-        yield Plan(
-            kind="trial mass",
-            words=f"Repeat the sweep with a known trial mass of {TRIAL * 1e6:.0f} g mm at 90 deg on '{disk}'.",
-            rig=rig,
-            low=low,
-            high=high,
-            ramp=ramp,
-            trial={disk: TRIAL * 1j},
-        )
-    if more := _with_second_plane(rig):
-        where = more.probes[-1].position
-        for trial in ({}, {disk: TRIAL * 1j}):
-            yield Plan(
-                kind="second plane",
-                words=f"Measure in a second plane, say at {where * 1e3:.0f} mm"
-                + (", and once more with a known trial mass." if trial else "."),
-                rig=more,
-                low=low,
-                high=high,
-                ramp=ramp,
-                trial=trial,
-            )
+    return top
 
 
 def recorded(response: OrderTrackedResponse, plan: Plan) -> list[Recording]:

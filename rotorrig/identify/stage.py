@@ -11,7 +11,8 @@ import numpy as np
 
 from rotorrig.identify.adequacy import GLOBAL_LIMIT
 from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.law_starts import drawn_off, held_fit, held_scores
+from rotorrig.identify.held_base import drawn_off, held_fit
+from rotorrig.identify.law_starts import held_scores
 from rotorrig.identify.scores import Score, curved_scores, scores
 from rotorrig.identify.solving import Polished
 from rotorrig.identify.trial import Candidate, on_trial, plausible

@@ -11,7 +11,7 @@ import numpy as np
 from rotorrig.identify.adequacy import STRETCH
 from rotorrig.identify.beginnings import elsewhere
 from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.law_starts import drawn_off, held_nuisances
+from rotorrig.identify.held_base import drawn_off, held_nuisances
 from rotorrig.identify.least_squares import Stop, Worth
 from rotorrig.identify.parameters import Reals
 from rotorrig.identify.scores import Score, relocated

@@ -4,15 +4,13 @@
 number is refused, so that nobody has to guess; so is a speed in Hz (2 pi apart from rad/s, and pint would not object).
 """
 
-import functools
 import math
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import BeforeValidator, ValidationInfo
 
-if TYPE_CHECKING:
-    import pint
+from rotorrig.rig.unit_registry import registry
 
 RPM = 30.0 / math.pi  # rpm per rad/s
 UM = 1e6  # um per m
@@ -38,19 +36,9 @@ QUANTITIES: dict[str, tuple[str, str]] = {
     "acceleration": ("m/s^2", "9.81 m/s^2"),
 }
 _ANGULAR = ("rpm", "rad", "deg", "revolution", "turn")
-
-
-@functools.cache
-def registry() -> "pint.UnitRegistry":
-    """Return the one unit registry, made on first use: half a second that our own files, in SI, do not need."""
-    import pint
-
-    return pint.UnitRegistry(cache_folder=":auto:", preprocessors=[_field_names])
-
-
-def _field_names(text: str) -> str:
-    """Return `text` with the field's mil, a thousandth of an inch, under pint's name for it: pint's mil is an angle."""
-    return re.sub(r"\bmils?\b", "thou", text)
+_LONGEST = 80  # characters; pint evaluates what it is given, so hostile text is kept from it
+#: a power of something in brackets, or one that is not a whole number of one or two digits
+_POWER = re.compile(r"\)\s*(?:\*\*|\^)|(?:\*\*|\^)(?!\s*-?\d{1,2}(?!\s*(?:[\d.^(]|\*\*)))")
 
 
 def to_si(text: object, quantity: str) -> float:
@@ -68,6 +56,8 @@ def to_si(text: object, quantity: str) -> float:
     want = f"want {_a(quantity)} with its unit, such as '{example}'"
     if not isinstance(text, str):
         raise ValueError(f"got {text!r}, {want}")
+    if len(text) > _LONGEST or _POWER.search(text):  # "9**9**9 m" would be worked out, for hours
+        raise ValueError(f"got '{text[:_LONGEST]}', which is no number with a unit; {want}")
     try:
         value: Any = registry().Quantity(text)
     except Exception as error:  # pint raises a dozen kinds, tokenize's and its own

@@ -5,7 +5,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.law_starts import drawn_off, held_fit, held_nuisances, held_scores
+from rotorrig.identify.held_base import drawn_off, held_fit, held_nuisances
+from rotorrig.identify.law_starts import held_scores
 from rotorrig.identify.recording import Recording
 from rotorrig.identify.scores import Score
 from rotorrig.identify.solving import Polished

@@ -1,10 +1,6 @@
 """Text with a unit becomes SI; anything a person could get wrong is refused in one sentence."""
 
 import math
-import os
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
@@ -60,14 +56,6 @@ def test_anything_else_is_refused_in_one_sentence(text: object, quantity: str, s
         to_si(text, quantity)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_a_mil_is_a_length_with_and_without_the_registrys_cache(tmp_path: Path) -> None:
-    ask = "from rotorrig.rig.units import to_si; print(to_si('2 mil', 'length'))"
-    env = {**os.environ, "HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
-    for state in ("no cache", "cached by the run before"):
-        said = subprocess.run([sys.executable, "-c", ask], env=env, capture_output=True, text=True)
-        assert said.stdout.strip() == "5.08e-05", f"{state}: {said.stdout}{said.stderr}"
 
 
 @pytest.mark.parametrize(

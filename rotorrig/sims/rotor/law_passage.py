@@ -15,9 +15,10 @@ from scipy.interpolate import CubicSpline
 
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.rotor.assembly import RotorModel, matrices
-from rotorrig.sims.rotor.describing import OVERTONES, called, phasor, pointers
+from rotorrig.sims.rotor.describing import called, phasor, pointers
 from rotorrig.sims.rotor.drive import drive
 from rotorrig.sims.rotor.envelope import polynomial
+from rotorrig.sims.rotor.force_harmonics import OVERTONES
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.law_march import MARCH, march

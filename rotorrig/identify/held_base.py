@@ -1,0 +1,39 @@
+"""The base with its nuisances held at their priors: what a fit is begun from where they are drawn off.
+
+A cause that the model lacks may draw gains and masses by many of their standard deviations, and from there a fit with
+that cause does not find back. Held, they leave the rotor what it is.
+"""
+
+import numpy as np
+
+from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.parameters import Reals
+from rotorrig.identify.solving import Polished
+
+SETTLED = 1.0  # of chi2: where a fit that only begins another may end
+STEPS = 15
+_DRAWN = 4.0  # sigmas of a prior
+
+
+def drawn_off(problem: ExtendedProblem, p: Reals) -> bool:
+    """Say whether a nuisance of `p` is further off than its prior allows."""
+    return bool(np.abs(problem.parameters.prior_residual(p)).max(initial=0.0) > _DRAWN)
+
+
+def held_nuisances(problem: ExtendedProblem) -> dict[int, float]:
+    """Return the nuisances that are not solved for anyway, at their priors: parameter -> value."""
+    names = problem.parameters
+    at_priors = names.start(np.zeros(0))
+    return {int(i): float(at_priors[i]) for i in names.priors if i not in names.linear_nuisances}
+
+
+def held_fit(problem: ExtendedProblem, p: Reals) -> Polished:
+    """Fit `problem` from `p` with its nuisances held at their priors."""
+    held = held_nuisances(problem)
+    return problem.solve(_at_priors(p, held), fixed=held, tolerance=SETTLED, max_steps=STEPS)
+
+
+def _at_priors(p: Reals, held: dict[int, float]) -> Reals:
+    out = p.copy()
+    out[list(held)] = list(held.values())
+    return out
