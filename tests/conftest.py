@@ -25,6 +25,17 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # so a shell starts what 
     signal.signal(signal.SIGINT, signal.default_int_handler)  # else the programs under test never hear of a Ctrl-C
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--rig", metavar="CONFIG", help="run tests/contracts on the devices of this config")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("--rig"):
+        for item in items:
+            if "contracts" in item.path.parts:
+                item.add_marker(pytest.mark.hardware)
+
+
 @pytest.fixture(scope="session")
 def rig_config() -> RigConfig:
     return load(CONFIGS / "rk4.toml")

@@ -13,6 +13,8 @@ BASE = tuple(
     for name in [
         "description",
         "nameplate",
+        "devices",
+        "sweep_plans",
         "extension",
         "trial_mass",
         "checking",
@@ -20,6 +22,8 @@ BASE = tuple(
         "errors",
         "clock",
         "units",
+        "toml_file",
+        "unit_registry",
     ]
 )
 
@@ -29,14 +33,26 @@ TABLE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "rig": (("rig",), ("serial", "pymodbus", "can", "canopen", "opendaq", "nidaqmx")),
     "acquisition": (("rig", "acquisition"), ("mcap", "google", "pyuff", "nptdms")),
     "processing": (
-        ("processing", "acquisition.recording", "acquisition.mcap_file", "acquisition.schemas", "rig.probes", *BASE),
+        (
+            "processing",
+            "acquisition.recording",
+            "acquisition.mcap_file",
+            "acquisition.schemas",
+            "acquisition.exporters",
+            "rig.probes",
+            *BASE,
+        ),
         ("scipy",),
     ),
     "sims.rotor": (("sims.rotor", *BASE), ("scipy", "numba")),
     "sims.effects": (("sims.effects", "sims.rotor", *BASE), ("scipy", "numba")),
     "sims.matched": (("sims.effects", "sims.rotor", *BASE), ("scipy", "numba")),
     "sims.plant": (("sims.plant", *BASE), ("scipy", "numba")),
-    "sims.wire": (("sims.wire", "sims.plant.plant", "sims.plant.truth", *BASE), ("serial", "pymodbus", "can")),
+    "sims.wire": (
+        ("sims.wire", "sims.plant.plant", "sims.plant.truth", *BASE),
+        ("serial", "pymodbus", "can", "canopen"),
+    ),
+    "sims.wire.faults": (BASE, ("pydantic",)),
     "identify": (
         ("identify", "processing.response", "processing.probe_planes", "sims.rotor", "sims.effects", *BASE),
         ("scipy", "threadpoolctl"),

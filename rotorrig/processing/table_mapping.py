@@ -24,15 +24,17 @@ absolute = "0.5 um"
 relative = 0.02
 """
 
-import tomllib
 from pathlib import Path
 from typing import Literal
 
 from rotorrig.rig.checking import checked
-from rotorrig.rig.description import Angle, Length, Part, RampRate, RigConfig, Speed
+from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.nameplate import Angle, Length, Part, RampRate, Speed
+from rotorrig.rig.toml_file import read_toml
 from rotorrig.rig.trial_mass import TrialMass
 
+TURN = 6.3  # rad, the largest unit of a phase
 DIRECTIONS = {"up": 1, "down": -1, "dwell": 0}
 
 
@@ -115,14 +117,7 @@ class TableMapping(Part):
 
 def load_mapping(path: Path, rig: RigConfig) -> TableMapping:
     """Read and check a mapping against the rig. Raises ConfigError: file, key, got, wanted."""
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read ({error.strerror}), want a mapping in TOML") from error
-    except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: is not UTF-8 text, want a mapping in TOML") from error
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{path}: is no valid TOML: {error}") from error
+    table, _ = read_toml(path, want="a mapping")
     mapping = checked(TableMapping, table, where=str(path))
     for fault in (_vector_fault(mapping, rig), _run_fault(mapping, rig), _statement_fault(mapping)):
         if fault:
@@ -147,7 +142,7 @@ def _vector_fault(mapping: TableMapping, rig: RigConfig) -> str:
             return f"{key}: want the columns amplitude and phase, or real and imaginary"
         if vector.amplitude is not None and (vector.phase_is is None or vector.phase_unit is None):
             return f'{key}: want phase_is = "phase" or "lag", and phase_unit = "1 deg" or "1 rad"'
-        if vector.phase_unit is not None and vector.phase_unit <= 0:
+        if vector.phase_unit is not None and not 0 < vector.phase_unit <= TURN:
             return f"{key}.phase_unit: got {vector.phase_unit:g} rad, want what a 1 stands for, such as '1 deg'"
         seen.add((vector.probe, vector.order))
     return ""
@@ -182,6 +177,8 @@ def _statement_fault(mapping: TableMapping) -> str:
     stated = mapping.uncertainty
     if stated and (stated.relative < 0 or (stated.absolute is None and stated.relative == 0)):
         return "uncertainty: want absolute with its unit, relative above 0, or both"
+    if stated and not ((stated.absolute or 0.0) <= 1.0 and stated.relative <= 10.0):
+        return "uncertainty: want absolute of less than 1 m, relative of less than 10 (it is no percentage)"
     here = {(vector.probe, vector.order) for vector in mapping.vectors}
     for vector in mapping.slow_roll.vectors if mapping.slow_roll else ():
         if (vector.probe, vector.order) not in here:

@@ -21,21 +21,23 @@ def checked(model: type[Table], table: object, *, where: str, context: dict[str,
 
 def _sentence(model: type[BaseModel], error: ValidationError, where: str) -> str:
     faults = [
-        fault | {"loc": tuple(step for step in fault["loc"] if step not in (NUMBER, TABLE))}
-        for fault in error.errors()
-        if fault["type"] != "default_factory_not_called"  # only follows from another fault
-    ]
+        fault for fault in error.errors() if fault["type"] != "default_factory_not_called"
+    ]  # follows from another
     # an unknown key explains the missing one beside it, so it speaks first
     fault = next((f for f in faults if f["type"] == "extra_forbidden"), faults[0])
-    key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in fault["loc"]).lstrip(".")
+    place, around, inside = _resolved(model, fault["loc"])
+    key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in place).lstrip(".")
     match fault["type"]:
         case "missing":
             said = f"{key}: is missing"
         case "extra_forbidden":
-            known = _keys_at(model, fault["loc"][:-1])
-            near = difflib.get_close_matches(str(fault["loc"][-1]), known, n=1)
-            hint = f"did you mean '{near[0]}'" if near else f"want one of {', '.join(known)}"
-            said = f"{key}: unknown key, {hint}"
+            known = [name for table in around for name in table.model_fields]
+            said = f"{key}: unknown key, {_hint(str(place[-1]), known)}"
+        case "union_tag_not_found":
+            said = f"{key}.{_discriminator(fault)}: is missing, want one of {', '.join(_tags(*inside))}"
+        case "union_tag_invalid":
+            got = fault["ctx"]["tag"]
+            said = f"{key}.{_discriminator(fault)}: got '{got}', {_hint(got, _tags(*inside))}"
         case "value_error":
             said = (f"{key}: " if key else "") + str(fault["ctx"]["error"])
         case _:
@@ -44,19 +46,46 @@ def _sentence(model: type[BaseModel], error: ValidationError, where: str) -> str
     return f"{where}: {said}{more}"
 
 
-def _keys_at(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:
-    """Return the keys the table at `loc` may have."""
-    current: Any = model
+def _hint(got: str, known: list[str]) -> str:
+    near = difflib.get_close_matches(got, known, n=1)
+    return f"did you mean '{near[0]}'" if near else f"want one of {', '.join(known)}"
+
+
+def _discriminator(fault: Any) -> str:
+    return str(fault["ctx"]["discriminator"]).strip("'")
+
+
+def _resolved(
+    model: type[BaseModel], loc: tuple[int | str, ...]
+) -> tuple[list[int | str], list[type[BaseModel]], list[type[BaseModel]]]:
+    """Return where `loc` is in the user's file, the tables around its last step and those inside it.
+
+    Pydantic's `loc` also names which of several forms or tables it tried: no step a user wrote.
+    """
+    place: list[int | str] = []
+    around: list[type[BaseModel]] = []
+    here: Any = model
     for step in loc:
-        if isinstance(current, type) and issubclass(current, BaseModel) and step in current.model_fields:
-            current = _table_in(current.model_fields[str(step)].annotation)
-    if isinstance(current, type) and issubclass(current, BaseModel):
-        return list(current.model_fields)
-    return []
+        tables = _tables_in(here)
+        if step in (NUMBER, TABLE):
+            continue
+        if len(tables) > 1 and (chosen := next((t for t in tables if step in _tags(t)), None)):
+            here = chosen
+            continue
+        around = tables
+        here = next((t.model_fields[str(step)].annotation for t in tables if step in t.model_fields), here)
+        place.append(step)
+    return place, around, _tables_in(here)
 
 
-def _table_in(annotation: Any) -> Any:
-    """Return the model inside `tuple[Disk, ...]`, `Keyphasor | None`, `dict[str, Plan]`."""
+def _tags(*tables: type[BaseModel]) -> list[str]:
+    """Return the words that choose between tables: the values of their `driver` or `kind`."""
+    fields = (table.model_fields.get(name) for table in tables for name in ("driver", "kind"))
+    return [word for field in fields if field for word in get_args(field.annotation)]
+
+
+def _tables_in(annotation: Any) -> list[type[BaseModel]]:
+    """Return the models inside `tuple[Disk, ...]`, `Keyphasor | None`, `dict[str, Plan]`."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    return next((found for a in get_args(annotation) if (found := _table_in(a))), None)
+        return [annotation]
+    return [found for inner in get_args(annotation) for found in _tables_in(inner)]

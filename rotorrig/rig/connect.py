@@ -1,40 +1,66 @@
-"""The only place that picks a driver by the name a config gives."""
+"""The only place that picks a driver by the name a config gives.
 
+Drivers are imported when they are chosen: a rig without CAN needs no CAN library, one without an NI board no nidaqmx.
+"""
+
+from collections.abc import Mapping
+from typing import Any, assert_never
+
+from rotorrig.rig import devices
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.motor.base import MotorDriver
-from rotorrig.rig.motor.modbus_frames import Profile
-from rotorrig.rig.motor.modbus_motor import ModbusMotor
-from rotorrig.rig.motor.profiles import powerflex400
 from rotorrig.rig.probes.base import Daq
 from rotorrig.rig.probes.calibration import channels_used
-from rotorrig.rig.probes.stream_daq import StreamDaq
 
-PROFILES: dict[str, Profile] = {"powerflex400": powerflex400.PROFILE}
+Place = Mapping[str, Any]  # keys of [motor] or [daq] that stand instead of the config's: where a simulated rig is
 
 
-def motor(rig: RigConfig, *, port: str | None = None) -> MotorDriver:
-    """Return the config's motor driver, not yet open; `port` overrides the config's. Raises ConfigError."""
+def motor(rig: RigConfig, *, at: Place | None = None) -> MotorDriver:
+    """Return the config's motor driver, not yet open; `at` says where instead. Raises ConfigError."""
     if rig.motor is None:
-        raise ConfigError(f"motor: is missing in the config of '{rig.name}', want [motor] with driver and port")
-    match rig.motor.driver:
-        case "modbus-rtu":
-            return ModbusMotor(
-                port or rig.motor.port,
-                profile=PROFILES[rig.motor.profile],
-                baudrate=rig.motor.baudrate,
-                address=rig.motor.address,
-                rpm_per_hz=rig.motor.rpm_per_hz,
-                max_speed=rig.motor.max_speed,
-            )
+        raise ConfigError(f"motor: is missing in the config of '{rig.name}', want [motor] with its driver")
+    table = rig.motor.model_copy(update=dict(at or {}))
+    match table:
+        case devices.ModbusRtu() | devices.ModbusTcp():
+            from rotorrig.rig.motor.modbus_motor import ModbusMotor
+
+            return ModbusMotor(table)
+        case devices.LineController():
+            from rotorrig.rig.motor.line_motor import LineMotor
+
+            return LineMotor(table)
+        case devices.CanOpen():
+            from rotorrig.rig.motor.canopen_motor import CanOpenMotor
+
+            return CanOpenMotor(table)
+        case _:
+            assert_never(table)
 
 
-def daq(rig: RigConfig, *, port: str | None = None) -> Daq:
-    """Return the config's DAQ, not yet open; `port` overrides the config's. Raises ConfigError."""
+def daq(rig: RigConfig, *, at: Place | None = None) -> Daq:
+    """Return the config's DAQ, not yet open; `at` says where instead. Raises ConfigError."""
     if rig.daq is None:
-        raise ConfigError(
-            f"daq: is missing in the config of '{rig.name}', want [daq] with driver, port and sample_rate"
+        raise ConfigError(f"daq: is missing in the config of '{rig.name}', want [daq] with driver and sample_rate")
+    table = rig.daq
+    if at:  # a simulated rig has a board of its own, whatever the config names
+        table = devices.StreamDaq.model_validate(
+            {"driver": "stream", "sample_rate": table.sample_rate, **at}, context={"si": True}
         )
-    match rig.daq.driver:
-        case "stream":
-            return StreamDaq(port or rig.daq.port, sample_rate=rig.daq.sample_rate, channels=channels_used(rig))
+    match table:
+        case devices.StreamDaq():
+            from rotorrig.rig.probes.stream_daq import StreamDaq
+
+            return StreamDaq(
+                table.port, sample_rate=table.sample_rate, channels=channels_used(rig), baudrate=table.baudrate
+            )
+        case devices.OpenDaq():
+            from rotorrig.rig.probes.opendaq_daq import OpenDaqDaq
+
+            return OpenDaqDaq(table, channels=channels_used(rig))
+        case devices.NiDaqmx():
+            from rotorrig.rig.probes.nidaqmx_daq import NiDaqmxDaq
+
+            return NiDaqmxDaq(table, channels=channels_used(rig))
+        case _:
+            assert_never(table)

@@ -6,7 +6,6 @@ Axes: z along the shaft from the coupling, x and y across it, angles from +x tow
 
 import itertools
 import json
-import tomllib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -14,6 +13,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from rotorrig.rig.checking import checked
+from rotorrig.rig.devices import Daq, Keyphasor, Limits, Motor
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.extension import Extension
 from rotorrig.rig.nameplate import (
@@ -29,69 +29,15 @@ from rotorrig.rig.nameplate import (
     Part,
     Plane,
     Probe,
-    RampRate,
-    Rate,
     Shaft,
     Speed,
     Stiffness,
     Time,
     UnbalanceAmount,
-    Voltage,
 )
 from rotorrig.rig.provenance import short_hash
-
-
-class Keyphasor(Part):
-    """The once-per-turn pulse; shaft angle is zero at the chosen edge."""
-
-    channel: int = Field(ge=0)
-    edge: Literal["falling", "rising"] = "falling"
-    pulses_per_revolution: Literal[1] = 1
-    threshold: Voltage | None = None  # None: midway between the levels found in the data
-
-
-class Motor(Part):
-    """How to talk to the motor controller, and how fast it may turn."""
-
-    driver: Literal["modbus-rtu"]
-    profile: Literal["powerflex400"] = "powerflex400"
-    port: str
-    baudrate: int = Field(19200, ge=1200)
-    address: int = Field(100, ge=1, le=247)
-    rpm_per_hz: float = Field(60.0, gt=0)
-    max_speed: Speed
-
-
-class Daq(Part):
-    """How to talk to the DAQ."""
-
-    driver: Literal["stream"]
-    port: str
-    sample_rate: Rate
-
-
-class Limits(Part):
-    """Interlocks: beyond either the rotor is stopped."""
-
-    overspeed: Speed
-    vibration: Length  # 0-peak about the mean, any probe
-
-
-class RunUpCoastDown(Part):
-    """Slow roll, a ramp from `start` to `end`, then power off and coast."""
-
-    kind: Literal["run-up-coast-down"]
-    slow_roll: Speed
-    slow_roll_time: Time
-    start: Speed
-    end: Speed
-    ramp: RampRate
-
-    @model_validator(mode="after")
-    def _rises(self) -> Self:
-        if not self.slow_roll < self.start < self.end:
-            raise ValueError("want slow_roll < start < end")
-        return self
+from rotorrig.rig.sweep_plans import Plan, TrialMassRuns
+from rotorrig.rig.toml_file import parsed_toml, read_toml
 
 
 def _as_groups(value: object) -> object:
@@ -198,7 +144,7 @@ class RigConfig(Part):
     limits: Limits | None = None
     rotation: Literal["x-to-y", "y-to-x"] = "x-to-y"
     gravity: Literal["-x", "-y", "none"] = "-y"
-    plans: dict[str, RunUpCoastDown] = Field(default_factory=dict)
+    plans: dict[str, Plan] = Field(default_factory=dict)
     identify: Identify | None = None
     prior: Prior = Prior()
     effects: tuple[Extension, ...] = ()  # what extends the model beyond the nameplate
@@ -255,6 +201,8 @@ class RigConfig(Part):
         self._bearings_span()
         self._channels_differ()
         self._identify_names_exist()
+        self._limits_name_probes()
+        self._trial_masses_fit()
         if self.motor and self.limits and self.limits.overspeed > self.motor.max_speed:
             raise ValueError("limits.overspeed: is above motor.max_speed, want it at or below")
         return self
@@ -296,6 +244,27 @@ class RigConfig(Part):
             if name not in places:
                 raise ValueError(f"identify.unbalance: no {self._place} '{name}', want one of {places}")
 
+    def _limits_name_probes(self) -> None:
+        names = [probe.name for probe in self.probes]
+        for table, name in self.limits.named_probes() if self.limits else ():
+            if name not in names:
+                raise ValueError(f"{table}: no probe '{name}', want one of {names}")
+
+    def _trial_masses_fit(self) -> None:
+        from rotorrig.rig.trial_mass import read_trial_mass  # which reads them for a RigConfig, and so imports this
+
+        for name, plan in self.plans.items():
+            if not isinstance(plan, TrialMassRuns):
+                continue
+            others = sorted(n for n, other in self.plans.items() if not isinstance(other, TrialMassRuns))
+            if plan.plan not in others:
+                raise ValueError(f"plans.{name}.plan: got '{plan.plan}', want another plan of the config: {others}")
+            try:
+                for mass in plan.masses:
+                    read_trial_mass(mass, rig=self)
+            except ConfigError as error:
+                raise ValueError(f"plans.{name}.masses: {error}") from error
+
     @property
     def _place(self) -> str:
         return "disk or plane" if self.planes else "disk"
@@ -303,20 +272,16 @@ class RigConfig(Part):
 
 def load(path: Path) -> RigConfig:
     """Read and check a config file. Raises ConfigError naming file, key, what was got and what is wanted."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
-        raise ConfigError(f"{path}: cannot be read ({reason}), want a rig config in TOML") from error
-    return parse(text, where=str(path))
+    table, text = read_toml(path, want="a rig config")
+    return _rig(table, text, where=str(path))
 
 
 def parse(text: str, *, where: str) -> RigConfig:
     """Check a config's text; `where` names it in errors. Raises ConfigError."""
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{where}: is no valid TOML: {error}") from error
+    return _rig(parsed_toml(text, where=where), text, where=where)
+
+
+def _rig(table: dict[str, Any], text: str, *, where: str) -> RigConfig:
     units = table.pop("units", None)
     if units not in (None, "SI"):
         raise ConfigError(

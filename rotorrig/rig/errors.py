@@ -4,9 +4,16 @@ Every message says what was got, what is wanted and where. The command line prin
 non-zero; a traceback is a defect of this program, never the answer to a user's mistake.
 """
 
+LONGEST = 1000  # characters of a message; what it quotes may be of any length
+
 
 class RigError(Exception):
     """Any fault a person can act on: bad input, a bad wire, a limit reached."""
+
+    def __str__(self) -> str:
+        """Return the message as one line that a terminal shows and does not obey, whatever it quotes."""
+        line = "".join(letter if letter.isprintable() else " " for letter in super().__str__())
+        return line if len(line) <= LONGEST else f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"
 
 
 class ConfigError(RigError):
@@ -27,7 +34,3 @@ class BadFrame(RigError):
 
 class LimitExceeded(RigError):
     """An interlock limit reached: the rotor must be stopped."""
-
-
-class NotBuilt(RigError):
-    """Asked for something this version does not do yet."""

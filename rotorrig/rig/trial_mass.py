@@ -8,6 +8,7 @@ from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.nameplate import Angle, Part, UnbalanceAmount
 
+NO_TRIAL = "none"  # what a recording says when every trial mass has been taken off
 _WANT = "want a disk, an amount and an angle from the keyphasor mark, such as 'disk: 12 g mm at 90 deg'"
 
 

@@ -153,7 +153,7 @@ def _content(path: Path) -> dict[str, Any]:
         content = json.loads(text) if path.suffix.lower() == ".json" else tomllib.loads(text)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}), want a rotor saved by ROSS") from error
-    except ValueError as error:  # JSON's, TOML's and UTF-8's
+    except (ValueError, RecursionError) as error:  # JSON's, TOML's and UTF-8's; nested too deep
         raise ConfigError(f"{path}: is no valid {path.suffix.lower().lstrip('.') or 'TOML'}: {error}") from error
     if not isinstance(content, dict) or "ross_version" not in content or "parameters" not in content:
         raise ConfigError(f"{path}: has no ross_version and parameters, want a rotor saved by ROSS 2 (Rotor.save)")

@@ -1,0 +1,217 @@
+"""The devices of a rig as a config names them: keyphasor, motor controller, DAQ, and the limits of the interlock.
+
+`driver` chooses the table: each kind of controller and of DAQ has one of its own, with what its link needs to be told.
+"""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Annotated, Literal, Self
+
+from pydantic import Discriminator, Field, field_validator, model_validator
+
+from rotorrig.rig.nameplate import Length, Part, RampRate, Rate, Speed, Time, Voltage
+from rotorrig.rig.units import RPM, reads
+
+_LARGEST_TARGET = 32767  # 6042h is an INTEGER16
+_SLCAN_BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 750_000, 1_000_000)
+
+ModbusProfile = Literal["powerflex400", "m-max", "vfd-ed", "acs355"]
+RAMP_BY_HAND: frozenset[ModbusProfile] = frozenset({"vfd-ed"})
+SAME_RAMP = 0.01  # relative: a ramp set by hand need not agree better with the one asked for
+RAMP_AT_REST: frozenset[ModbusProfile] = frozenset({"m-max"})  # is told another only at rest
+
+
+class Keyphasor(Part):
+    """The once-per-turn pulse; shaft angle is zero at the chosen edge."""
+
+    channel: int = Field(ge=0)
+    edge: Literal["falling", "rising"] = "falling"
+    pulses_per_revolution: Literal[1] = 1
+    threshold: Voltage | None = None  # None: midway between the levels found in the data
+
+
+class _Controller(Part):
+    """What every motor controller is told."""
+
+    max_speed: Speed  # of the shaft
+    watchdog: Time = 2.0  # s of silence after which the drive is to stop by itself, where it can
+
+
+class _Inverter(_Controller):
+    """A variable-frequency drive."""
+
+    profile: ModbusProfile = "powerflex400"
+    rpm_per_hz: float = Field(60.0, gt=0)  # shaft speed over output frequency: 60 / pole pairs, times the gear
+    # s of silence after which the drive is to stop by itself, where it can; not shorter, for a lost reply is asked for
+    # again, nor longer than all families know
+    watchdog: Annotated[Time, Field(ge=0.5, le=60.0)] = 2.0
+    ramp: RampRate | None = None  # the one set at the drive, for a profile that cannot be told its ramp
+
+    @model_validator(mode="after")
+    def _knows_its_ramp(self) -> Self:
+        if (self.profile in RAMP_BY_HAND) != (self.ramp is not None):
+            if self.ramp is None:
+                raise ValueError(f"ramp is missing, want the one that is set at the {self.profile} by hand")
+            raise ValueError(f"ramp is given, want none: a {self.profile} is told its ramp")
+        return self
+
+    @property
+    def keeps_ramp(self) -> bool:
+        """Whether it keeps the ramp it has while it turns, so that a plan can have but one."""
+        return self.profile in RAMP_BY_HAND | RAMP_AT_REST
+
+
+class ModbusRtu(_Inverter):
+    """A drive on a serial line."""
+
+    driver: Literal["modbus-rtu"]
+    port: str
+    baudrate: int = Field(19200, ge=1200)
+    address: int = Field(100, ge=1, le=247)
+
+
+class ModbusTcp(_Inverter):
+    """A drive behind an Ethernet port."""
+
+    driver: Literal["modbus-tcp"]
+    host: str
+    tcp_port: int = Field(502, ge=1, le=65535)
+    address: int = Field(1, ge=0, le=255)  # unit identifier; many drives ignore it
+
+
+# s; a shorter one would act when a reply is lost and asked for again, a longer one does not fit CANopen's 16 bits of ms
+SentWatchdog = Annotated[float, reads("time"), Field(ge=0.5, le=65.0)]
+
+
+class LineController(_Controller):
+    """A home-built controller that speaks the line protocol of docs/motor-line.md."""
+
+    driver: Literal["serial-line"]
+    port: str
+    baudrate: int = Field(115200, ge=1200)
+    watchdog: SentWatchdog = 2.0
+
+
+class CanOpen(_Controller):
+    """A CiA 402 drive in velocity mode."""
+
+    driver: Literal["canopen"]
+    interface: str = "socketcan"  # any of python-can: socketcan, slcan, pcan, kvaser, ...
+    channel: str  # "can0", or the adapter's serial port
+    bitrate: int = Field(500_000, ge=10_000)
+    node: int = Field(1, ge=1, le=127)
+    rpm_per_unit: float = Field(1.0, gt=0)  # shaft speed per unit of the drive's velocity (vl), gear included
+    watchdog: SentWatchdog = 2.0
+
+    @model_validator(mode="after")
+    def _can_be_said(self) -> Self:
+        units = self.max_speed * RPM / self.rpm_per_unit
+        if units > _LARGEST_TARGET:
+            raise ValueError(
+                f"max_speed is {units:.0f} units of {self.rpm_per_unit:g} rpm, want at most {_LARGEST_TARGET}, "
+                "the largest target of a CiA 402 drive"
+            )
+        if self.interface == "slcan" and self.bitrate not in _SLCAN_BITRATES:
+            raise ValueError(f"bitrate {self.bitrate}, want one of slcan's, {', '.join(map(str, _SLCAN_BITRATES))}")
+        return self
+
+
+Motor = Annotated[ModbusRtu | ModbusTcp | LineController | CanOpen, Discriminator("driver")]
+
+
+class StreamDaq(Part):
+    """A board that speaks the framed serial stream of docs/daq-stream.md."""
+
+    driver: Literal["stream"]
+    port: str
+    baudrate: int = Field(115200, ge=1200)  # of a UART; USB takes no notice
+    sample_rate: Rate
+
+
+Setting = bool | int | float | str
+
+
+class OpenDaq(Part):
+    """A device of the openDAQ SDK; its channels are numbered in the order it lists them."""
+
+    driver: Literal["opendaq"]
+    connection: str  # "daqref://device0", "daq.nd://192.168.1.5"
+    sample_rate: Rate
+    device_settings: dict[str, Setting] = Field(default_factory=dict)  # the device's properties, by their own names
+    channel_settings: dict[str, Setting] = Field(default_factory=dict)  # those of every channel: range, coupling
+
+    @field_validator("connection")
+    @classmethod
+    def _names_a_protocol(cls, connection: str) -> str:
+        protocol, _, place = connection.partition("://")
+        if not protocol or not place:
+            raise ValueError(f"got '{connection}', want a connection string such as daq.nd://192.168.1.5")
+        return connection
+
+
+class NiDaqmx(Part):
+    """An analog input device of National Instruments, through its own driver; channel n is input ai<n>."""
+
+    driver: Literal["nidaqmx"]
+    device: str  # "Dev1", "cDAQ1Mod1"
+    sample_rate: Rate
+    terminals: Literal["default", "rse", "nrse", "diff", "pseudo-diff"] = "default"
+    low: Voltage = -24.0  # V, the range asked for; an eddy-current probe's output is negative
+    high: Voltage = 24.0
+
+    @field_validator("device")
+    @classmethod
+    def _is_a_device(cls, device: str) -> str:
+        if not device or "/" in device:
+            raise ValueError(
+                f"got '{device}', want the device alone, such as Dev1: its inputs follow from the channels"
+            )
+        return device
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if not self.low < self.high:
+            raise ValueError(f"got low {self.low:g} V and high {self.high:g} V, want low < high")
+        return self
+
+
+Daq = Annotated[StreamDaq | OpenDaq | NiDaqmx, Discriminator("driver")]
+
+
+class CriticalBand(Part):
+    """Speeds around a critical one, where more vibration is let pass and nothing dwells."""
+
+    low: Speed
+    high: Speed
+    vibration: Length  # 0-peak about the mean, any probe; instead of the limits outside
+    probes: dict[str, Length] = Field(default_factory=dict)  # the same for one probe
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if not self.low < self.high:
+            raise ValueError("want low < high")
+        return self
+
+
+class Limits(Part):
+    """Interlocks, beyond any of which the rotor is stopped; and how critical speeds are passed."""
+
+    overspeed: Speed
+    vibration: Length  # 0-peak about the mean, any probe
+    probes: dict[str, Length] = Field(default_factory=dict)  # the same for one probe
+    critical_bands: tuple[CriticalBand, ...] = ()
+    critical_ramp: RampRate | None = None  # ramps pass critical speeds at this rate at least; None: as they are
+    run_down: Time = 180.0  # s after a stop to watch and record the rotor until it is at rest
+
+    @model_validator(mode="after")
+    def _bands_are_apart(self) -> Self:
+        for below, above in pairwise(sorted(self.critical_bands, key=lambda band: band.low)):
+            if above.low < below.high:
+                raise ValueError(f"critical_bands: two overlap at {above.low * RPM:.0f} rpm, want them apart")
+        return self
+
+    def named_probes(self) -> Iterator[tuple[str, str]]:
+        """Yield each table that gives probes a limit of their own, with the probe's name."""
+        yield from (("limits.probes", name) for name in self.probes)
+        for i, band in enumerate(self.critical_bands):
+            yield from ((f"limits.critical_bands[{i}].probes", name) for name in band.probes)

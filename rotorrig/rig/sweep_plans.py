@@ -1,0 +1,132 @@
+"""What a config may ask of a sweep, one table a kind; acquisition.plans makes steps of them."""
+
+import math
+from typing import Annotated, Literal, Self
+
+from pydantic import Discriminator, Field, model_validator
+
+from rotorrig.rig.nameplate import Part, RampRate, Speed, Time
+
+MOST_SPEEDS = 1000  # of a stepped plan
+
+
+class _RunUp(Part):
+    """A slow roll, and a ramp from `start` to `end`."""
+
+    slow_roll: Speed
+    slow_roll_time: Time
+    start: Speed
+    end: Speed
+    ramp: RampRate
+
+    @property
+    def fastest(self) -> float:
+        """The highest speed it goes to [rad/s]."""
+        return self.end
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if not self.slow_roll < self.start < self.end:
+            raise ValueError("want slow_roll < start < end")
+        return self
+
+
+class RunUpCoastDown(_RunUp):
+    """Slow roll, a ramp from `start` to `end`, then power off and coast."""
+
+    kind: Literal["run-up-coast-down"]
+
+
+class RunUpRampDown(_RunUp):
+    """Slow roll, a ramp from `start` to `end` and one back, under power both ways."""
+
+    kind: Literal["run-up-ramp-down"]
+
+
+class Stepped(Part):
+    """Slow roll, then one speed after the other, each held for `dwell` once it has settled.
+
+    The speeds are a list, or `start` to `end` every `step`; of those, the ones inside a critical band are left out.
+    """
+
+    kind: Literal["stepped"]
+    slow_roll: Speed
+    slow_roll_time: Time
+    speeds: tuple[Speed, ...] = ()
+    start: Speed | None = None
+    end: Speed | None = None
+    step: Speed | None = None
+    ramp: RampRate
+    settle: Time = 2.0  # s at a speed before it counts
+    dwell: Time
+    direction: Literal["up", "down", "up-down"] = "up"
+
+    @property
+    def listed(self) -> bool:
+        """Whether every speed was named."""
+        return bool(self.speeds)
+
+    @property
+    def rising(self) -> tuple[float, ...]:
+        """The speeds, lowest first [rad/s]."""
+        if self.speeds:
+            return tuple(sorted(self.speeds))
+        assert self.start is not None and self.end is not None and self.step is not None  # _says_speeds_once
+        count = math.floor((self.end - self.start) / self.step * (1 + 1e-9)) + 1  # 0.3 / 0.1 is a bit less than 3
+        return tuple(self.start + i * self.step for i in range(count))
+
+    @property
+    def fastest(self) -> float:
+        """The highest speed it goes to [rad/s]."""
+        return max(self.rising)
+
+    @model_validator(mode="after")
+    def _says_speeds_once(self) -> Self:
+        grid = (self.start, self.end, self.step)
+        if self.speeds and any(value is not None for value in grid):
+            raise ValueError("speeds stands beside start, end and step, want one or the other")
+        if self.speeds:
+            if len(set(self.speeds)) < len(self.speeds):
+                raise ValueError("speeds: one stands there twice, want each once")
+            return self
+        if self.start is None or self.end is None or self.step is None:
+            raise ValueError("want speeds, or start, end and step")
+        if not self.start < self.end:
+            raise ValueError("want start < end; direction says which way they are gone through")
+        if (self.end - self.start) / self.step > MOST_SPEEDS:
+            raise ValueError(f"want at most {MOST_SPEEDS} steps between start and end")
+        return self
+
+
+class DwellAt(Part):
+    """One speed, held for `time` once it has settled."""
+
+    kind: Literal["dwell"]
+    speed: Speed
+    time: Time
+    ramp: RampRate
+    settle: Time = 2.0  # s
+
+    @property
+    def fastest(self) -> float:
+        """The highest speed it goes to [rad/s]."""
+        return self.speed
+
+
+class TrialMassRuns(Part):
+    """Another plan as it is, then at rest a prompt to mount the first mass and the plan again, and so on.
+
+    A mass is written as for `rotor sweep --trial`; each is taken off before the next one is mounted.
+    """
+
+    kind: Literal["trial-mass"]
+    plan: str = "default"
+    masses: tuple[str, ...] = Field(min_length=1)
+
+    @property
+    def fastest(self) -> float:
+        """0: the highest speed is that of the plan it names."""
+        return 0.0
+
+
+Plan = Annotated[RunUpCoastDown | RunUpRampDown | Stepped | DwellAt | TrialMassRuns, Discriminator("kind")]
