@@ -8,7 +8,7 @@ from rotorrig.app.console import out
 from rotorrig.app.effect_check import check_effects
 from rotorrig.rig import connect
 from rotorrig.rig.description import RigConfig
-from rotorrig.rig.errors import DataError
+from rotorrig.rig.errors import DataError, LinkLost
 from rotorrig.rig.units import RPM
 
 
@@ -50,18 +50,50 @@ def show_model(rig: RigConfig) -> None:
 
 
 def show_devices(rig: RigConfig) -> None:
-    """Open motor and DAQ in turn and print what they say of themselves. Raises LinkLost."""
+    """Open motor and DAQ in turn and print what they say of themselves. Raises LinkLost, after both were tried."""
+    lost = []
+    for show in (_show_motor, _show_daq):
+        try:
+            show(rig)
+        except LinkLost as error:
+            lost.append(str(error))
+    if lost:
+        raise LinkLost("; ".join(lost))
+
+
+def clear_fault(rig: RigConfig) -> None:
+    """Clear the fault the motor controller remembers and say which. Raises LinkLost, LimitExceeded if it stays."""
+    with connect.motor(rig) as motor:
+        motor.open()
+        fault = motor.read().fault
+        if fault:
+            motor.clear_fault()
+    out.print(f"motor: {'fault cleared: ' + fault if fault else 'no fault to clear'}", highlight=False)
+
+
+def _show_motor(rig: RigConfig) -> None:
     with connect.motor(rig) as motor:
         found = motor.open()
         state = motor.read()
-        turning = f"{state.speed * RPM:.0f} rpm, " + ("running" if state.running else "at rest")
-        out.print(f"motor: {found.model} on {found.link}: {turning}{', fault ' + state.fault if state.fault else ''}")
+    turning = f"{state.speed * RPM:.0f} rpm, {'running' if state.running else 'at rest'}"
+    silence = "no watchdog" if found.watchdog is None else f"stops by itself after {found.watchdog:g} s of silence"
+    out.print(f"motor: {found.model} on {found.link}", highlight=False)
+    out.print(f"  {turning}, {'fault: ' + state.fault if state.fault else 'no fault'}, {silence}", highlight=False)
+    for remark in found.remarks:
+        out.print(f"  {remark}", highlight=False)
+
+
+def _show_daq(rig: RigConfig) -> None:
     with connect.daq(rig) as daq:
         info = daq.open()
-        out.print(
-            f"DAQ: {info.model}, serial {info.serial}: {info.channels} channels at {info.sample_rate:g} Hz",
-            highlight=False,
-        )
+    ends = ", ".join(dict.fromkeys(f"{volts:.4g} V" for volts in info.full_scale_volts))
+    out.print(
+        f"DAQ: {info.model}, serial {info.serial}: {info.channels} channels at {info.sample_rate:g} Hz, "
+        f"full scale {ends}",
+        highlight=False,
+    )
+    for remark in info.remarks:
+        out.print(f"  {remark}", highlight=False)
 
 
 def _ceiling(rig: RigConfig) -> float:

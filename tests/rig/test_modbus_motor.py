@@ -1,30 +1,34 @@
 """The Modbus drive over a real pty: what it is told, in order, and what is said when it does not answer as wanted."""
 
+import itertools
 import math
+import threading
+import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
+from rotorrig.rig.devices import ModbusRtu
 from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost
 from rotorrig.rig.motor import modbus_motor
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.motor.modbus_motor import ModbusMotor
-from rotorrig.rig.motor.profiles.powerflex400 import PROFILE
-from tests.rig.wire_fakes import Drive, crc16
+from tests.rig.wire_fakes import Drive, crc16, wait_for
 
 RPM = math.pi / 30
-COMMAND, REFERENCE, STATUS, FAULT, OUTPUT = 8192, 8193, 8448, 8449, 8451
-MAX_FREQUENCY, STOP_MODE, ACCEL, DECEL = 35, 37, 39, 40
+COMMAND, REFERENCE, STATUS, FAULT, COMMANDED, OUTPUT = 8192, 8193, 8448, 8449, 8450, 8451
+MAX_FREQUENCY, STOP_MODE, ACCEL, DECEL, LOSS_ACTION, LOSS_TIME = 35, 37, 39, 40, 105, 106
 START_WORD, STOP_WORD = 0x0512, 0x0001
 
 
-def motor_at(port: str, *, address: int = Drive.NODE) -> ModbusMotor:
-    return ModbusMotor(port, profile=PROFILE, baudrate=19200, address=address, rpm_per_hz=60.0, max_speed=4200 * RPM)
+def motor_at(port: str, *, address: int = Drive.NODE, watchdog: float = 2.0) -> ModbusMotor:
+    table = {"driver": "modbus-rtu", "port": port, "address": address, "max_speed": 4200 * RPM, "watchdog": watchdog}
+    return ModbusMotor(ModbusRtu.model_validate(table, context={"si": True}))
 
 
 @pytest.fixture(autouse=True)
 def short_waits(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(modbus_motor, "ANSWER_SECONDS", 0.15)
     monkeypatch.setattr(modbus_motor, "CONFIRM_SECONDS", 0.15)
 
 
@@ -40,13 +44,13 @@ def test_the_fakes_crc_is_that_of_the_standard() -> None:
     assert crc16(bytes.fromhex("01 03 00 00 00 0A")) == bytes.fromhex("C5 CD")
 
 
-def test_opening_asks_for_status_and_maximum_frequency(drive: Drive) -> None:
+def test_opening_asks_for_the_state_and_the_maximum_frequency(drive: Drive) -> None:
     with motor_at(drive.port) as motor:
         info = motor.open()
     assert info.model == "PowerFlex 400"
     assert info.link == f"Modbus RTU, {drive.port}, 19200 baud, address 100"
-    # node 100, function 03, register 8448 = 0x2100, one word
-    assert drive.requests[0][:6] == bytes.fromhex("64 03 21 00 00 01")
+    # node 100, function 03, registers 8448 = 0x2100 to 8451: status, fault, commanded and output frequency
+    assert drive.requests[0][:6] == bytes.fromhex("64 03 21 00 00 04")
     assert drive.requests[1][:6] == bytes.fromhex("64 03 00 23 00 01")
     assert drive.writes == []
 
@@ -80,7 +84,7 @@ def test_at_setpoint_is_the_drives_own_word(motor: ModbusMotor) -> None:
 
 
 def test_a_drive_at_rest_has_no_setpoint(drive: Drive, motor: ModbusMotor) -> None:
-    drive.registers[REFERENCE] = 6000
+    drive.registers[COMMANDED] = 6000
     drive.registers[STATUS] = 0x010D  # at reference, as some drives say at rest
     state = motor.read()
     assert (state.speed, state.setpoint, state.running, state.at_setpoint) == (0.0, 0.0, False, False)
@@ -90,11 +94,11 @@ def test_a_drive_at_rest_has_no_setpoint(drive: Drive, motor: ModbusMotor) -> No
     ("kind", "writes"),
     [
         (Stop.RAMP, [(COMMAND, STOP_WORD)]),
-        (Stop.COAST, [(STOP_MODE, 1), (COMMAND, STOP_WORD)]),
-        (Stop.EMERGENCY, [(DECEL, 100), (COMMAND, STOP_WORD)]),  # 1 s from the maximum frequency
+        (Stop.COAST, [(COMMAND, STOP_WORD), (STOP_MODE, 1), (COMMAND, STOP_WORD), (STOP_MODE, 0)]),
+        (Stop.EMERGENCY, [(COMMAND, STOP_WORD), (DECEL, 100)]),  # 1 s from the maximum frequency
     ],
 )
-def test_each_stop_is_chosen_before_it_is_commanded(
+def test_every_stop_is_commanded_before_its_kind_is_chosen(
     drive: Drive, motor: ModbusMotor, kind: Stop, writes: list[tuple[int, int]]
 ) -> None:
     motor.set_speed(1200 * RPM, ramp=30 * RPM)
@@ -116,7 +120,7 @@ def test_stopping_twice_is_stopping(drive: Drive, motor: ModbusMotor) -> None:
     assert not motor.read().running
 
 
-def test_the_stop_command_goes_out_even_if_the_stop_mode_is_refused(drive: Drive, motor: ModbusMotor) -> None:
+def test_the_stop_command_is_out_when_the_stop_mode_is_refused(drive: Drive, motor: ModbusMotor) -> None:
     motor.set_speed(1200 * RPM, ramp=30 * RPM)
     drive.exceptions[STOP_MODE] = 3
     with pytest.raises(LinkLost, match=r"stop mode .* refused with exception 3 \(illegal value\)"):
@@ -151,8 +155,8 @@ def test_a_link_that_stays_bad_is_lost_and_says_what_was_asked(
     with pytest.raises(LinkLost) as error:
         motor.read()
     assert str(error.value) == (
-        f"Modbus RTU, {drive.port}, 19200 baud, address 100: asked to read status (register 8448), "
-        "no valid answer in 4 tries of 0.15 s"
+        f"Modbus RTU, {drive.port}, 19200 baud, address 100: asked to read state (register 8448 to 8451), "
+        "no valid answer in 4 tries of 0.12 s"
     )
     assert capfd.readouterr().err == ""
 
@@ -166,7 +170,7 @@ def test_the_link_is_usable_again_once_the_drive_answers(drive: Drive, motor: Mo
 
 
 def test_a_wrong_node_address_gets_no_answer(drive: Drive) -> None:
-    with motor_at(drive.port, address=7) as motor, pytest.raises(LinkLost, match=r"address 7: asked to read status"):
+    with motor_at(drive.port, address=7) as motor, pytest.raises(LinkLost, match=r"address 7: asked to read state"):
         motor.open()
 
 
@@ -219,7 +223,7 @@ def test_a_trip_is_named_and_forbids_a_start(drive: Drive, motor: ModbusMotor) -
 
 def test_a_cut_wire_is_a_lost_link(drive: Drive, motor: ModbusMotor) -> None:
     drive.unplug()
-    with pytest.raises(LinkLost, match=r"asked to read status .*, but the port is gone; was it unplugged"):
+    with pytest.raises(LinkLost, match=r"asked to read state .*, but the port is gone; was it unplugged"):
         motor.read()
     with pytest.raises(LinkLost):
         motor.stop(Stop.EMERGENCY)
@@ -238,7 +242,7 @@ def test_a_port_in_use_is_said(drive: Drive, motor: ModbusMotor) -> None:
 def test_a_closed_link_is_said_and_may_be_closed_again(motor: ModbusMotor) -> None:
     motor.close()
     motor.close()
-    with pytest.raises(LinkLost, match=r"asked to read status .*, but the link is not open"):
+    with pytest.raises(LinkLost, match=r"asked to read state .*, but the link is not open"):
         motor.read()
     assert motor.open().model == "PowerFlex 400"
 
@@ -247,3 +251,101 @@ def test_closing_does_not_stop_the_rotor(drive: Drive, motor: ModbusMotor) -> No
     motor.set_speed(480 * RPM, ramp=30 * RPM)
     motor.close()
     assert drive.writes[-1] == (COMMAND, START_WORD)
+
+
+def test_opening_tells_the_drive_to_stop_by_itself_when_it_hears_nothing(drive: Drive) -> None:
+    drive.registers |= {LOSS_ACTION: 0, LOSS_TIME: 50}  # as delivered
+    with motor_at(drive.port, watchdog=1.5) as motor:
+        assert motor.open().watchdog == pytest.approx(1.5)
+    assert drive.writes == [(LOSS_ACTION, 2), (LOSS_TIME, 15)]  # stop; 0.1 s a count
+
+
+def test_a_watchdog_that_is_set_is_not_written_again(drive: Drive) -> None:
+    with motor_at(drive.port) as motor:
+        assert motor.open().watchdog == 2.0
+    assert drive.writes == []
+
+
+def test_a_state_is_one_exchange(drive: Drive, motor: ModbusMotor) -> None:
+    drive.requests.clear()
+    motor.read()
+    assert [request[:6].hex(" ") for request in drive.requests] == ["64 03 21 00 00 04"]
+
+
+def test_a_silent_drive_is_a_lost_link_within_a_second(drive: Drive, motor: ModbusMotor) -> None:
+    drive.spoil.extend(["drop"] * 8)
+    began = time.monotonic()
+    with pytest.raises(LinkLost):
+        motor.stop(Stop.RAMP)
+    assert time.monotonic() - began < 1.0  # four tries of 0.12 s
+
+
+def test_a_late_answer_is_not_taken_for_that_to_the_next_question(drive: Drive) -> None:
+    # the maximum frequency comes when it has been asked for again, and so once more while the stop mode is asked for
+    drive.delays.extend([0.0, 0.15, 0.05])
+    with motor_at(drive.port) as motor:
+        motor.open()
+    assert drive.writes == []  # the stop mode is right as it is
+
+
+def test_a_stop_goes_before_readers_that_wait_and_ends_a_start_under_way(drive: Drive, motor: ModbusMotor) -> None:
+    ended = threading.Event()
+
+    def poll() -> None:
+        while not ended.wait(0.001):
+            motor.read()
+
+    pollers = [threading.Thread(target=poll) for _ in range(3)]
+    for poller in pollers:
+        poller.start()
+    try:
+        for _ in range(10):
+            motor.set_speed(480 * RPM, ramp=30 * RPM)
+            asked = len(drive.requests)
+            motor.stop(Stop.RAMP)
+            sent = [request[1] for request in drive.requests[asked:]]
+            assert 6 in sent[:2]  # at most one read under way before the stop
+    finally:
+        ended.set()
+        for poller in pollers:
+            poller.join()
+
+
+def test_a_start_that_a_stop_overtakes_is_not_sent(drive: Drive, motor: ModbusMotor) -> None:
+    failures: list[BaseException] = []
+
+    def start() -> None:
+        try:
+            motor.set_speed(480 * RPM, ramp=30 * RPM)
+        except LimitExceeded as error:
+            failures.append(error)
+
+    drive.delays.extend(itertools.repeat(0.03, 20))  # a slow drive: the start takes long enough to be overtaken
+    starter = threading.Thread(target=start)
+    asked = len(drive.requests)
+    starter.start()
+    wait_for(lambda: len(drive.requests) > asked)
+    motor.stop(Stop.RAMP)
+    starter.join()
+    assert "was told to stop" in str(failures[0])
+    assert (COMMAND, START_WORD) not in drive.writes
+    assert (COMMAND, STOP_WORD) in drive.writes
+
+
+def test_a_port_whose_device_came_back_elsewhere_is_opened_again(drive: Drive, tmp_path: Path) -> None:
+    name = tmp_path / "by-id"
+    name.symlink_to(drive.port)
+    with motor_at(str(name)) as motor:
+        motor.open()
+        drive.unplug()
+        with pytest.raises(LinkLost):
+            motor.read()
+        successor = Drive()
+        successor.start()
+        name.unlink()
+        name.symlink_to(successor.port)
+        try:
+            assert motor.open().model == "PowerFlex 400"
+            assert not motor.read().running
+        finally:
+            successor.unplug()

@@ -156,11 +156,12 @@ class Drive(Wire):
 
     def __init__(self) -> None:
         super().__init__()
-        self.registers = {8192: 0, 8193: 0, 8448: 0x000D, 8449: 0, 8451: 0, 35: 7000, 37: 0, 39: 2000, 40: 2000}
-        self.read_only = {8448, 8449, 8451}
+        self.registers = {8192: 0, 8193: 0, 8448: 0x000D, 8449: 0, 8450: 0, 8451: 0}
+        self.registers |= {35: 7000, 37: 0, 39: 2000, 40: 2000, 105: 2, 106: 20}  # parameters
         self.writes: list[tuple[int, int]] = []
         self.requests: list[bytes] = []
         self.spoil: deque[str] = deque()  # for the next replies: "drop" or "corrupt"
+        self.delays: deque[float] = deque()  # s, before the next replies
         self.exceptions: dict[int, int] = {}  # register -> exception code
         self.obeys = True
         self._buffer = b""
@@ -175,14 +176,16 @@ class Drive(Wire):
 
     def _answer(self, request: bytes) -> None:
         function, register, word = struct.unpack(">xBHHxx", request)
-        if register in self.exceptions or register not in self.registers:
+        wanted = range(register, register + word) if function == 3 else [register]
+        if register in self.exceptions or any(r not in self.registers for r in wanted):
             reply = bytes([self.NODE, function | 0x80, self.exceptions.get(register, 2)])
         elif function == 3:
-            reply = bytes([self.NODE, 3, 2]) + self.registers[register].to_bytes(2, "big")
+            reply = bytes([self.NODE, 3, 2 * word]) + b"".join(self.registers[r].to_bytes(2, "big") for r in wanted)
         else:
             self._write(register, word)
             reply = request[:6]
         reply += crc16(reply)
+        time.sleep(self.delays.popleft() if self.delays else 0.0)
         spoil = self.spoil.popleft() if self.spoil else ""
         if spoil == "corrupt":
             reply = reply[:-1] + bytes([reply[-1] ^ 1])
@@ -192,10 +195,12 @@ class Drive(Wire):
     def _write(self, register: int, word: int) -> None:
         self.writes.append((register, word))
         self.registers[register] = word
+        if register == 8193:
+            self.registers[8450] = word
         if register != 8192 or not self.obeys:
             return
         if word & 0b0001:
-            coast = self.registers[37] == 1
+            coast = self.registers[37] == 1 or not self.registers[8451]
             self.registers[8448] = 0x000D if coast else 0x002F  # down the ramp: active and decelerating
             self.registers[8451] = 0 if coast else self.registers[8451]
         elif word & 0b0010:

@@ -5,6 +5,8 @@ from enum import StrEnum
 from types import TracebackType
 from typing import Protocol, Self
 
+REMEDY = "see to its cause, then clear it: `rotor check CONFIG --clear-fault`"  # for a drive that has tripped
+
 
 class Stop(StrEnum):
     """How to bring the rotor to rest: down the ramp, by its own friction, or as fast as the drive can."""
@@ -20,6 +22,10 @@ class MotorInfo:
 
     model: str
     link: str  # for a person: "Modbus RTU, /dev/pts/3, 19200 baud, address 100"
+    watchdog: float | None = None  # s of silence after which it stops the rotor by itself; None: it never does
+    coasts: bool = True  # whether it can be told to; else a coast stop goes down the ramp
+    one_ramp: bool = False  # whether it keeps the ramp it has while it turns
+    remarks: tuple[str, ...] = ()  # what a user should know of it: "cannot be told to coast, it stops down its ramp"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,10 +40,13 @@ class MotorState:
 
 
 class MotorDriver(Protocol):
-    """A motor controller's verbs. `stop` is idempotent and belongs in a `finally`."""
+    """A motor controller's verbs. `stop` is idempotent and belongs in a `finally`.
+
+    They may be called from several threads: a poller reads while another thread stops the rotor.
+    """
 
     def open(self) -> MotorInfo:
-        """Open the link and check who answers. Raises LinkLost."""
+        """Open the link, check who answers, set its watchdog; may be called again after a loss. Raises LinkLost."""
         ...
 
     def read(self) -> MotorState:
@@ -49,7 +58,14 @@ class MotorDriver(Protocol):
         ...
 
     def stop(self, kind: Stop) -> None:
-        """Bring the rotor to rest; may be called twice. Raises LinkLost if the command was not confirmed."""
+        """Bring the rotor to rest; may be called twice. The command goes out first, what makes it faster after it.
+
+        Raises LinkLost if it was not confirmed.
+        """
+        ...
+
+    def clear_fault(self) -> None:
+        """Clear a fault the controller remembers. Raises LinkLost, LimitExceeded if its cause is still there."""
         ...
 
     def close(self) -> None:

@@ -1,79 +1,80 @@
 """Register words of a Modbus drive to values and back: pure; which registers and bits, a `Profile` says."""
 
-from dataclasses import asdict, dataclass
+import math
+from dataclasses import dataclass
 
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
+from rotorrig.rig.motor.modbus_profile import Profile, Ramps, Watchdog
 from rotorrig.rig.units import RPM
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Profile:
-    """The register map of one family of drives, addresses as on the wire. One file each in `profiles/`."""
+class Reading:
+    """A drive's state words, decoded."""
 
-    model: str
-    hint: str  # what to check if it takes commands and does nothing
-
-    command: int  # register written to start and stop
-    start_forward: int  # its words
-    stop: int
-    clear_fault: int
-
-    reference: int  # registers of the wanted and the actual frequency
-    output_frequency: int
-    frequency_step: float  # Hz per count of both, and of max_frequency
-
-    status: int  # register, and the bits of its word
-    running: int
-    accelerating: int
-    decelerating: int
-    faulted: int
-    at_reference: int
-
-    fault: int  # register of the fault's number
-    faults: dict[int, str]
-
-    max_frequency: int  # parameters, by their register
-    max_frequency_range: tuple[float, float]  # Hz, what the manual allows
-    stop_mode: int
-    stop_mode_ramp: int  # its values
-    stop_mode_coast: int
-    accel_time: int
-    decel_time: int
-    time_step: float  # s per count, from 0 to the maximum frequency
-    time_range: tuple[float, float]  # s
-    emergency_time: float  # s, the shortest the drive can follow
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DriveStatus:
-    """The status word, its bits by name."""
-
-    running: bool
+    running: bool  # it was started and not stopped; some drives say so until the ramp has ended
     accelerating: bool
     decelerating: bool
     faulted: bool
     at_reference: bool
+    frequency: float  # Hz, of the output, unsigned
+    setpoint: int | None  # word, counted as the reference; None: the drive does not say
+
+    @property
+    def output_on(self) -> bool:
+        """Whether it drives the motor."""
+        return self.running or self.frequency > 0.0
 
     def __str__(self) -> str:
-        return ", ".join(name.replace("_", " ") for name, is_set in asdict(self).items() if is_set) or "at rest"
+        names = ("running", "accelerating", "decelerating", "faulted", "at_reference")
+        return ", ".join(name.replace("_", " ") for name in names if getattr(self, name)) or "at rest"
 
 
-def decode_status(word: int, *, profile: Profile) -> DriveStatus:
-    """Return the meaning of a status word. Raises BadFrame for one that contradicts itself.
+def decode_state(words: list[int], *, profile: Profile) -> Reading:
+    """Return the meaning of the words of `profile.state`. Raises BadFrame for a status that contradicts itself.
 
     >>> from rotorrig.rig.motor.profiles.powerflex400 import PROFILE
-    >>> print(decode_status(0b1_0000_1111, profile=PROFILE))
-    running, at reference
+    >>> reading = decode_state([0b1_0000_1111, 0, 6000, 6000], profile=PROFILE)
+    >>> print(reading, reading.frequency)
+    running, at reference 60.0
     """
-    if word & profile.accelerating and word & profile.decelerating:
-        raise BadFrame(f"status: got 0x{word:04x}, accelerating and decelerating at once")
-    return DriveStatus(
-        running=bool(word & profile.running),
-        accelerating=bool(word & profile.accelerating),
-        decelerating=bool(word & profile.decelerating),
-        faulted=bool(word & profile.faulted),
-        at_reference=bool(word & profile.at_reference),
+    p = profile
+    said = dict(zip(p.state, words, strict=True))
+    frequency = abs(signed(said[p.output_frequency])) * p.output_step
+    setpoint = None if p.setpoint is None else said[p.setpoint]
+    if p.status is None:  # what the numbers tell
+        moving = frequency > 0.0
+        reached = moving and setpoint == said[p.output_frequency]
+        return Reading(
+            running=moving,
+            accelerating=False,
+            decelerating=False,
+            faulted=said[p.fault] != 0,
+            at_reference=reached,
+            frequency=frequency,
+            setpoint=setpoint,
+        )
+    status = said[p.status]
+    if status & p.accelerating and status & p.decelerating:
+        raise BadFrame(f"status: got 0x{status:04x}, accelerating and decelerating at once")
+    return Reading(
+        running=bool(status & p.running),
+        accelerating=bool(status & p.accelerating),
+        decelerating=bool(status & p.decelerating),
+        faulted=bool(status & p.faulted),
+        at_reference=bool(status & p.at_reference),
+        frequency=frequency,
+        setpoint=setpoint,
     )
+
+
+def signed(word: int) -> int:
+    """Return a register's word as a number in two's complement.
+
+    >>> signed(0xFFFF), signed(0x7FFF)
+    (-1, 32767)
+    """
+    return word - 0x1_0000 if word & 0x8000 else word
 
 
 def fault_text(number: int, *, profile: Profile) -> str:
@@ -81,47 +82,67 @@ def fault_text(number: int, *, profile: Profile) -> str:
 
     >>> from rotorrig.rig.motor.profiles.powerflex400 import PROFILE
     >>> fault_text(5, profile=PROFILE), fault_text(99, profile=PROFILE)
-    ('overvoltage (F5)', 'unknown fault (F99)')
+    ('overvoltage (F5)', 'fault F99, see its manual')
     """
-    return f"{profile.faults.get(number, 'unknown fault')} (F{number})"
+    code = f"{profile.fault_letter}{number}"
+    name = profile.faults.get(number)
+    return f"{name} ({code})" if name else f"fault {code}, see its manual"
 
 
-def decode_speed(word: int, *, profile: Profile, rpm_per_hz: float) -> float:
-    """Return the shaft speed [rad/s] of a frequency word.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scale:
+    """How a reference counts: `low` Hz at 0, then `step` Hz per count."""
 
-    >>> from rotorrig.rig.motor.profiles.powerflex400 import PROFILE
-    >>> round(decode_speed(6000, profile=PROFILE, rpm_per_hz=60.0) * RPM)  # 60.00 Hz, two poles
-    3600
+    step: float
+    low: float = 0.0
+
+    def hertz(self, word: int) -> float:
+        """Return the frequency of a reference word."""
+        return self.low + word * self.step
+
+
+def encode_speed(speed: float, *, scale: Scale, rpm_per_hz: float, fastest: float) -> int:
+    """Return the reference nearest to `speed` [rad/s]. Raises LimitExceeded outside `scale.low` to `fastest` [rad/s].
+
+    >>> encode_speed(3600 / RPM, scale=Scale(step=0.01), rpm_per_hz=60.0, fastest=400.0)  # 60.00 Hz, two poles
+    6000
     """
-    return word * profile.frequency_step * radians_per_hz(rpm_per_hz)
-
-
-def encode_speed(speed: float, *, profile: Profile, rpm_per_hz: float, fastest: float) -> int:
-    """Return the frequency word nearest to `speed` [rad/s]. Raises LimitExceeded above `fastest` [rad/s] or below 0."""
-    if not 0 <= speed <= fastest:
+    slowest = scale.low * radians_per_hz(rpm_per_hz)
+    if not slowest <= speed <= fastest:
         raise LimitExceeded(
-            f"speed: asked for {speed * RPM:.0f} rpm, want 0 to {fastest * RPM:.0f} rpm, "
+            f"speed: asked for {speed * RPM:.0f} rpm, want {slowest * RPM:.0f} to {fastest * RPM:.0f} rpm, "
             "the least of motor.max_speed in the config and the drive's maximum frequency"
         )
-    return round(speed / radians_per_hz(rpm_per_hz) / profile.frequency_step)
+    return round((speed / radians_per_hz(rpm_per_hz) - scale.low) / scale.step)
 
 
-def encode_ramp(ramp: float, *, profile: Profile, rpm_per_hz: float, max_frequency: float) -> int:
-    """Return the acceleration time word of `ramp` [rad/s^2]: the time from 0 to `max_frequency` [Hz].
+def encode_ramp(ramp: float, *, ramps: Ramps, rpm_per_hz: float, max_frequency: float) -> int:
+    """Return the time word of `ramp` [rad/s^2]: the time from 0 to `max_frequency` [Hz].
 
     Raises ConfigError if the drive cannot be set to it.
     """
     if not ramp > 0:
         raise ConfigError(f"ramp: got {ramp:g} rad/s^2, want more than 0")
     seconds = max_frequency * radians_per_hz(rpm_per_hz) / ramp
-    shortest, longest = profile.time_range
+    shortest, longest = ramps.range
     if not shortest <= seconds <= longest:
         slowest, fastest = (ramp * RPM * seconds / t for t in (longest, shortest))
         raise ConfigError(
             f"ramp: got {ramp * RPM:.4g} rpm/s, which takes {seconds:.4g} s from 0 to the drive's "
             f"{max_frequency:g} Hz, want {slowest:.4g} to {fastest:.4g} rpm/s ({longest:g} to {shortest:g} s)"
         )
-    return round(seconds / profile.time_step)
+    return round(seconds / ramps.step)
+
+
+def encode_watchdog(patience: float, *, watchdog: Watchdog) -> int:
+    """Return the word of the shortest time a drive can be set to that is not below `patience` [s], or of its longest.
+
+    >>> encode_watchdog(1.5, watchdog=Watchdog(register=813, step=1.0, range=(1.0, 255.0)))
+    2
+    """
+    shortest, longest = watchdog.range
+    counts = min(max(patience, shortest), longest) / watchdog.step
+    return math.ceil(counts - 1e-6)  # 2.0 s is 20 tenths, whatever binary makes of it
 
 
 def radians_per_hz(rpm_per_hz: float) -> float:

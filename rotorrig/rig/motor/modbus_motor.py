@@ -1,124 +1,161 @@
-"""A variable-frequency drive on Modbus RTU: owns the client and the order of register accesses.
+"""A variable-frequency drive on Modbus RTU or TCP: what is asked of its registers, in which order.
 
-What the words mean is in `modbus_frames`, where the registers are in a `Profile`. Parameters are read before they are
-written and written only if they differ: drives of this kind keep them in EEPROM, which wears.
+What the words mean is in `modbus_frames`, where the registers are in a `Profile`, how they travel in `modbus_link`.
+Parameters are read before they are written and written only if they differ: drives of this kind keep them in EEPROM,
+which wears.
 """
 
-import logging
 import time
 from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
-from pymodbus.client import ModbusSerialClient
-from pymodbus.exceptions import ModbusException
-from pymodbus.pdu import ModbusPDU
-
-from rotorrig.rig.errors import BadFrame, LimitExceeded, LinkLost
-from rotorrig.rig.motor.base import MotorInfo, MotorState, Stop
+from rotorrig.rig.devices import SAME_RAMP, ModbusProfile, ModbusRtu, ModbusTcp
+from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded, LinkLost
+from rotorrig.rig.motor.base import REMEDY, MotorInfo, MotorState, Stop
 from rotorrig.rig.motor.modbus_frames import (
-    DriveStatus,
-    Profile,
-    decode_speed,
-    decode_status,
+    Reading,
+    Scale,
+    decode_state,
     encode_ramp,
     encode_speed,
+    encode_watchdog,
     fault_text,
     radians_per_hz,
 )
-from rotorrig.rig.serial_port import why_closed
+from rotorrig.rig.motor.modbus_link import ModbusLink
+from rotorrig.rig.motor.modbus_profile import Frequency, Profile
+from rotorrig.rig.motor.profiles import acs355, m_max, powerflex400, vfd_ed
+from rotorrig.rig.units import RPM
 
-ANSWER_SECONDS = 0.5  # for one reply; an 8 byte reply at 19200 baud takes 5 ms, a busy drive some tens
-RETRIES = 3  # after a timeout or a damaged reply
-CONFIRM_SECONDS = 1.0  # for the status to follow a command
+CONFIRM_SECONDS = 1.0  # for the state to follow a command
 CONFIRM_PAUSE_SECONDS = 0.02
-ILLEGAL = {1: "illegal function", 2: "illegal address", 3: "illegal value", 4: "device failure", 6: "device busy"}
 
-# without a handler, Python prints pymodbus' own account of every retry to stderr; errors are told by LinkLost
-logging.getLogger("pymodbus").addHandler(logging.NullHandler())
+PROFILES: dict[ModbusProfile, Profile] = {
+    "powerflex400": powerflex400.PROFILE,
+    "m-max": m_max.PROFILE,
+    "vfd-ed": vfd_ed.PROFILE,
+    "acs355": acs355.PROFILE,
+}
 
 
 class ModbusMotor:
-    """A rig.motor.base.MotorDriver for the drives that have a `Profile`."""
+    """A rig.motor.base.MotorDriver for the drives that have a `Profile`.
 
-    def __init__(
-        self, port: str, *, profile: Profile, baudrate: int, address: int, rpm_per_hz: float, max_speed: float
-    ) -> None:
-        self.port = port
-        self._profile = profile
-        self._address = address
-        self._rpm_per_hz = rpm_per_hz
-        self._max_speed = max_speed  # rad/s, the config's
-        self._max_frequency = 0.0  # Hz, the drive's; read when opened
-        self._link = f"Modbus RTU, {port}, {baudrate} baud, address {address}"
-        self._client = ModbusSerialClient(port, baudrate=baudrate, timeout=ANSWER_SECONDS, retries=RETRIES)
-        self._is_open = False
+    Its verbs may be called from several threads. A stop is sent next, whatever else is waiting for the wire, and a
+    `set_speed` it overtakes sends nothing more.
+    """
+
+    def __init__(self, table: ModbusRtu | ModbusTcp) -> None:
+        self._table = table
+        self._profile = PROFILES[table.profile]
+        self._link = ModbusLink(table, model=self._profile.model)
+        self._scale = Scale(step=1.0)  # of the reference; this, and the drive's limit, are read when opened
+        self._max_frequency: float | None = None  # Hz
+        self._asked = 0.0  # rad/s, what was last asked of a drive that does not say
+        self._stops = 0
+        self._let_go = True  # whether it turns unpowered, or not at all
+
+    @property
+    def link(self) -> str:
+        """Where the drive is, for a person."""
+        return self._link.name
 
     def open(self) -> MotorInfo:
-        """Open the link and check who answers. Raises LinkLost."""
-        if not self._client.connect():
-            raise LinkLost(f"{self.port}: the drive's port cannot be opened ({why_closed(self.port)})")
-        self._is_open = True
+        """Open the link, check who answers and set its watchdog; may be called again after a loss. Raises LinkLost."""
+        p = self._profile
+        self._link.open()
         try:
-            self._status()
-            self._max_frequency = self._checked_max_frequency()
+            self._let_go = not self._reading().output_on
+            self._max_frequency = self._frequency(p.max_frequency) if p.max_frequency else None
+            self._scale = self._reference_scale()
+            if p.stop_mode:
+                self._set_parameter(p.stop_mode.register, p.stop_mode.ramp, "stop mode")
+            for setting in p.settings:
+                self._set_parameter(setting.register, setting.word, setting.what)
+            watchdog = self._set_watchdog()
+            if p.setpoint is None:
+                self._asked = self._speed(self._scale.hertz(self._link.read(p.reference, 1, "reference")[0]))
         except BaseException:
             self.close()
             raise
-        return MotorInfo(model=self._profile.model, link=self._link)
+        return MotorInfo(
+            model=p.model,
+            link=self.link,
+            watchdog=watchdog,
+            coasts=p.stop.coast is not None or p.stop_mode is not None,
+            one_ramp=p.ramps is None or p.ramps.only_at_rest,
+            remarks=_remarks(p),
+        )
 
     def read(self) -> MotorState:
         """Read the drive's state: its output frequency as a speed, unsigned. Raises LinkLost."""
-        status = self._status()
+        reading = self._reading()
+        asked = self._asked if reading.setpoint is None else self._speed(self._scale.hertz(reading.setpoint))
         return MotorState(
-            speed=self._read_speed(self._profile.output_frequency, "output frequency"),
-            setpoint=self._read_speed(self._profile.reference, "reference") if status.running else 0.0,
-            running=status.running,
-            at_setpoint=status.running and status.at_reference,
-            fault=self._fault() if status.faulted else "",
+            speed=self._speed(reading.frequency),
+            setpoint=asked if reading.output_on else 0.0,
+            running=reading.output_on,
+            at_setpoint=reading.running and reading.at_reference,
+            fault=self._fault() if reading.faulted else "",
         )
 
     def set_speed(self, speed: float, *, ramp: float) -> None:
         """Go to `speed` [rad/s] at `ramp` [rad/s^2], forward, starting if at rest.
 
-        Raises LimitExceeded if the speed is too high or the drive has tripped, ConfigError if the drive has no such
-        ramp, LinkLost if it does not answer or does not start. Nothing is sent if speed or ramp is refused.
+        Raises LimitExceeded if the speed is too high, the drive has tripped or a stop came in between, ConfigError if
+        the drive has no such ramp, LinkLost if it does not answer or does not start. Nothing is sent if speed or ramp
+        is refused.
         """
-        p = self._profile
-        drive_limit = self._max_frequency * radians_per_hz(self._rpm_per_hz)
-        reference = encode_speed(
-            speed, profile=p, rpm_per_hz=self._rpm_per_hz, fastest=min(self._max_speed, drive_limit)
-        )
-        ramp_time = encode_ramp(ramp, profile=p, rpm_per_hz=self._rpm_per_hz, max_frequency=self._max_frequency)
-        if self._status().faulted:
-            raise LimitExceeded(f"drive: has tripped with '{self._fault()}'; clear the fault before starting it")
-        self._set_parameter(p.accel_time, ramp_time, "acceleration time")
-        self._set_parameter(p.decel_time, ramp_time, "deceleration time")
-        self._write(p.reference, reference, "reference")
-        self._write(p.command, p.start_forward, "start")
-        self._confirm(lambda status: status.running, "start")
+        p, stops = self._profile, self._stops
+        reference = encode_speed(speed, scale=self._scale, rpm_per_hz=self._table.rpm_per_hz, fastest=self._fastest)
+        ramp_time = self._ramp_time(ramp)
+
+        def overtaken() -> bool:
+            return self._stops != stops
+
+        reading = self._reading()
+        if reading.faulted:
+            raise LimitExceeded(f"drive: has tripped with '{self._fault()}'; {REMEDY}")
+        self._set_ramps(ramp_time, reading, overtaken)
+        self._link.write(p.reference, reference, "reference", unless=overtaken)
+        self._let_go = False
+        self._asked = self._speed(self._scale.hertz(reference))
+        for word in p.start[-1:] if reading.running else p.start:
+            self._link.write(p.command, word, "start", unless=overtaken)
+            time.sleep(p.start_pause if word != p.start[-1] else 0.0)
+        if p.status is not None:  # else only its turning would tell
+            self._confirm(lambda now: now.running, "start")
 
     def stop(self, kind: Stop) -> None:
         """Bring the rotor to rest: RAMP at the last ramp, COAST unpowered, EMERGENCY as fast as it can follow.
 
-        The stop command goes out even if the drive refuses to be told how. Raises LinkLost if the drive does not answer
-        or does not report that it slows down.
+        The stop command goes out first; whatever makes it another kind of stop follows. A drive that cannot be told to
+        coast goes down its ramp. Raises LinkLost if the drive does not answer or does not report that it slows down.
         """
-        try:
-            self._choose_stop(kind)
-        finally:
-            self._write(self._profile.command, self._profile.stop, "stop")
-        self._confirm(lambda status: status.decelerating or not status.running, "stop")
+        self._stops += 1
+        self._link.write(self._profile.command, self._profile.stop.of(kind), "stop", urgent=True)
+        if kind is Stop.EMERGENCY:
+            self._hasten()
+        elif kind is Stop.COAST:
+            self._coast()
+        first = self._reading().frequency
+        self._confirm(lambda now: now.decelerating or not now.output_on or now.frequency < first, "stop")
 
     def clear_fault(self) -> None:
-        """Clear a trip the drive remembers, once its cause is gone. Raises LinkLost if it stays."""
-        self._write(self._profile.command, self._profile.clear_fault, "clear fault")
-        self._confirm(lambda status: not status.faulted, "clear fault")
+        """Clear a trip the drive remembers, once its cause is gone.
+
+        Raises LinkLost if it stays, LimitExceeded if the drive can be cleared only where it stands.
+        """
+        if not self._profile.clear_fault:
+            raise LimitExceeded(f"drive: a {self._profile.model} cannot be cleared over Modbus, want it reset by hand")
+        for word in self._profile.clear_fault:
+            self._link.write(self._profile.command, word, "clear fault")
+        self._confirm(lambda now: not now.faulted, "clear fault")
 
     def close(self) -> None:
         """Give the port back. Does not stop the rotor."""
-        self._is_open = False
-        self._client.close()
+        self._link.close()
 
     def __enter__(self) -> Self:
         return self
@@ -128,93 +165,133 @@ class ModbusMotor:
     ) -> None:
         self.close()
 
-    def _checked_max_frequency(self) -> float:
+    def _reading(self) -> Reading:
         p = self._profile
-        low, high = p.max_frequency_range
-        frequency = self._read(p.max_frequency, "maximum frequency") * p.frequency_step
+        words = self._link.read(p.state.start, len(p.state), "state")
+        try:
+            return decode_state(words, profile=p)
+        except BadFrame as error:
+            raise LinkLost(f"{self.link}: {error}; is it a {p.model}?") from error
+
+    def _fault(self) -> str:
+        number = self._link.read(self._profile.fault, 1, "fault")[0]
+        return fault_text(number, profile=self._profile)
+
+    def _frequency(self, limit: Frequency) -> float:
+        """Read a parameter that limits the frequency; doubt one that no such drive can have."""
+        frequency = self._link.read(limit.register, 1, "frequency limit")[0] * limit.step
+        low, high = limit.range
         if not low <= frequency <= high:
             raise LinkLost(
-                f"{self._link}: the maximum frequency (parameter {p.max_frequency}) reads {frequency:g} Hz, "
-                f"want {low:g} to {high:g} Hz; is it a {p.model}?"
+                f"{self.link}: the frequency limit (register {limit.register}) reads {frequency:g} Hz, "
+                f"want {low:g} to {high:g} Hz; is it a {self._profile.model}?"
             )
         return frequency
 
-    def _status(self) -> DriveStatus:
-        word = self._read(self._profile.status, "status")
-        try:
-            return decode_status(word, profile=self._profile)
-        except BadFrame as error:
-            raise LinkLost(f"{self._link}: {error}; is it a {self._profile.model}?") from error
+    def _reference_scale(self) -> Scale:
+        scale = self._profile.reference_scale
+        if isinstance(scale, float):
+            return Scale(step=scale)
+        low = self._frequency(scale.low) if scale.low else 0.0
+        high = self._frequency(scale.high)
+        if not low < high:
+            raise LinkLost(f"{self.link}: its frequency limits are {low:g} and {high:g} Hz, want the second higher")
+        return Scale(step=(high - low) / scale.counts, low=low)
 
-    def _fault(self) -> str:
-        return fault_text(self._read(self._profile.fault, "fault"), profile=self._profile)
+    def _set_watchdog(self) -> float | None:
+        watchdog = self._profile.watchdog
+        if watchdog is None:
+            return None
+        word = encode_watchdog(self._table.watchdog, watchdog=watchdog)
+        self._set_parameter(watchdog.register, word, "communication loss time")
+        return word * watchdog.step
 
-    def _read_speed(self, register: int, what: str) -> float:
-        return decode_speed(self._read(register, what), profile=self._profile, rpm_per_hz=self._rpm_per_hz)
+    @property
+    def _fastest(self) -> float:
+        """The highest speed that may be asked for [rad/s]."""
+        limits = [self._table.max_speed]
+        if self._max_frequency is not None:
+            limits.append(self._speed(self._max_frequency))
+        if not isinstance(scale := self._profile.reference_scale, float):
+            limits.append(self._speed(self._scale.hertz(scale.counts)))
+        return min(limits)
 
-    def _choose_stop(self, kind: Stop) -> None:
+    def _speed(self, hertz: float) -> float:
+        return hertz * radians_per_hz(self._table.rpm_per_hz)
+
+    def _ramp_time(self, ramp: float) -> int | None:
+        """Return the word of the times that make a ramp; None: it is the one set by hand. Raises ConfigError."""
+        ramps, own = self._profile.ramps, self._table.ramp
+        if ramps is None:
+            assert own is not None, "checked with the config"
+            if abs(ramp / own - 1) > SAME_RAMP:
+                raise ConfigError(
+                    f"ramp: got {ramp * RPM:.4g} rpm/s, want {own * RPM:.4g} rpm/s as motor.ramp says: the ramp "
+                    f"of a {self._profile.model} is set by hand"
+                )
+            return None
+        assert self._max_frequency is not None, "a drive with ramps has a maximum frequency they refer to"
+        return encode_ramp(ramp, ramps=ramps, rpm_per_hz=self._table.rpm_per_hz, max_frequency=self._max_frequency)
+
+    def _set_ramps(self, word: int | None, reading: Reading, overtaken: Callable[[], bool]) -> None:
+        ramps = self._profile.ramps
+        if ramps is None or word is None:
+            return
+        registers = {ramps.accel_time: "acceleration time", ramps.decel_time: "deceleration time"}
+        present = self._link.read(ramps.accel_time, 2, "ramp times")
+        if ramps.only_at_rest and reading.output_on and present != [word, word]:
+            up, down = (time * ramps.step for time in present)
+            raise ConfigError(
+                f"ramp: got one of {word * ramps.step:g} s, want {up:g} s up and {down:g} s down: a "
+                f"{self._profile.model} keeps its ramp times while it runs"
+            )
+        for (register, what), was in zip(registers.items(), present, strict=True):
+            if was != word:
+                self._link.write(register, word, what, unless=overtaken)
+
+    def _hasten(self) -> None:
+        """Shorten the ramp of a stop under way, where no word of its own did."""
         p = self._profile
-        if kind is Stop.EMERGENCY:
-            self._set_parameter(p.decel_time, round(p.emergency_time / p.time_step), "deceleration time")
-        mode = p.stop_mode_coast if kind is Stop.COAST else p.stop_mode_ramp
-        self._set_parameter(p.stop_mode, mode, "stop mode")
+        if p.stop.fast is None and p.ramps and p.emergency_time:
+            self._set_parameter(p.ramps.decel_time, round(p.emergency_time / p.ramps.step), "deceleration time")
+
+    def _coast(self) -> None:
+        """Let a rotor coast that is on its way down a ramp, where no word of its own did."""
+        p = self._profile
+        if p.stop_mode is None or self._let_go:
+            return
+        # not read first: it is the ramp, since it was opened and after every time here; and until then it brakes
+        self._link.write(p.stop_mode.register, p.stop_mode.coast, "stop mode", urgent=True)
+        try:
+            self._link.write(p.command, p.stop.ramp, "stop", urgent=True)
+            self._let_go = True
+        finally:  # the next stop command must brake at once
+            self._link.write(p.stop_mode.register, p.stop_mode.ramp, "stop mode", urgent=True)
 
     def _set_parameter(self, register: int, word: int, what: str) -> None:
-        if self._read(register, what) != word:
-            self._write(register, word, what)
+        if self._link.read(register, 1, what) != [word]:
+            self._link.write(register, word, what)
 
-    def _confirm(self, done: Callable[[DriveStatus], bool], command: str) -> None:
-        """Wait for the status to say that a command has been obeyed."""
+    def _confirm(self, done: Callable[[Reading], bool], command: str) -> None:
+        """Wait for the state to say that a command has been obeyed."""
         deadline = time.monotonic() + CONFIRM_SECONDS
-        while not done(status := self._status()):
+        while not done(reading := self._reading()):
             if time.monotonic() > deadline:
                 raise LinkLost(
-                    f"{self._link}: the drive took the command '{command}' but did not obey within "
-                    f"{CONFIRM_SECONDS:g} s (it is {status}); {self._profile.hint}"
+                    f"{self.link}: the drive took the command '{command}' but did not obey within "
+                    f"{CONFIRM_SECONDS:g} s (it is {reading}); {self._profile.hint}"
                 )
             time.sleep(CONFIRM_PAUSE_SECONDS)
 
-    def _read(self, register: int, what: str) -> int:
-        """Return the word of a register. Raises LinkLost naming the port, register and what was asked."""
-        asked = f"read {what} (register {register})"
-        try:
-            reply = self._opened(asked).read_holding_registers(register, device_id=self._address)
-        except ModbusException as error:
-            raise self._no_answer(asked) from error
-        self._refuse_exception(reply, asked)
-        if len(reply.registers) != 1:
-            raise LinkLost(f"{self._link}: asked to {asked}, got {len(reply.registers)} words, want 1")
-        return reply.registers[0]
 
-    def _write(self, register: int, word: int, what: str) -> None:
-        """Write a word; the drive's echo must match. Raises LinkLost like `_read`."""
-        asked = f"write {what} = {word} (register {register})"
-        try:
-            reply = self._opened(asked).write_register(register, word, device_id=self._address)
-        except ModbusException as error:
-            raise self._no_answer(asked) from error
-        self._refuse_exception(reply, asked)
-        if (reply.address, reply.registers) != (register, [word]):
-            raise LinkLost(
-                f"{self._link}: asked to {asked}, it confirmed {reply.registers} in register {reply.address}"
-            )
-
-    def _opened(self, asked: str) -> ModbusSerialClient:
-        if not self._is_open:
-            raise LinkLost(f"{self._link}: asked to {asked}, but the link is not open")
-        return self._client
-
-    def _no_answer(self, asked: str) -> LinkLost:
-        if not self._client.connected:
-            return LinkLost(f"{self._link}: asked to {asked}, but the port is gone; was it unplugged?")
-        return LinkLost(
-            f"{self._link}: asked to {asked}, no valid answer in {1 + RETRIES} tries of {ANSWER_SECONDS:g} s"
-        )
-
-    def _refuse_exception(self, reply: ModbusPDU, asked: str) -> None:
-        if reply.isError():
-            reason = ILLEGAL.get(reply.exception_code, "unknown reason")
-            raise LinkLost(
-                f"{self._link}: asked to {asked}, the device refused with exception {reply.exception_code} "
-                f"({reason}); is it a {self._profile.model}?"
-            )
+def _remarks(profile: Profile) -> tuple[str, ...]:
+    """Return what a family cannot be told over Modbus, for a person."""
+    cannot_coast = profile.stop.coast is None and profile.stop_mode is None
+    said = {
+        "cannot be told to stop by itself when this program or the cable is gone": profile.watchdog is None,
+        "its ramp is set by hand, and only that one can be asked for": profile.ramps is None,
+        "keeps its ramp while it runs": bool(profile.ramps and profile.ramps.only_at_rest),
+        "cannot be told to coast, it stops down its ramp": cannot_coast,
+        "cannot be told to stop faster than its ramp": profile.stop.fast is None and profile.emergency_time is None,
+    }
+    return tuple(what for what, is_so in said.items() if is_so)

@@ -13,11 +13,11 @@ Jog, local control, MOP, reverse, second ramp times, preset frequencies and DC b
 
 import math
 from dataclasses import dataclass
-from enum import Enum, auto
 from types import MappingProxyType
 
 from rotorrig.rig.clock import Clock
 from rotorrig.rig.errors import ConfigError
+from rotorrig.sims.wire.drive import Drive, OnSilence
 from rotorrig.sims.wire.plant_port import Plant
 
 LOGIC_COMMAND, REFERENCE = 8192, 8193
@@ -58,29 +58,13 @@ _FIELDS = (  # (lowest bit, width, values that are understood)
 )
 
 
-class _Mode(Enum):
-    STOPPED = auto()  # output off: at rest or coasting
-    RUNNING = auto()
-    STOPPING = auto()  # down the ramp
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Ramp:
-    """The ramp generator between two commands."""
-
-    start: float  # s, simulated time
-    begin: float  # Hz
-    target: float  # Hz
-    slope: float  # Hz/s, > 0
-
-    def at(self, t: float) -> float:
-        gone = self.slope * (t - self.start)
-        way = self.target - self.begin
-        return self.target if abs(way) <= gone else self.begin + math.copysign(gone, way)
+_ON_SILENCE = (OnSilence.TRIP, OnSilence.COAST, OnSilence.RAMP, OnSilence.GO_ON)  # C105; 2 stops as P037 says
 
 
 class PowerFlex400:
-    """The drive: `read` and `write` are its registers, `tick` lets it notice that time has passed."""
+    """The drive's registers, to `read` and `write`; `drive` is what stands behind them."""
+
+    functions = frozenset({3, 6, 16})  # Appendix E, page 170
 
     def __init__(self, plant: Plant, *, rpm_per_hz: float, max_frequency: float, clock: Clock) -> None:
         """Set up for a rotor that turns `rpm_per_hz`; `max_frequency` [Hz] is P035 as commissioned.
@@ -92,29 +76,21 @@ class PowerFlex400:
                 f"motor.max_speed: takes {max_frequency:g} Hz at {rpm_per_hz:g} rpm per Hz, "
                 "want at most the 320 Hz of a PowerFlex 400"
             )
-        self._plant, self._clock = plant, clock
-        self._speed_per_hz = rpm_per_hz * math.pi / 30.0  # rad/s per Hz
+        self._speed_per_count = rpm_per_hz * math.pi / 30.0 / 100  # rad/s per 0.01 Hz
         self._registers = {number: p.default for number, p in _PARAMETERS.items()} | {LOGIC_COMMAND: 0, REFERENCE: 0}
         self._registers[MAXIMUM_FREQUENCY] = round(100 * max_frequency)
-        self._mode = _Mode.STOPPED
-        self._fault = 0
-        self._ramp = _Ramp(start=0.0, begin=0.0, target=0.0, slope=1.0)
-        self._heard = clock.now()
-
-    @property
-    def active(self) -> bool:
-        """Whether the output is on."""
-        return self._mode is not _Mode.STOPPED
+        self.drive = Drive(plant, clock=clock, silence_fault=COMMUNICATION_LOSS)
+        self._set_up()
 
     def read(self, address: int, count: int) -> list[int]:
         """Return `count` registers from `address`. Raises KeyError for one the drive does not have."""
-        self._heard = self._clock.now()
-        self.tick()
+        self.drive.hear()
+        self.drive.tick()
         measured = {
             LOGIC_STATUS: self._status(),
-            FAULT_CODE: self._fault,
-            COMMANDED_FREQUENCY: round(100 * self._reference()),
-            OUTPUT_FREQUENCY: round(100 * self._frequency()),
+            FAULT_CODE: self.drive.fault,
+            COMMANDED_FREQUENCY: self._reference(),
+            OUTPUT_FREQUENCY: round(self.drive.speed / self._speed_per_count),
         }
         known = self._registers | measured
         return [known[a] for a in range(address, address + count)]
@@ -124,23 +100,14 @@ class PowerFlex400:
 
         Raises KeyError for a register that is unknown or read-only, ValueError for a value out of range.
         """
-        self._heard = self._clock.now()
+        self.drive.hear()
         writes = dict(enumerate(values, start=address))
         for number, value in writes.items():
             self._check(number, value, ceiling=writes.get(MAXIMUM_FREQUENCY, self._registers[MAXIMUM_FREQUENCY]))
         self._registers |= writes
+        self._set_up()
         if LOGIC_COMMAND in writes:
             self._obey(writes[LOGIC_COMMAND])
-        if self._mode is not _Mode.STOPPED and writes.keys() - {LOGIC_COMMAND}:
-            self._drive()  # a new reference or ramp time counts at once
-
-    def tick(self) -> None:
-        """End a finished ramp-down; act on a link that has been silent for too long."""
-        if self._mode is _Mode.STOPPING and self._frequency() == 0.0:
-            self._switch_off()
-        silence = self._clock.now() - self._heard
-        if self._mode is _Mode.RUNNING and silence > self._registers[COMM_LOSS_TIME] / 10:
-            self._lose_link()
 
     def _check(self, number: int, value: int, *, ceiling: int) -> None:
         if number == REFERENCE:
@@ -154,73 +121,41 @@ class PowerFlex400:
         if value not in allowed:
             raise ValueError(f"register {number}: got {value}, want {allowed.start} to {allowed.stop - 1}")
 
+    def _set_up(self) -> None:
+        """Hand the parameters on: a new reference or ramp time counts at once."""
+        fastest = max(self._registers[MAXIMUM_FREQUENCY], 1) * self._speed_per_count
+        # a time of zero is the shortest the drive can set, 0.01 s
+        rising, falling = (fastest / max(self._registers[time] / 100, 0.01) for time in (ACCEL_TIME, DECEL_TIME))
+        self.drive.refer(self._reference() * self._speed_per_count, rising=rising, falling=falling)
+        self.drive.patience = self._registers[COMM_LOSS_TIME] / 10
+        self.drive.on_silence = _ON_SILENCE[self._registers[COMM_LOSS_ACTION]]
+        if self.drive.on_silence is OnSilence.RAMP and self._registers[STOP_MODE] == 1:
+            self.drive.on_silence = OnSilence.COAST
+
     def _obey(self, command: int) -> None:
         """Act on a logic command; a stop outranks a start, and either mode of stop clears a fault (P037, "CF")."""
         if command & (_CLEAR_FAULTS | _STOP):
-            self._fault = 0
+            self.drive.fault = 0
         if command & _STOP:
-            self._stop()
-        elif command & _START and not self._fault:
-            self._start()
+            self.drive.stop(coast=self._registers[STOP_MODE] == 1)
+        elif command & _START:
+            self.drive.start()
 
-    def _start(self) -> None:
-        if self._mode is _Mode.RUNNING:
-            return
-        begin = self._plant.speed / self._speed_per_hz if self._mode is _Mode.STOPPED else self._frequency()
-        self._mode = _Mode.RUNNING
-        self._drive(begin)
-
-    def _stop(self) -> None:
-        if self._mode is _Mode.STOPPED:
-            return
-        if self._registers[STOP_MODE] == 1:
-            self._switch_off()
-        else:
-            self._mode = _Mode.STOPPING
-            self._drive()
-
-    def _lose_link(self) -> None:
-        match self._registers[COMM_LOSS_ACTION]:
-            case 0:
-                self._fault = COMMUNICATION_LOSS
-                self._switch_off()
-            case 1:
-                self._switch_off()
-            case 2:
-                self._stop()
-
-    def _switch_off(self) -> None:
-        self._mode = _Mode.STOPPED
-        self._plant.command(0.0, self._ramp.slope * self._speed_per_hz, False)
-
-    def _drive(self, begin: float | None = None) -> None:
-        """Head for the reference, or for zero when stopping, from frequency `begin` [Hz] or the present one."""
-        begin = self._frequency() if begin is None else begin
-        target = self._reference() if self._mode is _Mode.RUNNING else 0.0
-        time = self._registers[ACCEL_TIME if target > begin else DECEL_TIME] / 100
-        # a time of zero is the shortest the drive can set, 0.01 s
-        slope = max(self._registers[MAXIMUM_FREQUENCY], 1) / 100 / max(time, 0.01)
-        self._ramp = _Ramp(start=self._plant.t, begin=begin, target=target, slope=slope)
-        self._plant.command(target * self._speed_per_hz, slope * self._speed_per_hz, True)
-
-    def _reference(self) -> float:
-        return min(self._registers[REFERENCE], self._registers[MAXIMUM_FREQUENCY]) / 100
-
-    def _frequency(self) -> float:
-        return 0.0 if self._mode is _Mode.STOPPED else self._ramp.at(self._plant.t)
+    def _reference(self) -> int:
+        return min(self._registers[REFERENCE], self._registers[MAXIMUM_FREQUENCY])
 
     def _status(self) -> int:
         """Return the logic status word, page 172; forward and controlled by the network whatever happens."""
-        way = self._ramp.target - self._frequency() if self.active else 0.0
+        drive = self.drive
         bits = {
-            0: not self._fault,  # ready
-            1: self.active,
+            0: not drive.fault,  # ready
+            1: drive.active,
             2: True,  # commanded forward
             3: True,  # rotating forward
-            4: way > 0,  # accelerating
-            5: way < 0,  # decelerating
-            7: self._fault != 0,
-            8: self._mode is _Mode.RUNNING and way == 0,  # at reference
+            4: drive.way > 0,  # accelerating
+            5: drive.way < 0,  # decelerating
+            7: drive.fault != 0,
+            8: drive.running and drive.way == 0,  # at reference
             9: True,  # reference from the network
             10: True,  # commands from the network
         }

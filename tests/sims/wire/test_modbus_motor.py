@@ -1,6 +1,7 @@
-"""Byte by byte: Modbus Application Protocol V1.1b3, Modbus over Serial Line V1.02, registers as 22C-UM001J."""
+"""Byte by byte: Modbus Application Protocol V1.1b3, Modbus over Serial Line V1.02, registers as in the manuals."""
 
 import contextlib
+import socket
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,6 +10,8 @@ from typing import Any
 import pytest
 import serial
 from pymodbus.client import ModbusSerialClient
+
+from tests.sims.wire.served_inverter import served
 
 
 def crc(frame: bytes) -> bytes:
@@ -136,3 +139,85 @@ def _wait(condition: Any, seconds: float = 5.0) -> bool:
             return True
         time.sleep(0.01)
     return False
+
+
+@pytest.mark.parametrize(
+    ("profile", "request_", "answer"),
+    [
+        # Eaton MN04020003E, page 135: an ID that is not there, 2051, sent as 2050
+        ("m-max", "01 06 08 02 00 01 eb aa", "01 86 02 c3 a1"),
+        # Delta VFD-VL manual, page 4-90: the two frequencies, here of a drive at rest that was asked for 60.00 Hz
+        ("vfd-ed", "01 03 21 02 00 02 6f f7", "01 03 04 17 70 00 00 fe 5c"),
+    ],
+)
+def test_a_frame_printed_in_a_manual_is_answered_as_printed(profile: Any, request_: str, answer: str) -> None:
+    with served(profile) as drive, line(drive.table.port) as opened:
+        if profile == "vfd-ed":
+            assert ask(opened, "01 06 20 01 17 70", 8) == "01 06 20 01 17 70"
+        opened.write(bytes.fromhex(request_))
+        assert opened.read(len(bytes.fromhex(answer))).hex(" ") == answer
+
+
+def test_a_request_for_more_than_the_drive_sends_is_not_answered() -> None:
+    # Eaton MN04020003E, page 135: "with an invalid data length (for example, reading of 12 registers)" no reply, F08
+    with served("m-max") as drive, line(drive.table.port) as opened:
+        frame = bytes.fromhex("01 03 08 34 00 0c")
+        opened.write(frame + crc(frame))
+        time.sleep(0.1)
+        assert opened.in_waiting == 0
+        assert ask(opened, "01 03 08 3e 00 01", 7) == "01 03 02 00 08"  # ID 2111, sent as 2110
+
+
+def test_a_drive_in_disguise_answers_as_another() -> None:
+    with served("powerflex400", address=100) as drive, line(drive.table.port) as opened:
+        drive.disguise.answers_as = 7
+        assert ask(opened, "64 03 20 01 00 01", 7) == "07 03 02 00 00"
+        drive.disguise.answers_as = None
+        assert ask(opened, "64 03 20 01 00 01", 7) == "64 03 02 00 00"
+
+
+@contextmanager
+def connected(port: int, host: str = "127.0.0.1") -> Iterator[socket.socket]:
+    with socket.create_connection((host, port), timeout=2.0) as opened:
+        yield opened
+
+
+def ask_tcp(opened: socket.socket, request: str, size: int) -> str:
+    opened.sendall(bytes.fromhex(request))
+    answer = b""
+    while len(answer) < size:
+        part = opened.recv(size - len(answer))
+        assert part, f"got {answer.hex(' ')}"
+        answer += part
+    return answer.hex(" ")
+
+
+def test_a_drive_on_tcp_answers_with_the_transactions_number() -> None:
+    # header: transaction, protocol 0, bytes that follow, unit
+    with served("powerflex400", wire="tcp") as drive, connected(drive.table.tcp_port) as opened:
+        assert ask_tcp(opened, "12 34 00 00 00 06 01 06 20 01 07 d0", 12) == "12 34 00 00 00 06 01 06 20 01 07 d0"
+        assert ask_tcp(opened, "12 35 00 00 00 06 01 03 20 01 00 01", 11) == "12 35 00 00 00 05 01 03 02 07 d0"
+
+
+def test_another_unit_is_behind_no_such_gateway() -> None:
+    with served("powerflex400", wire="tcp") as drive, connected(drive.table.tcp_port) as opened:
+        assert ask_tcp(opened, "00 01 00 00 00 06 05 03 20 01 00 01", 9) == "00 01 00 00 00 03 05 83 0b"
+
+
+def test_a_frame_in_pieces_is_a_frame_on_tcp() -> None:
+    with served("powerflex400", wire="tcp") as drive, connected(drive.table.tcp_port) as opened:
+        opened.sendall(bytes.fromhex("00 01 00 00 00 06 01"))
+        time.sleep(0.1)
+        assert ask_tcp(opened, "03 20 01 00 01", 11) == "00 01 00 00 00 05 01 03 02 00 00"
+
+
+def test_a_drive_on_tcp_cannot_be_reached_from_another_host() -> None:
+    with served("powerflex400", wire="tcp") as drive:
+        for other in ("127.0.0.2", *_own_addresses()):  # as a packet from elsewhere would be addressed
+            with pytest.raises(OSError), connected(drive.table.tcp_port, other):
+                pass
+
+
+def _own_addresses() -> set[str]:
+    infos = socket.getaddrinfo(socket.gethostname(), None, family=socket.AF_INET)
+    return {str(info[4][0]) for info in infos} - {"127.0.0.1"}

@@ -136,10 +136,10 @@ def test_a_silent_link_makes_the_drive_do_as_its_parameter_says(
     drive.write(105, [action])
     run_up(drive, plant)
     clock.sleep(4.9)
-    drive.tick()
+    drive.drive.tick()
     assert plant.commands[-1][2] is True
     clock.sleep(0.2)
-    drive.tick()
+    drive.drive.tick()
     assert plant.commands[-1][0::2] == (0.0, powered)
     assert drive.read(8449, 1) == [81 if faulted else 0]
     assert bool(status(drive) & FAULTED) is faulted
@@ -150,7 +150,7 @@ def test_a_drive_told_to_go_on_ignores_a_silent_link(drive: PowerFlex400, plant:
     drive.write(105, [3])
     run_up(drive, plant)
     clock.sleep(100.0)
-    drive.tick()
+    drive.drive.tick()
     assert status(drive) & AT_REFERENCE
 
 
@@ -158,13 +158,13 @@ def test_every_request_keeps_the_link_alive_and_rest_needs_none(
     drive: PowerFlex400, plant: Any, clock: ManualClock
 ) -> None:
     clock.sleep(100.0)
-    drive.tick()
+    drive.drive.tick()
     assert drive.read(8449, 1) == [0]
     drive.write(106, [10])  # 1.0 s
     run_up(drive, plant)
     for _ in range(10):
         clock.sleep(0.9)
-        drive.tick()
+        drive.drive.tick()
         assert status(drive) & ACTIVE
 
 
@@ -174,7 +174,7 @@ def test_a_fault_keeps_the_drive_from_starting_until_it_is_cleared(
 ) -> None:
     run_up(drive, plant)
     clock.sleep(6.0)
-    drive.tick()
+    drive.drive.tick()
     drive.write(8192, [START])
     assert not status(drive) & ACTIVE
     drive.write(8192, [clear])
