@@ -104,6 +104,14 @@ def test_a_wrong_header_does_not_hold_up_what_follows() -> None:
     assert frames == [Stopped(1)]
 
 
+def test_a_damaged_length_does_not_hold_up_what_follows() -> None:
+    longer = bytearray(data_frame(RAMP, sequence=0, first_scan=0))
+    longer[5] = 0x60  # as if 24 kB of counts were to come
+    frames, decoder = fed(bytes(longer) + data_frame(RAMP, sequence=1, first_scan=8))
+    assert [f.sequence for f in frames] == [1]
+    assert (decoder.bad_frames, decoder.skipped_bytes, decoder.pending) == (1, len(longer), 0)
+
+
 def test_memory_stays_below_two_frames_whatever_comes() -> None:
     decoder = FrameDecoder()
     bait = b"\xa5\x5a\x01\x00\xff\xff"  # an INFO of 65535 bytes that never ends well
@@ -154,6 +162,7 @@ def test_info_is_read() -> None:
         ({"volts_per_count": [1e-3] * 4}, "want 5 numbers"),
         ({"volts_per_count": [1e-3] * 4 + [0]}, "want 5 numbers"),
         ({"volts_per_count": [1e-3] * 4 + [None]}, "want 5 numbers"),
+        ({"simulated": 1}, "INFO.simulated: got 1, want true or false"),
         ({"full_scale_counts": 1 << 24}, "INFO.full_scale_counts: got 16777216, want 1 to 8388608"),
     ],
 )

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.description import RigConfig
+from rotorrig.rig.devices import CriticalBand
 from rotorrig.rig.errors import LimitExceeded
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.motor.base import MotorState
@@ -185,3 +186,52 @@ def test_without_limits_and_keyphasor_only_the_drive_is_watched(rk4: RigConfig, 
 
 def test_an_empty_block_is_no_reason_to_trip(rk4: RigConfig, info: DaqInfo) -> None:
     Interlock(rk4, info).check(Block(counts=np.empty((0, 5), np.int32), first_sample=0, t_ns=0))
+
+
+def limited(rig: RigConfig, **limits: object) -> RigConfig:
+    assert rig.limits
+    return rig.model_copy(update={"limits": rig.limits.model_copy(update=limits)})
+
+
+def test_a_probe_may_have_a_limit_of_its_own(rk4: RigConfig, info: DaqInfo) -> None:
+    own = limited(rk4, probes={"1y": 200e-6})
+    quiet, loud = np.zeros(len(T)), 300e-6 * np.sin(2 * np.pi * 20 * T)
+    watch(Interlock(own, info), block(pulse_volts(20 * T), loud))
+    assert trip(Interlock(own, info), block(pulse_volts(20 * T), quiet, loud)).endswith("limit 200 um")
+
+
+BAND = CriticalBand.model_construct(low=2000 * RPM, high=2400 * RPM, vibration=1100e-6, probes={})
+
+
+def test_inside_a_critical_band_its_own_limit_counts(rk4: RigConfig, info: DaqInfo) -> None:
+    banded = limited(rk4, critical_bands=(BAND,))
+    inside = Interlock(banded, info)
+    watch(inside, vibrating(500e-6, 2231))  # until the speed is known
+    louder = replace(vibrating(1000e-6, 2231), first_sample=20_000)
+    watch(inside, louder)
+    outside = Interlock(banded, info)
+    watch(outside, vibrating(500e-6, 2531))
+    with pytest.raises(LimitExceeded, match=r"^probe 1x: 100\d um at \d+ rpm, limit 900 um$"):
+        watch(outside, replace(vibrating(1000e-6, 2531), first_sample=20_000))
+
+
+def test_a_band_may_be_stricter_for_one_probe_and_is_named(rk4: RigConfig, info: DaqInfo) -> None:
+    strict = limited(rk4, critical_bands=(BAND.model_copy(update={"probes": {"1x": 400e-6}}),))
+    interlock = Interlock(strict, info)
+    watch(interlock, vibrating(300e-6, 2231))
+    with pytest.raises(LimitExceeded, match=r"limit 400 um in the critical band 2000-2400 rpm$"):
+        watch(interlock, replace(vibrating(500e-6, 2231), first_sample=20_000))
+
+
+def test_an_unknown_speed_is_in_no_band(rk4: RigConfig, info: DaqInfo) -> None:
+    assert trip(Interlock(limited(rk4, critical_bands=(BAND,)), info), vibrating(1000e-6, 2231)).endswith(
+        "limit 900 um"
+    )
+
+
+def test_a_rotor_that_is_being_stopped_is_followed_and_no_longer_judged(rk4: RigConfig, info: DaqInfo) -> None:
+    interlock = Interlock(rk4, info)
+    for piece in cut(vibrating(1000e-6, 2231), EVERY_20_MS):
+        interlock.follow(piece)
+    assert interlock.keyphasor
+    assert interlock.keyphasor.speed / RPM == pytest.approx(2231, rel=1e-3)

@@ -106,11 +106,24 @@ def test_no_period_is_measured_across_a_gap(rk4: RigConfig, info: DaqInfo) -> No
     assert keyphasor.steady_speed == pytest.approx(2 * math.pi * 20, rel=1e-5)
 
 
-def test_right_after_a_gap_the_speed_is_unknown(rk4: RigConfig, info: DaqInfo) -> None:
+def test_right_after_a_gap_the_speed_is_that_of_before_it(rk4: RigConfig, info: DaqInfo) -> None:
+    """A rotor that seemed to stand would end a coast-down at once, and take a critical band's limits from it."""
     before, _, after = cut(block(pulse_volts(20.0 * T)), [8_100, 19_900])
     _, keyphasor = edges_of(rk4, info, [before, after])
-    assert keyphasor.speed == 0.0
+    assert keyphasor.speed == keyphasor.steady_speed == pytest.approx(2 * math.pi * 20, rel=1e-5)
     assert keyphasor.age == pytest.approx(0.01)
+
+
+def test_a_shaft_that_stands_after_a_gap_is_seen_to(rk4: RigConfig, info: DaqInfo) -> None:
+    before, _, still = cut(block(pulse_volts(np.minimum(20.0 * T, 16.5))), [8_100, 8_400])
+    _, keyphasor = edges_of(rk4, info, [before, still])
+    assert keyphasor.steady_speed == pytest.approx(2 * math.pi / keyphasor.age)
+
+
+def test_a_gap_before_the_first_turn_leaves_the_speed_unknown(rk4: RigConfig, info: DaqInfo) -> None:
+    before, _, after = cut(block(pulse_volts(20.0 * T)), [100, 19_900])
+    _, keyphasor = edges_of(rk4, info, [before, after])
+    assert keyphasor.speed == 0.0
 
 
 def test_an_empty_block_changes_nothing(rk4: RigConfig, info: DaqInfo) -> None:

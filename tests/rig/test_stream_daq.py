@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.errors import ConfigError, LinkLost
-from rotorrig.rig.probes import stream_daq
+from rotorrig.rig.probes import frame_port, stream_daq
+from rotorrig.rig.probes.base import DaqCounters
 from rotorrig.rig.probes.stream_daq import StreamDaq
 from tests.rig.wire_fakes import Board, data_frame, error_frame, info_frame, stopped_frame, wait_for
 
@@ -39,7 +40,7 @@ def test_blocks_carry_counts_and_their_time(board: Board, daq: StreamDaq) -> Non
     assert [b.t_ns for b in blocks] == [0, 20_000_000, 40_000_000, 60_000_000, 80_000_000, 100_000_000]
     for k, block in enumerate(blocks):
         np.testing.assert_array_equal(block.counts, COUNTS + k)
-    assert daq.counters == stream_daq.StreamCounters(blocks=6)
+    assert daq.counters == DaqCounters(blocks=6, samples=1200, saturated=(0,) * 5)
 
 
 def test_time_is_rounded_from_the_scan_index_at_odd_rates(board: Board) -> None:
@@ -58,7 +59,7 @@ def test_a_lost_frame_is_a_gap_that_is_seen_and_counted(board: Board, daq: Strea
     daq.start()
     assert [daq.read().first_sample for _ in range(3)] == [0, 200, 800]
     counted = daq.counters
-    assert (counted.gaps, counted.lost_scans, counted.lost_frames, counted.overruns) == (1, 400, 2, 0)
+    assert (counted.gaps, counted.lost_samples, counted.lost_frames, counted.overruns) == (1, 400, 2, 0)
 
 
 def test_a_damaged_frame_is_a_gap_and_a_bad_frame(board: Board, daq: StreamDaq) -> None:
@@ -68,8 +69,8 @@ def test_a_damaged_frame_is_a_gap_and_a_bad_frame(board: Board, daq: StreamDaq) 
     daq.start()
     assert [daq.read().first_sample for _ in range(2)] == [0, 400]
     counted = daq.counters
-    assert (counted.bad_frames, counted.gaps, counted.lost_scans) == (1, 1, 200)
-    assert counted.skipped_bytes == len(damaged)
+    assert (counted.damaged_frames, counted.gaps, counted.lost_samples) == (1, 1, 200)
+    assert counted.stray_bytes == len(damaged)
 
 
 def test_an_overrun_is_told_with_its_block(board: Board, daq: StreamDaq) -> None:
@@ -78,14 +79,71 @@ def test_an_overrun_is_told_with_its_block(board: Board, daq: StreamDaq) -> None
     daq.start()
     assert not daq.read().overrun
     assert daq.read().overrun
-    assert (daq.counters.overruns, daq.counters.lost_scans, daq.counters.lost_frames) == (1, 4800, 0)
+    assert (daq.counters.overruns, daq.counters.lost_samples, daq.counters.lost_frames) == (1, 4800, 0)
+
+
+def test_a_frame_that_comes_twice_is_dropped_once_and_counted(board: Board, daq: StreamDaq) -> None:
+    board.frames = iter([FRAMES[0], FRAMES[0], FRAMES[1], FRAMES[2], FRAMES[1], FRAMES[3]])
+    daq.open()
+    daq.start()
+    assert [daq.read().first_sample for _ in range(4)] == [0, 200, 400, 600]
+    assert daq.counters == DaqCounters(blocks=4, samples=800, repeated_frames=2, saturated=(0,) * 5)
+
+
+def test_a_frame_out_of_order_leaves_its_gap_and_is_counted(board: Board, daq: StreamDaq) -> None:
+    board.frames = iter([FRAMES[0], FRAMES[2], FRAMES[1], FRAMES[3]])
+    daq.open()
+    daq.start()
+    assert [daq.read().first_sample for _ in range(3)] == [0, 400, 600]
+    counted = daq.counters
+    assert (counted.gaps, counted.lost_samples, counted.late_frames, counted.repeated_frames) == (1, 200, 1, 0)
+
+
+def test_samples_at_the_ends_of_the_range_are_counted_per_channel(board: Board, daq: StreamDaq) -> None:
+    counts = COUNTS.copy()
+    counts[3:10, 1] = 32767
+    counts[0, 4] = -32768
+    board.frames = iter([FRAMES[0], data_frame(counts, sequence=1, first_scan=200)])
+    daq.open()
+    daq.start()
+    daq.read()
+    np.testing.assert_array_equal(daq.read().counts, counts)
+    assert daq.counters.saturated == (0, 7, 0, 0, 1)
+
+
+def test_counters_stay_when_the_daq_is_closed(board: Board, daq: StreamDaq) -> None:
+    assert daq.counters == DaqCounters()
+    board.frames = iter(FRAMES[:1])
+    daq.open()
+    daq.start()
+    daq.read()
+    daq.close()
+    assert daq.counters.samples == 200
+
+
+def test_what_was_on_the_wire_before_the_start_is_not_counted(board: Board, daq: StreamDaq) -> None:
+    board.before_info = b"boot v1.2 \xa5\x5a\x02" + FRAMES[3][5:]
+    board.frames = iter(FRAMES[:1])
+    daq.open()
+    daq.start()
+    daq.read()
+    assert (daq.counters.stray_bytes, daq.counters.damaged_frames) == (0, 0)
+
+
+def test_broken_counters_of_a_board_are_said(board: Board, daq: StreamDaq) -> None:
+    board.frames = iter([FRAMES[0], data_frame(COUNTS, sequence=1, first_scan=1 << 60)])
+    daq.open()
+    daq.start()
+    daq.read()
+    with pytest.raises(LinkLost, match=r"counters are broken: scan 1152921504606846976 in frame 1 after scan 199"):
+        daq.read()
 
 
 def test_the_sequence_number_may_wrap(board: Board, daq: StreamDaq) -> None:
     board.frames = iter([data_frame(COUNTS, sequence=s, first_scan=200 * k) for k, s in enumerate([2**32 - 1, 0])])
     daq.open()
     daq.start()
-    daq._next_sequence = 2**32 - 1  # as after 2.7 years of 20 ms frames
+    daq._sequence._next_sequence = 2**32 - 1  # as after 2.7 years of 20 ms frames
     daq.read()
     daq.read()
     assert daq.counters.lost_frames == 0
@@ -253,6 +311,13 @@ def test_a_board_that_stops_by_itself_is_noticed(board: Board, daq: StreamDaq) -
         daq.read()
 
 
+def test_a_stop_confirmed_twice_does_not_end_the_next_stream(board: Board, daq: StreamDaq) -> None:
+    board.frames = iter([stopped_frame(7), FRAMES[0]])
+    daq.open()
+    daq.start()
+    assert daq.read().first_sample == 0
+
+
 def test_other_channels_than_announced_are_refused(board: Board, daq: StreamDaq) -> None:
     board.frames = iter([data_frame(COUNTS[:, :4], sequence=0, first_scan=0)])
     daq.open()
@@ -273,7 +338,7 @@ def test_a_stop_that_is_not_confirmed_is_said(board: Board, daq: StreamDaq, monk
 def test_the_beginning_of_a_frame_that_never_ends_does_not_hide_the_next(
     board: Board, daq: StreamDaq, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(stream_daq, "PAUSE_SECONDS", 0.1)
+    monkeypatch.setattr(frame_port, "PAUSE_SECONDS", 0.1)
     board.before_info = b"\xa5\x5a\x01\x00\xff\xff"  # an INFO of 65535 bytes
     assert daq.open().model == "board"
 

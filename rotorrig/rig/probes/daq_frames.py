@@ -1,8 +1,8 @@
 """The bytes of the framed serial DAQ, protocol 1 (docs/daq-stream.md): pure, bytes in, frames out."""
 
 import json
-import math
 import struct
+import sys
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -89,19 +89,14 @@ class FrameDecoder:
         """Take more bytes; return the frames completed by them."""
         self._buffer += data
         frames: list[Frame] = []
-        at = 0
-        while True:
-            at = self._next_sync(at)
-            size = _frame_size(self._buffer, at)
-            if size is None:
-                break
-            frame = self._decode(bytes(self._buffer[at : at + size])) if size else None
+        at = self._next_sync(0)
+        while found := self._frame_at(at):
+            frame, size = found
             if frame is None:
-                self.skipped_bytes += 1
-                at += 1
+                self.skipped_bytes += size
             else:
                 frames.append(frame)
-                at += size
+            at = self._next_sync(at + size)
         del self._buffer[:at]
         return frames
 
@@ -114,21 +109,24 @@ class FrameDecoder:
         del self._buffer[:1]
         return self.feed(b"")
 
+    def _frame_at(self, at: int) -> tuple[Frame | None, int] | None:
+        """Return the frame that begins there and its length, or no frame and a byte to skip; None: more is needed."""
+        try:
+            size = _frame_size(self._buffer, at)
+            if size:
+                return decode(bytes(self._buffer[at : at + size])), size
+            return None if size is None else (None, 1)
+        except BadFrame as error:
+            self.bad_frames += 1
+            self.last_fault = error
+            return None, 1
+
     def _next_sync(self, at: int) -> int:
         found = self._buffer.find(_SYNC, at)
         if found < 0:  # keep a first half of the sync at the end
             found = len(self._buffer) - self._buffer.endswith(_SYNC[:1], at)
         self.skipped_bytes += found - at
         return found
-
-    def _decode(self, frame: bytes) -> Frame | None:
-        """Return the frame, or None for a bad one, which is counted."""
-        try:
-            return decode(frame)
-        except BadFrame as error:
-            self.bad_frames += 1
-            self.last_fault = error
-            return None
 
 
 def decode(frame: bytes) -> Frame:
@@ -168,21 +166,26 @@ def daq_info(payload: bytes) -> DaqInfo:
             map(float, _field(said, "volts_per_count", lambda v: _are_scales(v, channels), f"{channels} numbers"))
         ),
         full_scale_counts=_field(said, "full_scale_counts", lambda v: _is_count(v, 1 << 23), "1 to 8388608"),
+        simulated=_flag(said, "simulated"),
     )
 
 
 def _frame_size(buffer: bytearray, at: int) -> int | None:
     """Return the bytes of the frame at `at`; 0 if no frame begins like this, None if more bytes are needed.
 
-    Judging the header at once keeps a false sync from holding up what follows for as much as 64 KiB.
+    Judging the header at once keeps a false sync, or a damaged length, from holding up what follows for as much as
+    64 KiB: half a second of 5 channels at 10 kHz. Raises BadFrame where a DATA frame's length is not its counts'.
     """
-    if len(buffer) - at < _HEADER.size:
+    there = len(buffer) - at
+    if there < _HEADER.size:
         return None
     _, kind, flags, length = _HEADER.unpack_from(buffer, at)
     match kind:
         case Kind.DATA:
             counts_bytes = length - _DATA.size
             fits = flags in (0, _OVERRUN) and counts_bytes >= 0 and counts_bytes % _BYTES_PER_COUNT == 0
+            if fits and there >= _HEADER.size + _DATA.size:
+                _check_counts(bytes(buffer[at + _HEADER.size : at + _HEADER.size + _DATA.size]), counts_bytes)
         case Kind.STOPPED:
             fits = flags == 0 and length == _SCANS.size
         case _:
@@ -190,17 +193,23 @@ def _frame_size(buffer: bytearray, at: int) -> int | None:
     if not fits:
         return 0
     size = _HEADER.size + length + _CRC.size
-    return size if len(buffer) - at >= size else None
+    return size if there >= size else None
+
+
+def _check_counts(head: bytes, counts_bytes: int) -> None:
+    """Raise BadFrame unless so many bytes are the counts a DATA payload announces at its beginning."""
+    _, _, scans, channels = _DATA.unpack_from(head)
+    if counts_bytes != scans * channels * _BYTES_PER_COUNT:
+        raise BadFrame(
+            f"DATA {_hex(head)}: got {counts_bytes} bytes of counts, "
+            f"want {scans * channels * _BYTES_PER_COUNT} for {scans} scans of {channels} channels"
+        )
 
 
 def _data(payload: bytes, *, overrun: bool) -> Data:
     sequence, first_scan, scans, channels = _DATA.unpack_from(payload)
+    _check_counts(payload, len(payload) - _DATA.size)
     n = scans * channels
-    if len(payload) - _DATA.size != n * _BYTES_PER_COUNT:
-        raise BadFrame(
-            f"DATA {_hex(payload)}: got {len(payload) - _DATA.size} bytes of counts, "
-            f"want {n * _BYTES_PER_COUNT} for {scans} scans of {channels} channels"
-        )
     # each count is read as 32 bits beginning one byte early (in the header, for the first) and shifted down: sign
     # extension of the whole frame in one pass, without a copy
     early = np.ndarray(n, "<i4", payload, offset=_DATA.size - 1, strides=(_BYTES_PER_COUNT,))
@@ -216,12 +225,19 @@ def _field(said: dict[str, Any], name: str, good: Callable[[Any], bool], want: s
     return said[name]
 
 
+def _flag(said: dict[str, Any], name: str) -> bool:
+    """Return a field that may be missing."""
+    if not isinstance(value := said.get(name, False), bool):
+        raise BadFrame(f"INFO.{name}: got {value!r:.60}, want true or false")
+    return value
+
+
 def _is_count(value: object, most: int) -> bool:
     return isinstance(value, int) and 1 <= value <= most
 
 
 def _is_finite(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
 def _are_scales(values: object, channels: int) -> bool:

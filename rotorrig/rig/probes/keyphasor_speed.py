@@ -42,6 +42,7 @@ class KeyphasorSpeed:
         self._last_value: float | None = None  # the sample before the next block
         self._armed = False
         self._edges: deque[float] = deque(maxlen=MEDIAN_TURNS + 1)  # in samples, of the stretch without gaps
+        self._period_before = math.inf  # s, of the last turns before the last gap; infinite: not known
 
     @property
     def age(self) -> float:
@@ -55,7 +56,10 @@ class KeyphasorSpeed:
 
     @property
     def speed(self) -> float:
-        """Speed [rad/s] over the last turn, or what the wait for the next edge still allows; 0 before two edges."""
+        """Speed [rad/s] over the last turn, or what the wait for the next edge still allows; 0 before two edges.
+
+        After a gap it is that of before the gap until there have been two edges.
+        """
         return self._over(1)
 
     @property
@@ -79,13 +83,17 @@ class KeyphasorSpeed:
         return edges
 
     def _over(self, turns: int) -> float:
+        return 2 * math.pi / max(self._period(turns), self.age)
+
+    def _period(self, turns: int) -> float:
+        """Return the median time of the last turns [s]."""
         if len(self._edges) < 2:
-            return 0.0
-        period = float(np.median(np.diff(self._edges)[-turns:])) / self._rate
-        return 2 * math.pi / max(period, self.age)
+            return self._period_before
+        return float(np.median(np.diff(self._edges)[-turns:])) / self._rate
 
     def _forget(self, first_sample: int) -> None:
-        """Start afresh after a gap: a period across it would be a guess. The levels are still good."""
+        """Start afresh after a gap: a period across it would be a guess. Levels and speed are still good."""
+        self._period_before = self._period(MEDIAN_TURNS)
         self._edges.clear()
         self._armed = False
         self._last_value = None

@@ -7,7 +7,6 @@ reports in STOPPED all scans it framed since START, lost and dropped ones includ
 
 import asyncio
 import json
-import math
 import struct
 import zlib
 from collections import deque
@@ -16,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.sims.wire.plant_port import Plant
-from rotorrig.sims.wire.pty_bridge import Pty
+from rotorrig.sims.wire.pty_bridge import Cable
 
 FRAME_TIME = 0.02  # s of samples in a DATA frame
 FIFO_TIME = 1.0  # s of samples a board that cannot wait keeps for its reader
+PATIENCE = 0.5  # s of wall time for which a board that can wait does: a drive that is braking must not hold for longer
+BACKLOG = 64_000_000  # bytes it keeps for a reader that takes none meanwhile
 MODEL = "rotorrig simulated DAQ"
 
 _SYNC = b"\xa5\x5a"
@@ -34,15 +35,20 @@ _WANTED = "want ID?, START or STOP"
 class Firmware:
     """The board without its port: hears bytes, takes samples, fills `outbox` with frames.
 
-    With `waits` it asks for no samples before its reader has taken the last frame (see `room`); without, it keeps a
-    second of them and loses what comes after, as a board with a real ADC does.
+    Without `waits` it keeps a second of samples for its reader and loses what comes after, as a board with a real ADC
+    does. With it, it asks for none before its reader has taken the last frame (see `room`); from one who takes nothing
+    for `PATIENCE` it goes on, and keeps `BACKLOG`.
     """
 
     def __init__(self, plant: Plant, *, serial: str, waits: bool) -> None:
         self._plant, self._serial, self._waits = plant, serial, waits
         fit = (_LONGEST_PAYLOAD - _DATA_HEAD.size) // (3 * plant.channels)
         self._frame_scans = min(fit, max(1, round(FRAME_TIME * plant.sample_rate)))
-        self._fifo_frames = math.inf if waits else FIFO_TIME * plant.sample_rate / self._frame_scans
+        kept = BACKLOG / (3 * plant.channels) if waits else FIFO_TIME * plant.sample_rate  # scans
+        self._fifo_frames = kept / self._frame_scans
+        self._deserted = False  # its reader has taken nothing for `PATIENCE`
+        self.overrunning = False  # a script's: all samples are lost
+        self.lost = 0  # scans, by overruns of either kind
         self._line = b""
         self.outbox: deque[bytes] = deque()
         self._scans: NDArray[np.int32]  # (sample, channel) not yet framed
@@ -70,13 +76,18 @@ class Firmware:
 
     async def room(self) -> None:
         """Return when samples are welcome: at once, or with `waits` when the last frame is on its way."""
-        while self._waits and self.streaming and self.outbox:
-            await self._change()
+        while self._waits and self.streaming and self.outbox and not self._deserted:
+            try:
+                async with asyncio.timeout(PATIENCE):
+                    await self._change()
+            except TimeoutError:
+                self._deserted = True
 
     async def next_frame(self) -> bytes:
         """Wait for the next frame to send and take it out of the outbox."""
         while not self.outbox:
             await self._change()
+        self._deserted = False
         self._changed.set()
         return self.outbox.popleft()
 
@@ -103,13 +114,14 @@ class Firmware:
         self._scans = np.empty((0, self._plant.channels), dtype=np.int32)
 
     def _emit(self, scans: NDArray[np.int32]) -> None:
-        if len(self.outbox) < self._fifo_frames:
+        if not self.overrunning and len(self.outbox) < self._fifo_frames:
             head = _DATA_HEAD.pack(self._sequence, self._index, *scans.shape)
             self._send(frame(_DATA, head + int24(scans), flags=_OVERRUN if self._lost else 0))
             self._sequence = (self._sequence + 1) % 2**32
             self._lost = False
         else:
             self._lost = True
+            self.lost += len(scans)
         self._index += len(scans)
 
     def _info(self) -> bytes:
@@ -122,6 +134,7 @@ class Firmware:
                 "channels": self._plant.channels,
                 "volts_per_count": list(self._plant.volts_per_count),
                 "full_scale_counts": self._plant.full_scale_counts,
+                "simulated": True,
             }
         ).encode()
 
@@ -138,19 +151,18 @@ class Firmware:
         await self._changed.wait()
 
 
-async def serve(firmware: Firmware, pty: Pty) -> None:
+async def serve(firmware: Firmware, cable: Cable) -> None:
     """Connect the board to its port, until cancelled."""
 
-    async def listen() -> None:
-        while True:
-            firmware.hear(await pty.read())
+    async def hear(data: bytes) -> None:
+        firmware.hear(data)
 
     async def talk() -> None:
         while True:
-            await pty.write(await firmware.next_frame())
+            await cable.write(await firmware.next_frame())
 
     async with asyncio.TaskGroup() as tasks:
-        tasks.create_task(listen())
+        tasks.create_task(cable.run(hear))
         tasks.create_task(talk())
 
 

@@ -94,6 +94,7 @@ def test_the_board_says_what_it_is(emulating: Any) -> None:
         "channels": 3,
         "volts_per_count": [0.001, 0.002, 0.5],
         "full_scale_counts": 32768,
+        "simulated": True,
     }
 
 

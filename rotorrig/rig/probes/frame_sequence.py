@@ -1,0 +1,67 @@
+"""Are the DATA frames of a stream DAQ in their order? Repeated and late ones are told from a device that restarted."""
+
+from collections import deque
+from enum import Enum
+
+from rotorrig.rig.errors import LinkLost
+from rotorrig.rig.probes.daq_frames import Data
+
+SEQUENCES = 1 << 32
+BEHIND = 32  # a frame up to so many behind the newest is an old one come again; further back the device has restarted
+STALE_IN_A_ROW = 8  # ... and so has one that sends so many of them and nothing else
+LONGEST_GAP = 3600.0  # s; a jump beyond is no gap but a broken counter
+
+
+class Place(Enum):
+    """Where a frame belongs."""
+
+    NEXT = "next"  # after what came so far, perhaps with a gap before it
+    REPEATED = "repeated"  # its samples came before
+    LATE = "late"  # its samples were missing, and later ones came before it
+
+
+class FrameSequence:
+    """The order of one stream, from START on."""
+
+    def __init__(self, *, sample_rate: float) -> None:
+        self._longest_gap = round(LONGEST_GAP * sample_rate)
+        self._next_sequence = 0
+        self._next_scan = 0
+        self._missed: deque[int] = deque(maxlen=BEHIND)  # sequence numbers of frames not come
+        self._last: Data | None = None
+        self._stale = 0  # in a row
+
+    def place(self, frame: Data) -> tuple[Place, int]:
+        """Return where the frame belongs and how many frames are missing before it, if it is the next.
+
+        Raises LinkLost if no sound stream could go on like this: the device restarted, or its counters are broken.
+        """
+        behind = (self._next_sequence - frame.sequence) % SEQUENCES
+        if frame.first_scan < self._next_scan:
+            return self._old(frame, behind), 0
+        missing = (frame.sequence - self._next_sequence) % SEQUENCES
+        jump = frame.first_scan - self._next_scan
+        if missing > SEQUENCES // 2 or jump > self._longest_gap:
+            raise LinkLost(
+                f"the DAQ's counters are broken: scan {frame.first_scan} in frame {frame.sequence} "
+                f"after scan {self._next_scan - 1} in frame {(self._next_sequence - 1) % SEQUENCES}"
+            )
+        self._missed.extend((self._next_sequence + k) % SEQUENCES for k in range(max(0, missing - BEHIND), missing))
+        self._next_sequence = (frame.sequence + 1) % SEQUENCES
+        self._next_scan = frame.first_scan + len(frame.counts)
+        self._last, self._stale = frame, 0
+        return Place.NEXT, missing
+
+    def _old(self, frame: Data, behind: int) -> Place:
+        self._stale += 1
+        if frame.sequence in self._missed:
+            self._missed.remove(frame.sequence)
+            return Place.LATE
+        first_of_a_stream = frame.first_scan == 0 and not self._is_the_last_one(frame)
+        if first_of_a_stream or not 0 < behind <= BEHIND or self._stale > STALE_IN_A_ROW:
+            raise LinkLost(f"the DAQ went back to scan {frame.first_scan} after {self._next_scan}; has it restarted?")
+        return Place.REPEATED
+
+    def _is_the_last_one(self, frame: Data) -> bool:
+        last = self._last
+        return last is not None and last.sequence == frame.sequence and (last.counts == frame.counts).all()
