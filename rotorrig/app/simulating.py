@@ -1,6 +1,7 @@
 """The simulated rig that stands in for a real one: for a sweep, or until Ctrl-C for another terminal."""
 
 import cmath
+import json
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
@@ -14,6 +15,8 @@ from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.trial_mass import read_trial_mass, trial_unbalance
 from rotorrig.sims.plant.faults.base import check
 from rotorrig.sims.plant.truth import FaultSpec, Truth, draw, seal, unseal
+from rotorrig.sims.wire.console import Said
+from rotorrig.sims.wire.faults import read_script
 from rotorrig.sims.wire.launch import BenchPorts, simulated_bench
 
 
@@ -24,19 +27,35 @@ class StandIn:
     seed: int
     hidden: Path | None = None  # a sealed truth; else one is drawn from the seed
     rate: float = 20.0  # simulated seconds per second, at the most
+    faults: Path | None = None  # a script of what goes wrong, docs/simulated-rig.md
 
 
-def stand_in(rig: RigConfig, *, seed: int, hidden: Path | None, rate: float) -> None:
-    """Run the simulated rig and say where it is, in the config's own words. Returns at Ctrl-C."""
-    with simulated(rig, StandIn(seed=seed, hidden=hidden, rate=rate)) as ports:
-        out.print(f'\\[motor] port = "{ports.motor_port}"', highlight=False)
-        out.print(f'\\[daq]   port = "{ports.daq_port}"', highlight=False)
+def stand_in(rig: RigConfig, simulation: StandIn) -> None:
+    """Run the simulated rig and say where it is, in the config's own words, and which faults come and go.
+
+    Returns at Ctrl-C.
+    """
+    with simulated(rig, simulation) as ports:
+        for table, keys in (("motor", ports.motor), ("daq", {"driver": "stream"} | ports.daq)):
+            for key, value in keys.items():
+                out.print(f"\\[{table}] {key} = {json.dumps(value)}", highlight=False)
         out.print("Put these into a copy of the config and sweep it from another terminal; Ctrl-C ends the rig.")
+        shown = 0
         try:
             while True:
-                time.sleep(1.0)
+                said = ports.console.said
+                for line in said[shown:]:
+                    _show(line)
+                shown = len(said)
+                time.sleep(0.2)
         except KeyboardInterrupt:
             out.print("ended")
+
+
+def _show(said: Said) -> None:
+    """Print what became of a fault."""
+    if "fault" in said:
+        out.print(f"{said['t']:.1f} s: {said['kind']} on {said['on']} {said['event']}", highlight=False)
 
 
 @contextmanager
@@ -44,12 +63,17 @@ def simulated(rig: RigConfig, stand_in: StandIn, *, trial: Sequence[str] = ()) -
     """Run the simulated rig while the block does, with the trial masses on.
 
     It has the config's effects by faults of its own of the same names, unless a sealed truth says what it has.
-    Raises ConfigError if it has none for one of them, DataError for a trial mass that is not on a disk.
+    Raises ConfigError if it has none for one of them or for a script of faults that cannot be played, DataError for a
+    trial mass that is not on a disk.
     """
+    if stand_in.faults:
+        read_script(stand_in.faults)  # so that its error is the sentence alone
     with tempfile.TemporaryDirectory(prefix="rotorrig-truth-") as scratch:
         hidden = Path(scratch) / "truth.json"
         seal(truth_of(rig, stand_in, trial=trial), hidden)
-        with simulated_bench(rig.text, seed=stand_in.seed, hidden=hidden, rate=stand_in.rate) as ports:
+        with simulated_bench(
+            rig.text, seed=stand_in.seed, hidden=hidden, rate=stand_in.rate, faults=stand_in.faults
+        ) as ports:
             yield ports
 
 

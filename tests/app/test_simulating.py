@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.app.simulating import StandIn, faults_of, truth_of
+from rotorrig.app.simulating import StandIn, faults_of, simulated, truth_of
 from rotorrig.rig.description import RigConfig, parse
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.extended_config import extended_by
@@ -56,3 +56,18 @@ def test_a_trial_mass_on_a_plane_is_refused_by_the_plant_in_one_sentence(rig: Ri
     ringed = parse(rig.text + '\n[[planes]]\nname = "ring"\nposition = "400 mm"\n', where="ringed")
     with pytest.raises(DataError, match="trial mass on 'ring'"):
         truth_of(ringed, StandIn(seed=5), trial=["ring: 12 g mm at 90 deg"])
+
+
+def test_a_script_of_faults_that_is_none_is_said_before_anything_starts(rig: RigConfig, tmp_path: Path) -> None:
+    script = tmp_path / "script.json"
+    script.write_text('[{"kind": "disconect", "on": "daq"}]')
+    said = rf"^{script}: faults\[0\]\.kind: got 'disconect', did you mean 'disconnect'$"
+    with pytest.raises(ConfigError, match=said), simulated(rig, StandIn(seed=5, faults=script)):
+        pass
+
+
+def test_a_script_of_faults_is_played_on_the_simulated_rig(rig: RigConfig, tmp_path: Path) -> None:
+    script = tmp_path / "script.json"
+    script.write_text('[{"kind": "silent", "on": "motor"}]')
+    with simulated(rig, StandIn(seed=5, faults=script)) as ports:
+        assert ports.console.wait_for(lambda line: "fault" in line, timeout=10)["kind"] == "silent"

@@ -291,7 +291,7 @@ def _draw_unbalance(rig: RigConfig, disk: Disk, seed: int) -> UnbalanceTruth:
     if disk.unbalance:
         expected = disk.unbalance.amount
     else:
-        fastest = rig.motor.max_speed if rig.motor else max((p.end for p in rig.plans.values()), default=377.0)
+        fastest = rig.motor.max_speed if rig.motor else max((p.fastest for p in rig.plans.values()), default=377.0)
         expected = disk.mass * BALANCE_QUALITY / fastest
     return UnbalanceTruth(
         disk=disk.name,

@@ -1,10 +1,13 @@
 """A simulated rig behind real wires, as a program of its own.
 
-`python -m rotorrig.sims.wire.bench CONFIG.toml [--seed N] [--hidden SEALED.json] [--rate X]`
+`python -m rotorrig.sims.wire.bench CONFIG.toml [--seed N] [--hidden SEALED.json] [--rate X] [--faults SCRIPT.json]
+[--wire FILE]`
 
-Opens two ttys, a Modbus RTU drive and a framed serial DAQ in front of one plant, prints one JSON line with their
-paths when both are ready, and runs until SIGINT, SIGTERM or the end of its standard input: holding the other end of
-that pipe is what keeps it alive, so it cannot outlive its parent. The truth behind the wires is never printed.
+Emulates the config's motor controller and a framed serial DAQ in front of one plant. When both are ready it prints one
+JSON line that says where they are; after that, in JSON lines, the rotor's true speed and what became of scripted faults
+(docs/simulated-rig.md). It runs until SIGINT, SIGTERM or the end of its standard input: holding the other end of that
+pipe is what keeps it alive, so it cannot outlive its parent. Each line of that input is a script of faults to play from
+then on, answered by the speed, or by why it was refused. What else the truth behind the wires is, is never printed.
 """
 
 import argparse
@@ -14,16 +17,24 @@ import json
 import math
 import os
 import secrets
+import select
 import signal
 import sys
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
 from pathlib import Path
+from typing import Any
 
-from rotorrig.rig.description import Motor, RigConfig, load
+from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.devices import Motor
 from rotorrig.rig.errors import ConfigError, RigError
 from rotorrig.sims.plant import truth
 from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.wire.emulation import emulate
+from rotorrig.sims.wire.emulation import Emulation, emulating
+from rotorrig.sims.wire.faults import Script, parse_script, read_script
 from rotorrig.sims.wire.simulated_time import DEFAULT_RATE
+
+_LONGEST_SENTENCE = 500  # characters
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -31,22 +42,45 @@ def main(argv: list[str] | None = None) -> int:
     given = _parser().parse_args(argv)
     code = 0
     try:
+        script = read_script(given.faults) if given.faults else Script()
         rig = load(given.config)
         motor = _motor(rig, given.config)
         plant, seed = _plant(rig, given)
-
-        def announce(motor_port: str, daq_port: str) -> None:
-            _say({"motor_port": motor_port, "daq_port": daq_port, "seed": seed})
-
-        async def run() -> None:
-            end = _end_of_run()
-            await emulate(motor, plant, serial=f"SIM-{rig.hash[:8]}", rate=given.rate, announce=announce, end=end)
-
-        asyncio.run(run())
+        emulation = emulating(
+            motor,
+            plant,
+            serial=f"SIM-{rig.hash[:8]}",
+            rate=given.rate,
+            keyphasor=rig.keyphasor.channel if rig.keyphasor else None,
+            report=_say,
+            wire=given.wire,
+        )
+        asyncio.run(_run(emulation, script, seed))
     except* RigError as faults:
         print(_first(faults), file=sys.stderr)
         code = 2
     return code
+
+
+async def _run(emulation: AbstractAsyncContextManager[Emulation], script: Script, seed: int | None) -> None:
+    """Serve until told to end."""
+    async with emulation as wires:
+        wires.player.check(script)
+        _say({"motor": wires.motor, "daq": wires.daq, "seed": seed})
+        wires.player.play(script)
+        await _end_of_run(lambda line: _say(_answer(line, wires)))
+        _say(wires.moment())
+
+
+def _answer(line: bytes, wires: Emulation) -> dict[str, Any]:
+    """Play the script on a line of standard input."""
+    try:
+        script = parse_script(line.decode("utf-8", errors="replace"), where="script")
+        wires.player.check(script)
+    except ConfigError as error:
+        return {"refused": str(error)[:_LONGEST_SENTENCE]}  # it may quote a whole script
+    wires.player.play(script)
+    return wires.moment() | {"played": len(script.faults)}
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -54,6 +88,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("config", type=Path, help="the rig's TOML file")
     parser.add_argument("--seed", type=int, help="draws the truth behind the wires (default: a random one)")
     parser.add_argument("--hidden", type=Path, help="a sealed truth to use instead of a drawn one")
+    parser.add_argument("--faults", type=Path, help="a script of faults to play from the start")
+    parser.add_argument(
+        "--wire", type=argparse.FileType("wb", 0), help="a file for a copy of all that the DAQ's client is sent"
+    )
     parser.add_argument("--rate", type=_rate, default=DEFAULT_RATE, help="simulated over wall time (default: 20)")
     return parser
 
@@ -85,26 +123,36 @@ def _plant(rig: RigConfig, given: argparse.Namespace) -> tuple[Plant, int | None
     return Plant(rig, actual), seed  # compiles on first use, before anybody waits for a sample
 
 
-def _say(ports: dict[str, str | int | None]) -> None:
+def _say(said: dict[str, Any]) -> None:
+    """Print a line, unless whoever reads them has stopped doing so: the emulators must not wait for that."""
+    line = (json.dumps(said) + "\n").encode()
+    assert len(line) <= select.PIPE_BUF  # what a pipe that can be written to takes whole
     with contextlib.suppress(BrokenPipeError):  # nobody left to read it: the end of stdin follows
-        os.write(sys.stdout.fileno(), (json.dumps(ports) + "\n").encode())
+        if select.select([], [sys.stdout.fileno()], [], 0)[1]:
+            os.write(sys.stdout.fileno(), line)
 
 
-def _end_of_run() -> asyncio.Event:
-    """Return an event that is set by SIGINT, SIGTERM or the end of standard input."""
+async def _end_of_run(heard: Callable[[bytes], None]) -> None:
+    """Wait for SIGINT, SIGTERM or the end of standard input, whose lines are handed to `heard`."""
     loop, end = asyncio.get_running_loop(), asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, end.set)
+    pending = b""
 
     def listen() -> None:
-        if not os.read(0, 4096):
+        nonlocal pending
+        data = os.read(0, 65536)
+        *lines, pending = (pending + data).split(b"\n")
+        for line in lines:
+            heard(line)
+        if not data:
             loop.remove_reader(0)
             end.set()
 
     # a closed stdin or one that cannot be waited for (/dev/null, a file) has no end to notice
     with contextlib.suppress(OSError):
         loop.add_reader(0, listen)
-    return end
+    await end.wait()
 
 
 def _first(faults: BaseExceptionGroup[RigError]) -> BaseException:

@@ -1,64 +1,108 @@
-"""Both emulators in front of one plant, in one event loop: no threads, no locks, one simulated time."""
+"""Both emulators in front of one plant, in one event loop: no locks, one simulated time."""
 
 import asyncio
-from collections.abc import Callable
+import tempfile
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
 
 from rotorrig.rig.clock import WallClock
-from rotorrig.rig.description import Motor
-from rotorrig.rig.units import RPM
-from rotorrig.sims.wire import modbus_motor, probe_daq
+from rotorrig.rig.devices import Motor
+from rotorrig.sims.wire import controllers, probe_daq
+from rotorrig.sims.wire.background import running
+from rotorrig.sims.wire.controllers import Place
+from rotorrig.sims.wire.drive import Drive
+from rotorrig.sims.wire.fault_player import Player, Report, Victims
+from rotorrig.sims.wire.inputs import Inputs
 from rotorrig.sims.wire.plant_port import Plant
-from rotorrig.sims.wire.powerflex400 import PowerFlex400
-from rotorrig.sims.wire.pty_bridge import Pty, PtyBridge
+from rotorrig.sims.wire.pty_bridge import Cable
 from rotorrig.sims.wire.simulated_time import pass_time
 
 _STANDSTILL = 1e-3  # rad/s: below it the rotor counts as at rest
 _TICK = 0.02  # s of wall time between looks at ramp and watchdog
+_REPORT_EVERY = 1.0  # s of simulated time while the rotor turns
 
 
-async def emulate(
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Emulation:
+    """Running emulators: where a client finds the two, what plays faults on them, and the plant behind them."""
+
+    motor: Place
+    daq: Place
+    player: Player
+    plant: Plant
+
+    def moment(self) -> dict[str, Any]:
+        """Return the simulated time [s], this machine's monotonic clock [s] and the rotor's true speed [rad/s]."""
+        return {"t": round(self.plant.t, 6), "wall": time.monotonic(), "speed": self.plant.speed}
+
+
+@asynccontextmanager
+async def emulating(
     motor: Motor,
     plant: Plant,
     *,
     serial: str,
     rate: float,
-    announce: Callable[[str, str], None],
-    end: asyncio.Event,
-) -> None:
-    """Run drive and DAQ in front of `plant` until `end` is set; `announce` gets the motor's and the DAQ's port.
+    keyphasor: int | None,
+    report: Report,
+    wire: IO[bytes] | None = None,
+) -> AsyncIterator[Emulation]:
+    """Run the controller of `motor` and a DAQ in front of `plant` for the length of the block.
 
     Up to `rate` 1 the DAQ is a real board: paced by its own clock, it loses samples when nobody reads. Above, time
-    waits for the reader, nothing is lost, and `rate` is a ceiling.
+    waits for the reader, nothing is lost, and `rate` is a ceiling. `keyphasor` is its channel. `report` is told when a
+    fault begins or ends (see `Player`), when the rotor begins to turn, each second while it does, and when it is at
+    rest (see `Emulation.moment`). What the DAQ's client is sent is written to `wire`, too. Raises ConfigError if the
+    controller cannot turn the rotor so fast.
     """
-    real_time = rate <= 1.0
-    clock = WallClock()
-    hertz = motor.max_speed * RPM / motor.rpm_per_hz
-    drive = PowerFlex400(plant, rpm_per_hz=motor.rpm_per_hz, max_frequency=hertz, clock=clock)
+    real_time, clock = rate <= 1.0, WallClock()
     board = probe_daq.Firmware(plant, serial=serial, waits=not real_time)
+    inputs = Inputs(board, keyphasor=keyphasor)
+    with (
+        tempfile.TemporaryDirectory(prefix="rotorrig-ports-") as ports,
+        Cable(name=Path(ports) / "daq", tap=wire) as cable,
+    ):
+        serving = controllers.serving(motor, plant, clock=clock, rate=rate, name=Path(ports) / "motor")
+        async with serving as controller:
+            drive = controller.drive
+            victims = Victims(
+                motor=controller.link, daq=cable, drive=drive, inputs=inputs, disguise=controller.disguise
+            )
+            player = Player(victims, plant=plant, report=report)
+            emulation = Emulation(motor=controller.place, daq={"port": cable.port}, player=player, plant=plant)
 
-    def awake() -> bool:
-        return board.streaming or drive.active or plant.speed > _STANDSTILL
+            def awake() -> bool:
+                return board.streaming or drive.active or plant.speed > _STANDSTILL
 
-    # the cable's baud rate belongs to simulated time as well
-    with PtyBridge(baudrate=motor.baudrate * rate) as cable, Pty() as daq_pty:
-        serving = modbus_motor.serving(drive, port=cable.device_port, address=motor.address)
-        async with serving, asyncio.TaskGroup() as group:
-            tasks = [
-                group.create_task(job)
-                for job in (
-                    cable.run(),
-                    _tick(drive),
-                    probe_daq.serve(board, daq_pty),
-                    pass_time(plant, board, rate=rate, awake=awake, clock=clock, real_time=real_time),
-                )
-            ]
-            announce(cable.client_port, daq_pty.port)
-            await end.wait()
-            for task in tasks:
-                task.cancel()
+            passing = pass_time(
+                plant, inputs, rate=rate, awake=awake, clock=clock, real_time=real_time, passed=player.look
+            )
+            async with running(
+                _tick(drive), probe_daq.serve(board, cable), passing, player.run(), _watch(emulation, report)
+            ):
+                yield emulation
 
 
-async def _tick(drive: PowerFlex400) -> None:
+async def _tick(drive: Drive) -> None:
     while True:
         drive.tick()
         await asyncio.sleep(_TICK)
+
+
+async def _watch(emulation: Emulation, report: Report) -> None:
+    """Report the rotor's true speed."""
+    turned, reported = False, 0.0  # rotor, s of simulated time
+    while True:
+        turns = emulation.plant.speed > _STANDSTILL
+        if turns != turned:
+            report(emulation.moment() | {"event": "turns" if turns else "rests"})
+        elif turns and emulation.plant.t - reported > _REPORT_EVERY:
+            report(emulation.moment())
+        else:
+            await asyncio.sleep(_TICK)
+            continue
+        turned, reported = turns, emulation.plant.t

@@ -1,7 +1,7 @@
 """Start a simulated bench in a process of its own and hand over its two ports.
 
 with simulated_bench(Path("configs/rk4.toml"), seed=1) as ports:
-    ...  # open ports.motor_port and ports.daq_port as in a lab
+    ...  # connect.motor(rig, at=ports.motor), connect.daq(rig, at=ports.daq)
 """
 
 import contextlib
@@ -14,9 +14,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from rotorrig.rig.errors import RigError
+from rotorrig.sims.wire.console import Console
 from rotorrig.sims.wire.simulated_time import DEFAULT_RATE
 
 START_TIMEOUT = 180.0  # s: the first start on a machine compiles the plant, half a minute on a slow one
@@ -25,10 +26,11 @@ _END_TIMEOUT = 5.0  # s
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BenchPorts:
-    """The ttys of a running bench."""
+    """Where a running bench is: keys of [motor] and of [daq] that stand instead of the config's, and its console."""
 
-    motor_port: str
-    daq_port: str
+    motor: dict[str, Any]
+    daq: dict[str, Any]
+    console: Console
 
 
 @contextmanager
@@ -38,12 +40,16 @@ def simulated_bench(
     seed: int,
     hidden: Path | None = None,
     rate: float = DEFAULT_RATE,
+    faults: Path | None = None,
+    wire: Path | None = None,
     timeout: float = START_TIMEOUT,
 ) -> Iterator[BenchPorts]:
     """Run a simulated bench for the length of a `with` block.
 
     `config` is a path, or a config's text (a str). The truth is drawn from `seed`, or unsealed from `hidden`. `rate`
-    is the ceiling of simulated over wall time; at 1 and below the bench is paced as a real one.
+    is the ceiling of simulated over wall time; at 1 and below the bench is paced as a real one. `faults` is a script to
+    play from the start; others can be played at any time, see `Console.play`. `wire` is a file for a copy of all that
+    the DAQ's client is sent.
     Raises RigError with the bench's own sentence when it does not start within `timeout` seconds, or when it ended
     by itself before the block did.
     """
@@ -53,6 +59,7 @@ def simulated_bench(
             config.write_text(text, encoding="utf-8")
         command = [sys.executable, "-m", "rotorrig.sims.wire.bench", str(config), "--seed", str(seed)]
         command += ["--rate", repr(float(rate))] + (["--hidden", str(hidden)] if hidden else [])
+        command += (["--faults", str(faults)] if faults else []) + (["--wire", str(wire)] if wire else [])
         with (Path(scratch) / "stderr").open("w+b") as complaints, _child(command, complaints) as process:
             ports = _ports(process, complaints, timeout)
             yield ports
@@ -90,7 +97,9 @@ def _ports(process: subprocess.Popen[bytes], complaints: IO[bytes], timeout: flo
         process.wait(_END_TIMEOUT)
         raise RigError(f"the simulated bench did not start: {_sentence(complaints, process)}")
     said = json.loads(line)
-    return BenchPorts(motor_port=said["motor_port"], daq_port=said["daq_port"])
+    assert process.stdin
+    console = Console(stdin=process.stdin, stdout=process.stdout)
+    return BenchPorts(motor=said["motor"], daq=said["daq"], console=console)
 
 
 def _sentence(complaints: IO[bytes], process: subprocess.Popen[bytes]) -> str:

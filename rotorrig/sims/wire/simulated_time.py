@@ -34,9 +34,18 @@ class Sampler(Protocol):
 
 
 async def pass_time(
-    plant: Plant, board: Sampler, *, rate: float, awake: Callable[[], bool], clock: Clock, real_time: bool
+    plant: Plant,
+    board: Sampler,
+    *,
+    rate: float,
+    awake: Callable[[], bool],
+    clock: Clock,
+    real_time: bool,
+    passed: Callable[[], None] = lambda: None,
 ) -> None:
     """Move `plant` on at `rate` times wall time and hand its samples to `board`, until cancelled.
+
+    `passed` is called after every step of at most `STEP` seconds.
 
     Time stands still while `awake()` is false (rotor at rest, nobody looking: nothing to compute) and while the board
     has no room. Neither is caught up afterwards, so that the rotor never runs away from who commands it; nor is the
@@ -51,6 +60,7 @@ async def pass_time(
             due = clock.now()
             continue
         board.measure(plant.advance(plant.t + STEP))
+        passed()
         now = clock.now()
         due = (due if real_time else max(due, now - _SLACK)) + STEP / rate
         for _ in range(_TURNS - 1):

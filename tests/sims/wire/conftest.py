@@ -12,8 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.rig.clock import ManualClock
-from rotorrig.rig.description import Motor
-from rotorrig.sims.wire.emulation import emulate
+from rotorrig.rig.devices import ModbusRtu
+from rotorrig.sims.wire import emulation
 
 
 class ToyPlant:
@@ -94,7 +94,7 @@ Emulating = Callable[..., AbstractContextManager[tuple[str, str]]]
 @pytest.fixture
 def emulating(plant: ToyPlant) -> Emulating:
     """Both emulators in front of the toy plant: `with emulating(rate=20.0) as (motor_port, daq_port)`."""
-    motor = Motor.model_validate(
+    motor = ModbusRtu.model_validate(
         {"driver": "modbus-rtu", "port": "unused", "address": 100, "rpm_per_hz": 60.0, "max_speed": "4200 rpm"}
     )
 
@@ -103,12 +103,13 @@ def emulating(plant: ToyPlant) -> Emulating:
         ports: list[str] = []
         ready = threading.Event()
 
-        def announce(*names: str) -> None:
-            ports.extend(names)
-            ready.set()
-
-        def job(end: asyncio.Event) -> Coroutine[Any, Any, None]:
-            return emulate(motor, plant, serial="T1", rate=rate, announce=announce, end=end)
+        async def job(end: asyncio.Event) -> None:
+            async with emulation.emulating(
+                motor, plant, serial="T1", rate=rate, keyphasor=None, report=lambda said: None
+            ) as running:
+                ports.extend(str(place["port"]) for place in (running.motor, running.daq))
+                ready.set()
+                await end.wait()
 
         with in_background(job):
             assert ready.wait(5.0), "the emulators did not start"

@@ -1,9 +1,12 @@
 """The drive in front of the simulated rig itself: what it believes is what the rotor does, within lag and hunting."""
 
 import math
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
+import serial
 
 from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.description import load
@@ -50,3 +53,22 @@ def test_the_simulated_rotor_goes_where_the_drive_believes_it_is(rotor: Plant, c
     rotor.advance(rotor.t + 2.5)
     assert believed() == 0.0
     assert rotor.speed < 0.05 * 15 * 2 * math.pi
+
+
+def test_time_waits_half_a_second_for_a_reader_and_loses_it_nothing(emulating: Any, plant: Any) -> None:
+    with emulating(rate=20.0) as (_, port), serial.Serial(port, timeout=2.0) as daq:
+        daq.write(b"START\n")
+        time.sleep(0.3)
+        held = plant.t
+        assert held < 2.5  # what the line holds of 9 bytes a scan, at 1000 Hz
+        time.sleep(0.7)
+        assert plant.t > held + 1.0
+        first_scans, flags = [], set()
+        while len(first_scans) < 300:
+            head = daq.read(6 + 15)  # docs/daq-stream.md: sync, type, flags, length; sequence, index, scans, channels
+            assert head[:3] == b"\xa5\x5a\x02"
+            flags.add(head[3])
+            first_scans.append(int.from_bytes(head[10:18], "little"))
+            daq.read(int.from_bytes(head[4:6], "little") - 15 + 4)
+    assert first_scans == list(range(0, 6000, 20))
+    assert flags == {0}
