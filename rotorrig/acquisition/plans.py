@@ -3,89 +3,184 @@
 `list(plan)` is a sweep's preview and its limit check; the engine runs the same steps.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence, Set
+from dataclasses import replace
+from typing import TypeGuard, assert_never
 
-from rotorrig.rig.description import RigConfig, RunUpCoastDown
+from rotorrig.acquisition.critical_speeds import Band, bands, dwelt_in, quick
+from rotorrig.acquisition.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.devices import SAME_RAMP, ModbusRtu, ModbusTcp, Motor
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.trial_mass import read_trial_mass
+from rotorrig.rig.sweep_plans import DwellAt, Plan, RunUpCoastDown, RunUpRampDown, Stepped, TrialMassRuns
+from rotorrig.rig.trial_mass import NO_TRIAL, read_trial_mass
 from rotorrig.rig.units import RPM
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ramp:
-    """Go to speed `to` [rad/s] at `rate` [rad/s^2] and wait until there."""
-
-    to: float
-    rate: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Dwell:
-    """Hold the speed for `seconds` of the sample clock."""
-
-    seconds: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Coast:
-    """Power off; wait until the keyphasor says the speed is below `until` [rad/s]."""
-
-    until: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Mark:
-    """Write `label` into the recording: "slow roll", "up", "down", which name the runs of a response."""
-
-    label: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Trial:
-    """Write into the recording which trial mass is on the rotor: "disk: 12 g mm at 90 deg"."""
-
-    mass: str
-
-
-Step = Ramp | Dwell | Coast | Mark | Trial
+__all__ = ["Ask", "Coast", "Dwell", "Mark", "Ramp", "Rest", "Step", "Trial", "objections", "planned", "steps"]
 
 SETTLING_RAMP = 10.0  # rad/s^2, about 95 rpm/s: gentle, and outside the recorded runs
 
 
 def run_up_coast_down(plan: RunUpCoastDown) -> Iterator[Step]:
     """Yield a slow-roll dwell, a ramp from start to end, then a coast-down to the start speed."""
-    yield Mark(label="settling")
-    yield Ramp(to=plan.slow_roll, rate=SETTLING_RAMP)
-    yield Dwell(seconds=1.0)
-    yield Mark(label="slow roll")
-    yield Dwell(seconds=plan.slow_roll_time)
-    yield Mark(label="settling")
-    yield Ramp(to=plan.start, rate=SETTLING_RAMP)
-    yield Dwell(seconds=1.0)
-    yield Mark(label="up")
-    yield Ramp(to=plan.end, rate=plan.ramp)
-    yield Dwell(seconds=1.0)
+    yield from run_up(plan)
     yield Mark(label="down")
     yield Coast(until=plan.start)
     yield Mark(label="end")
 
 
-def steps(rig: RigConfig, name: str = "default", *, trial: Sequence[str] = ()) -> tuple[Step, ...]:
+def run_up_ramp_down(plan: RunUpRampDown) -> Iterator[Step]:
+    """Yield a slow-roll dwell, a ramp from start to end and one back."""
+    yield from run_up(plan)
+    yield Mark(label="down")
+    yield Ramp(to=plan.start, rate=plan.ramp)
+    yield Mark(label="end")
+
+
+def run_up(plan: RunUpCoastDown | RunUpRampDown) -> Iterator[Step]:
+    """Yield a slow-roll dwell and a ramp from start to end."""
+    yield from slow_roll(plan.slow_roll, seconds=plan.slow_roll_time)
+    yield Ramp(to=plan.start, rate=SETTLING_RAMP)
+    yield Dwell(seconds=1.0)
+    yield Mark(label="up")
+    yield Ramp(to=plan.end, rate=plan.ramp)
+    yield Dwell(seconds=1.0)
+
+
+def slow_roll(speed: float, *, seconds: float) -> Iterator[Step]:
+    """Yield a dwell at a speed [rad/s] so low that the probes see run-out and bow alone."""
+    yield Mark(label="settling")
+    yield Ramp(to=speed, rate=SETTLING_RAMP)
+    yield Dwell(seconds=1.0)
+    yield Mark(label="slow roll")
+    yield Dwell(seconds=seconds)
+    yield Mark(label="settling")
+
+
+def stepped(plan: Stepped, *, avoiding: Sequence[Band] = ()) -> Iterator[Step]:
+    """Yield a slow-roll dwell and a run of its own at every speed; a grid leaves out speeds in `avoiding`."""
+    yield from slow_roll(plan.slow_roll, seconds=plan.slow_roll_time)
+    rising = [s for s in plan.rising if plan.listed or not any(s in band for band in avoiding)]
+    falling = rising[::-1]
+    way = {"up": rising, "down": falling, "up-down": rising + falling[1:]}[plan.direction]
+    for speed in way:
+        yield Ramp(to=speed, rate=plan.ramp)
+        yield from held(speed, settle=plan.settle, seconds=plan.dwell)
+
+
+def dwell_at(plan: DwellAt) -> Iterator[Step]:
+    """Yield a run at one speed."""
+    yield Mark(label="settling")
+    yield Ramp(to=plan.speed, rate=plan.ramp)
+    yield from held(plan.speed, settle=plan.settle, seconds=plan.time)
+
+
+def held(speed: float, *, settle: float, seconds: float) -> Iterator[Step]:
+    """Yield a run at the speed [rad/s] just reached, once it has settled."""
+    yield Dwell(seconds=settle)
+    yield Mark(label=f"dwell {speed * RPM:.0f} rpm")
+    yield Dwell(seconds=seconds)
+    yield Mark(label="settling")
+
+
+def trial_mass_runs(masses: Sequence[str], runs: Sequence[Step]) -> Iterator[Step]:
+    """Yield `runs` as baseline, then again with each mass, mounted at rest after the one before was taken off."""
+    yield from runs
+    before = ""
+    for mass in masses:
+        yield Rest()
+        yield Ask(request=(f"take off '{before}' and mount '{mass}'" if before else f"mount '{mass}'"))
+        if before:
+            yield Trial(mass=NO_TRIAL)
+        yield Trial(mass=mass)
+        yield from runs
+        before = mass
+
+
+def steps(
+    rig: RigConfig, name: str = "default", *, trial: Sequence[str] = (), criticals: Sequence[float] = ()
+) -> tuple[Step, ...]:
     """Return the steps of the plan of that name, checked against the rig's limits. Raises ConfigError.
 
-    `trial` are the trial masses on the rotor, as `read_trial_mass` reads them; they are noted first.
+    `trial` are the trial masses on the rotor, as `read_trial_mass` reads them; they are noted first. `criticals` are
+    the critical speeds of a model [rad/s], which count where the config has no bands, see `critical_speeds.bands`.
     """
+    plan = planned(rig, name, trial=trial, criticals=criticals)
+    for objection in objections(rig, plan, criticals=criticals):
+        raise ConfigError(f"plans.{name}: {objection}")
+    return plan
+
+
+def planned(
+    rig: RigConfig, name: str, *, trial: Sequence[str] = (), criticals: Sequence[float] = ()
+) -> tuple[Step, ...]:
+    """Return the steps of a plan, allowed or not. Raises ConfigError if there is no such plan or trial mass."""
     for mass in trial:
         read_trial_mass(mass, rig=rig)
     if name not in rig.plans:
         raise ConfigError(f"plan '{name}': the config has none of that name, want one of {sorted(rig.plans)}")
-    plan = (*(Trial(mass=mass) for mass in trial), *run_up_coast_down(rig.plans[name]))
+    plan = rig.plans[name]
+    if trial and isinstance(plan, TrialMassRuns):
+        raise ConfigError(f"plan '{name}': mounts trial masses of its own, want it without --trial")
+    through = bands(rig.limits, criticals)
+    rate = rig.limits.critical_ramp if rig.limits else None
+    asked = quick(_generated(plan, rig, through), through=through, rate=rate)
+    if _keeps_ramp(rig.motor):
+        asked = _settling_at_its_own_rate(tuple(asked))
+    return (*(Trial(mass=mass) for mass in trial), *asked)
+
+
+def objections(rig: RigConfig, plan: Iterable[Step], *, criticals: Sequence[float] = ()) -> Iterator[str]:
+    """Yield in a sentence each what speaks against running these steps on this rig."""
+    plan = tuple(plan)
     ceilings = [rig.motor.max_speed] if rig.motor else []
     ceilings += [rig.limits.overspeed] if rig.limits else []
-    fastest = max(step.to for step in plan if isinstance(step, Ramp))
+    fastest = max((step.to for step in plan if isinstance(step, Ramp)), default=0.0)
     if ceilings and fastest >= min(ceilings):
-        raise ConfigError(
-            f"plans.{name}: goes to {fastest * RPM:.0f} rpm, want less than the limit of {min(ceilings) * RPM:.0f} rpm"
-        )
-    return plan
+        yield f"goes to {fastest * RPM:.0f} rpm, want less than the limit of {min(ceilings) * RPM:.0f} rpm"
+    if objection := _about_ramps(rig.motor, {step.rate for step in plan if isinstance(step, Ramp)}):
+        yield objection
+    said = set()
+    for _, speed, band in dwelt_in(plan, bands(rig.limits, criticals)):
+        if speed not in said:
+            yield f"holds {speed * RPM:.0f} rpm inside the critical band {band}, want it to pass"
+            said.add(speed)
+
+
+def _keeps_ramp(motor: Motor | None) -> TypeGuard[ModbusRtu | ModbusTcp]:
+    return isinstance(motor, ModbusRtu | ModbusTcp) and motor.keeps_ramp
+
+
+def _settling_at_its_own_rate(plan: Sequence[Step]) -> Iterator[Step]:
+    """Yield a plan whose settling ramps have its own rate, for a controller that keeps the ramp it has."""
+    own = next((step.rate for step in plan if isinstance(step, Ramp) and step.rate != SETTLING_RAMP), SETTLING_RAMP)
+    for step in plan:
+        yield replace(step, rate=own) if isinstance(step, Ramp) and step.rate == SETTLING_RAMP else step
+
+
+def _about_ramps(motor: Motor | None, rates: Set[float]) -> str:
+    """Return what speaks against the ramps of a plan [rad/s^2]; nothing: ""."""
+    if not _keeps_ramp(motor):
+        return ""
+    said = " and ".join(f"{rate * RPM:.4g}" for rate in sorted(rates))
+    if len(rates) > 1:
+        return f"ramps at {said} rpm/s, want one rate: a drive of profile {motor.profile} keeps it while it turns"
+    if motor.ramp and any(abs(rate / motor.ramp - 1) > SAME_RAMP for rate in rates):
+        return f"ramps at {said} rpm/s, want the {motor.ramp * RPM:.4g} rpm/s of motor.ramp, which is set by hand"
+    return ""
+
+
+def _generated(plan: Plan, rig: RigConfig, through: Sequence[Band]) -> Iterator[Step]:
+    match plan:
+        case RunUpCoastDown():
+            return run_up_coast_down(plan)
+        case RunUpRampDown():
+            return run_up_ramp_down(plan)
+        case Stepped():
+            return stepped(plan, avoiding=through)
+        case DwellAt():
+            return dwell_at(plan)
+        case TrialMassRuns():
+            return trial_mass_runs(plan.masses, tuple(_generated(rig.plans[plan.plan], rig, through)))
+        case _:
+            assert_never(plan)

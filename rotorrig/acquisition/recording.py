@@ -12,10 +12,10 @@ from rotorrig.rig.provenance import Provenance
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
-    """Something that happened during a recording: a mark of the plan, a trip, a gap."""
+    """Something that happened during a recording: a mark of the plan, a trip, a gap. See docs/sweeps.md."""
 
     t_ns: int  # sample clock
-    kind: str  # "mark", "trial", "trip", "gap", "overrun", "stop", "note"
+    kind: str  # "mark", "trial", "pause", "gap", "overrun", "note", or an ending: "stop", "abort", "trip", "emergency"
     text: str
 
 
@@ -55,4 +55,24 @@ class RawRecording:
                 runs[-1].append(block)
             else:
                 runs.append([block])
-        return [(run[0].first_sample, np.concatenate([b.counts for b in run])) for run in runs]
+        return [(run[0].first_sample, _joined([block.counts for block in run])) for run in runs]
+
+
+def _joined(parts: list[NDArray[np.int32]]) -> NDArray[np.int32]:
+    """Return counts (sample, channel) put together; parts that lie side by side in one array are not copied."""
+    whole, first = parts[0].base, parts[0]
+    if isinstance(whole, np.ndarray) and whole.dtype == first.dtype and whole.shape[1:] == first.shape[1:]:
+        begin = (_address(first) - _address(whole)) // max(whole.strides[0], 1)
+        joined = whole[begin : begin + sum(map(len, parts))]
+        at = _address(joined)
+        for part in parts:
+            if part.base is not whole or part.strides != joined.strides or _address(part) != at:
+                break
+            at += part.nbytes
+        else:
+            return joined
+    return np.concatenate(parts)
+
+
+def _address(array: NDArray[np.int32]) -> int:
+    return int(array.ctypes.data)

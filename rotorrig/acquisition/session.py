@@ -1,23 +1,23 @@
-"""A rig in operation: every block is recorded, checked and shown, and the motor controller asked now and then."""
+"""A rig in operation: every block is checked, recorded and shown, and what the motor controller said is looked at."""
 
 import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
-from rotorrig.acquisition.fanout import Listener, Recorder, Viewer, Writer
+from rotorrig.acquisition.fanout import Item, Listener, Recorder, Viewer, Writer
+from rotorrig.acquisition.motor_control import MotorControl, Reading, StopReport
 from rotorrig.acquisition.recording import Event, MotorSample
 from rotorrig.rig.clock import Clock
-from rotorrig.rig.errors import ConfigError, LinkLost, RigError
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost, RigError
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.motor.base import MotorDriver, MotorState, Stop
 from rotorrig.rig.probes.base import Block, Daq
+from rotorrig.rig.units import RPM
 
-POLL_EVERY = 0.25  # s of wall time between readings of the motor controller
-POLL_AT_SPEED = 0.05  # s, while its word is all that is missing
 SILENCE = 2.0  # s of wall time the DAQ may be silent
 STEADY_BAND = 0.005  # a speed is steady while it stays within this of itself, relative
-STOP_ATTEMPTS, STOP_PAUSE = 5, 0.2  # tries, and s of wall time between them
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +28,16 @@ class Steadiness:
     since: float
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StopTimes:
+    """When what happened that stopped the rotor, s on the session's clock; NaN: it did not happen."""
+
+    received: float  # the last block before the stop came from the DAQ
+    decided: float  # the stop was decided and put into the hands of the motor's control
+    handed: float  # the driver was called
+    confirmed: float  # the drive had obeyed
+
+
 class Session:
     """What happens around every block, whatever step of a plan is under way."""
 
@@ -35,7 +45,9 @@ class Session:
         self,
         *,
         motor: MotorDriver,
+        control: MotorControl,
         daq: Daq,
+        rig: RigConfig,
         writer: Writer,
         interlock: Interlock,
         listeners: Sequence[Listener],
@@ -44,17 +56,26 @@ class Session:
         """Begin the recorder's and viewers' threads. Raises ConfigError without a keyphasor."""
         if interlock.keyphasor is None:
             raise ConfigError("keyphasor: is missing in the config, want [keyphasor]: a sweep goes by its speed")
-        self.motor = motor
+        self.control = control
+        self.clock = clock
         self.events: list[Event] = []
-        self.samples = 0
+        self.samples = 0  # recorded
         self.gaps = 0  # places where samples are missing
         self.state: MotorState | None = None  # the controller's last reading since the last command
-        self._daq, self._interlock, self._keyphasor, self._clock = daq, interlock, interlock.keyphasor, clock
+        self.guarded = True  # limits are watched; False: the rotor is being stopped, or is at rest and worked on
+        self.paused = False  # blocks are not recorded
+        self.recording = True  # False: the recorder has failed and the rotor is being stopped
+        self.beaten = clock.now()  # when the loop last showed that it lives
+        self._motor, self._daq, self._interlock, self._keyphasor = motor, daq, interlock, interlock.keyphasor
+        self._names = {probe.channel: f"probe {probe.name}" for probe in rig.probes}
         self._recorder = Recorder(writer)
         self._viewers = [Viewer(listener) for listener in listeners]
         self._next_sample: int | None = None  # None: no block yet
-        self._polled = -math.inf
+        self._orders = 0  # number of the last command
+        self._sent_to = 0.0  # rad/s, by that command; 0: it was a stop
         self._steadiness = Steadiness(0.0, 0.0)
+        self._received = self._decided = math.nan
+        self._first_stop: StopReport | None = None  # once there was another
 
     @property
     def t(self) -> float:
@@ -71,48 +92,105 @@ class Session:
         """Seconds for which the speed has been steady."""
         return self.t - self._steadiness.since
 
-    def note(self, kind: str, text: str) -> None:
-        """Record an event at the present sample."""
-        event = Event(t_ns=round(self.t * 1e9), kind=kind, text=text)
+    @property
+    def stop_times(self) -> StopTimes | None:
+        """When the first stop was decided and obeyed; None: there was none."""
+        report = self._first_stop or self.control.report
+        if report is None:
+            return None
+        return StopTimes(
+            received=self._received, decided=self._decided, handed=report.handed, confirmed=report.confirmed
+        )
+
+    def note(self, kind: str, text: str, *, t: float | None = None) -> None:
+        """Record an event at the present sample, or at `t` [s]."""
+        event = Event(t_ns=round((self.t if t is None else t) * 1e9), kind=kind, text=text)
         self.events.append(event)
-        self._recorder.put(event)
+        self._record(event)
 
     def command(self, speed: float, *, ramp: float) -> None:
-        """Send the motor to `speed` [rad/s] at `ramp` [rad/s^2]. Raises LinkLost, LimitExceeded."""
+        """Send the motor to `speed` [rad/s] at `ramp` [rad/s^2]; what it refuses is raised by `take`."""
         self.state = None
-        self.motor.set_speed(speed, ramp=ramp)
+        self._sent_to = speed
+        self._orders = self.control.send(lambda: self._motor.set_speed(speed, ramp=ramp))
 
-    def coast(self) -> None:
-        """Cut the power. Raises LinkLost."""
+    def slow_down(self, kind: Stop) -> None:
+        """Stop the motor as a step of the plan: it may be started again. What goes wrong is raised by `take`."""
         self.state = None
-        self.motor.stop(Stop.COAST)
+        self._sent_to = 0.0
+        self._orders = self.control.send(lambda: self._motor.stop(kind))
+
+    def halt(self, kind: Stop) -> None:
+        """Stop the rotor now and for good; returns at once. May be called from a signal handler."""
+        if math.isnan(self._decided):
+            self._decided = self.clock.now()
+        self._first_stop = self._first_stop or self.control.report
+        self.control.stop(kind)
+        self.state, self._sent_to = None, 0.0
 
     def start(self) -> None:
         """Begin to stream."""
+        self.control.start()
         self._daq.start()
 
     def take(self) -> None:
-        """Take the next block, check it, record it. Raises LinkLost, LimitExceeded and what recording raises."""
+        """Take the next block, check it, record it. Raises LinkLost, LimitExceeded and what recording raises.
+
+        Whatever a limit stops, the stop is on its way before this returns or raises.
+        """
         block = self._daq.read(SILENCE)
-        self._note_gap(block)
-        self.samples += len(block.counts)
-        for viewer in self._viewers:
-            viewer.show(block)
+        self.beat()
+        if math.isnan(self._decided):
+            self._received = self.beaten
+        before = self.t
         try:
-            self._interlock.check(block)
+            self._look_at(block)
         finally:  # the block that trips is the one worth having
-            self._recorder.put(block)
+            self._keep(block, after=before)
         if abs(self.speed - self._steadiness.speed) > STEADY_BAND * self._steadiness.speed:
             self._steadiness = Steadiness(self.speed, self.t)
-        self.poll(at_most_every=POLL_EVERY)
+        self.hear_motor()
 
-    def poll(self, *, at_most_every: float = 0.0) -> None:
-        """Ask the motor controller how it is, unless it was asked less than so many seconds ago."""
-        if self._clock.now() - self._polled < at_most_every:
+    def beat(self) -> None:
+        """Show that the loop lives."""
+        self.beaten = self.clock.now()
+        self.control.beat()
+
+    def hear_motor(self) -> None:
+        """Look at what the motor controller has said. Raises LinkLost, LimitExceeded."""
+        for reading in self.control.readings():
+            self._hear(reading)
+
+    def close(self) -> None:
+        """End the stream and close the recording. Raises what recording raises."""
+        try:
+            self.control.close()
+            for viewer in self._viewers:
+                viewer.close()
+                if viewer.fault:
+                    self.note("note", f"a viewer failed and was left out from there on: {viewer.fault}")
+            with suppress(RigError):  # a DAQ that does not confirm its stop: the recording has what it sent
+                self._daq.stop()
+            for remark in self._daq.counters.remarks(self._names):
+                self.note("note", remark)
+        finally:
+            self._recorder.close()
+
+    def _look_at(self, block: Block) -> None:
+        if not self.guarded:
+            self._interlock.follow(block)
             return
-        self.state = state = self.motor.read()
-        self._polled = self._clock.now()
-        self._recorder.put(
+        try:
+            self._interlock.check(block)
+        except LimitExceeded:
+            self.halt(Stop.EMERGENCY)  # before anything else
+            raise
+
+    def _hear(self, reading: Reading) -> None:
+        state = reading.state
+        if reading.orders >= self._orders:
+            self.state = state
+        self._record(
             MotorSample(
                 t_ns=round(self.t * 1e9),
                 speed=state.speed,
@@ -121,35 +199,38 @@ class Session:
                 fault=state.fault,
             )
         )
-        self._interlock.check_motor(state)
-
-    def bring_to_rest(self, kind: Stop) -> None:
-        """Stop the rotor, trying again if the link hiccups. Raises LinkLost if the drive never confirms it."""
-        for attempt in range(1, STOP_ATTEMPTS + 1):
-            try:
-                self.motor.stop(kind)
-                return
-            except Exception as error:  # whatever went wrong: what matters now is that the rotor stops
-                if attempt == STOP_ATTEMPTS:
-                    raise LinkLost(
-                        f"THE ROTOR MAY STILL BE TURNING: the drive confirmed no stop in {attempt} tries "
-                        f"({error or type(error).__name__}); cut its power by hand"
-                    ) from error
-                self._clock.sleep(STOP_PAUSE)
-
-    def close(self) -> None:
-        """End the stream and close the recording. Raises what recording raises."""
+        if not self.guarded:
+            return
         try:
-            for viewer in self._viewers:
-                viewer.close()
-                if viewer.fault:
-                    self.note("note", f"a viewer failed and was left out from there on: {viewer.fault}")
-            with suppress(RigError):  # a DAQ that does not confirm its stop: the recording has what it sent
-                self._daq.stop()
-        finally:
-            self._recorder.close()
+            self._interlock.check_motor(state)
+            if self.state is not None and self._sent_to and not state.running:
+                raise LimitExceeded(
+                    f"drive: is off, though it was sent to {self._sent_to * RPM:.0f} rpm; "
+                    "was it stopped by hand or by its watchdog?"
+                )
+        except LimitExceeded:
+            self.halt(Stop.EMERGENCY)
+            raise
 
-    def _note_gap(self, block: Block) -> None:
+    def _keep(self, block: Block, *, after: float) -> None:
+        """Hand a block to recorder and viewers, and take note of what is missing before it, after that time [s]."""
+        self._note_gap(block, after)
+        if not self.paused:
+            self._record(block)
+            self.samples += len(block.counts)
+        for viewer in self._viewers:
+            viewer.show(block)
+
+    def _record(self, item: Item) -> None:
+        if not self.recording:
+            return
+        try:
+            self._recorder.put(item)
+        except Exception:
+            self.recording = False  # raised once more by `close`
+            raise
+
+    def _note_gap(self, block: Block, after: float) -> None:
         if self._next_sample is not None and block.first_sample < self._next_sample:
             raise LinkLost(
                 f"DAQ: has begun again at sample {block.first_sample} after sample {self._next_sample}; "
@@ -157,7 +238,7 @@ class Session:
             )
         if self._next_sample is not None and block.first_sample > self._next_sample:
             self.gaps += 1
-            self.note("gap", f"{block.first_sample - self._next_sample} samples are missing")
+            self.note("gap", f"{block.first_sample - self._next_sample} samples are missing", t=after)
         if block.overrun:
-            self.note("overrun", "the DAQ lost samples before this block")
+            self.note("overrun", "the DAQ lost samples before this block", t=after)
         self._next_sample = block.first_sample + len(block.counts)

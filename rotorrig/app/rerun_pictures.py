@@ -125,6 +125,6 @@ class BodePicture:
 
 def fastest_rpm(rig: RigConfig) -> float:
     """Return the speed a Bode plot of this rig should reach [rpm]: its fastest plan, else its limit."""
-    speeds = [plan.end for plan in rig.plans.values()]
+    speeds = [plan.fastest for plan in rig.plans.values()]
     speeds += [rig.limits.overspeed] if rig.limits and not speeds else []
     return 100.0 * np.ceil(max(speeds) * RPM / 100.0 - 1e-6) if speeds else FASTEST

@@ -1,18 +1,25 @@
 """Run a sweep from a config: connect, record, stop, close, with the drivers a lab would use."""
 
+import shutil
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rotorrig.acquisition import plans
 from rotorrig.acquisition.engine import SweepResult, run_sweep
 from rotorrig.acquisition.mcap_file import RecordingWriter
+from rotorrig.acquisition.operator import Operator
+from rotorrig.acquisition.timeline import timeline
 from rotorrig.app.console import progress_bars
+from rotorrig.app.dry_run import expected_bytes
+from rotorrig.app.model_criticals import criticals_to_pass
 from rotorrig.app.simulating import StandIn, simulated
+from rotorrig.app.terminal import HINT, operator_for
 from rotorrig.rig import connect
-from rotorrig.rig.clock import WallClock
 from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.provenance import Provenance, code_version
@@ -26,19 +33,56 @@ Progress = Callable[[plans.Step, float, float], None]  # step, fraction of the s
 
 
 def sweep(
-    rig: RigConfig, *, out: Path, plan: str, trial: Sequence[str] = (), stand_in: StandIn | None, view: bool
+    rig: RigConfig,
+    *,
+    out: Path,
+    plan: str,
+    trial: Sequence[str] = (),
+    stand_in: StandIn | None,
+    view: bool,
+    yes: bool = False,
 ) -> SweepResult:
-    """Run `rotor sweep`, on the config's devices or a simulated rig, with progress and, if wanted, the live view."""
-    plans.steps(rig, plan, trial=trial)  # a wrong plan is said before anything starts
+    """Run `rotor sweep`, on the config's devices or a simulated rig, with progress and, if wanted, the live view.
+
+    What can be said before anything starts is: a wrong plan, a disk without room. With `yes` no mass is waited for.
+    """
+    steps = steps_of(rig, plan, trial=trial)
+    if stand_in and any(isinstance(step, plans.Ask) for step in steps):
+        raise ConfigError(
+            f"plan '{plan}': mounts trial masses half-way, which nobody can do on a simulated rig; "
+            "want two sweeps, the second with --trial"
+        )
+    refuse_full_disk(out, rig, steps)
     with ExitStack() as stack:
         ports = stack.enter_context(simulated(rig, stand_in, trial=trial)) if stand_in else None
         bars = stack.enter_context(progress_bars())
+        say = partial(bars.console.print, markup=False, highlight=False, soft_wrap=True)
+        operator = operator_for(steps, say=say, yes=yes)
+        if bars.console.is_terminal:
+            say(HINT)
         task = bars.add_task("sweeping", total=1.0, note="")
 
         def show(step: plans.Step, fraction: float, speed: float) -> None:
             bars.update(task, completed=fraction, note=f"{speed * RPM:.0f} rpm")
 
-        return record_sweep(rig, out=out, plan=plan, trial=trial, ports=ports, view=view, progress=show)
+        return record_sweep(
+            rig, out=out, plan=plan, trial=trial, ports=ports, view=view, progress=show, operator=operator
+        )
+
+
+def steps_of(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> tuple[plans.Step, ...]:
+    """Return the steps of a plan, past the model's critical speeds where the config says so. Raises ConfigError."""
+    return plans.steps(rig, plan, trial=trial, criticals=criticals_to_pass(rig))
+
+
+def refuse_full_disk(out: Path, rig: RigConfig, steps: Sequence[plans.Step]) -> None:
+    """Raise DataError if the recording will hardly fit on its disk."""
+    if rig.daq is None or not out.parent.is_dir():
+        return  # said by whoever opens them
+    want = expected_bytes(rig, timeline(steps)[-1].end if steps else 0.0)
+    free = shutil.disk_usage(out.parent).free
+    if free < want:
+        raise DataError(f"{out}: {free / 1e6:.0f} MB are free there, want {want / 1e6:.0f} MB for this sweep")
 
 
 def record_sweep(
@@ -51,23 +95,26 @@ def record_sweep(
     overwrite: bool = False,
     view: bool = False,
     progress: Progress | None = None,
+    operator: Operator | None = None,
 ) -> SweepResult:
     """Run plan `plan` of the config and record it to `out`; `ports` replace the config's, for a simulated rig.
 
     `trial` are the trial masses on the rotor, such as "disk: 12 g mm at 90 deg"; the recording notes them.
     The rotor is stopped and the recording closed however it ends. Raises ConfigError, LinkLost, LimitExceeded.
     """
-    steps = plans.steps(rig, plan, trial=trial)
+    steps = steps_of(rig, plan, trial=trial)
     with ExitStack() as stack:
-        motor = stack.enter_context(connect.motor(rig, port=ports.motor_port if ports else None))
-        daq = stack.enter_context(connect.daq(rig, port=ports.daq_port if ports else None))
-        motor.open()
+        motor = stack.enter_context(connect.motor(rig, at=ports.motor if ports else None))
+        daq = stack.enter_context(connect.daq(rig, at=ports.daq if ports else None))
         info = daq.open()
         live = stack.enter_context(_live_view(rig, info)) if view else None
         source = Provenance(
             config_hash=rig.hash, code_version=code_version(), source="simulated rig" if ports else rig.name
         )
         writer = stack.enter_context(RecordingWriter(out, rig, info, source, overwrite=overwrite))
+        drive = motor.open()  # last: from here on its watchdog wants to hear from us
+        if operator and drive.watchdog is None:
+            operator.tell("The drive has no watchdog: should this program die, nothing but its switch stops the rotor.")
         result = run_sweep(
             steps,
             motor=motor,
@@ -75,9 +122,9 @@ def record_sweep(
             rig=rig,
             writer=writer,
             interlock=Interlock(rig, info),
-            listeners=[live.show] if live else [],
+            listeners=[live.listen] if live else [],
             progress=progress,
-            clock=WallClock(),
+            operator=operator,
         )
     if live:
         live.sink.linger()

@@ -16,7 +16,7 @@ from rotorrig.processing.tacho import TURN, ShaftAngle, find_edges, levels, shaf
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import code_version
-from rotorrig.rig.trial_mass import TrialMass, read_trial_mass, trial_unbalance
+from rotorrig.rig.trial_mass import NO_TRIAL, TrialMass, read_trial_mass, trial_unbalance
 
 ORDERS = (0.0, 0.5, 1.0, 2.0, 3.0)  # the gap, half and whole multiples of the speed that faults are known by
 HYSTERESIS = 0.25  # of the distance between the keyphasor's levels
@@ -32,16 +32,16 @@ def track(
 ) -> OrderTrackedResponse:
     """Return the order vectors of a recording, a row per `turns` turns, with their covariance.
 
-    `trial` are the trial masses that were on the rotor, None: those the recording notes. `progress` is told the
-    fraction done. Raises DataError if the recording has no keyphasor pulses, no run or no whole row, or if the window
-    is too short to tell the orders apart.
+    `trial` are the trial masses that were on the rotor all the time, None: those the recording notes. `progress` is
+    told the fraction done. Raises DataError if the recording has no keyphasor pulses, no run or no whole row, or if
+    the window is too short to tell the orders apart.
     """
     orders = tuple(float(order) for order in orders)
     waveforms = Waveforms(recording)
     _check_orders(orders, turns, waveforms.where)
     shaft = read_keyphasor(waveforms)
-    masses = recorded_trial_masses(recording) if trial is None else trial
-    spans = find_runs(recording.events, shaft, trial=trial_unbalance(masses))
+    masses = recorded_trial_masses(recording) if trial is None else [(0.0, trial_unbalance(trial))]
+    spans = find_runs(recording.events, shaft, trial=masses)
     rows = lay_rows(shaft, [(span.begin, span.end) for span in spans], turns=turns)
     _check_rows(rows, spans, waveforms.where)
     z = track_orders(waveforms, shaft, rows, orders=orders, progress=progress)
@@ -71,10 +71,18 @@ def track(
     )
 
 
-def recorded_trial_masses(recording: RawRecording) -> tuple[TrialMass, ...]:
-    """Return the trial masses a sweep noted. Raises ConfigError if a note cannot be read."""
-    notes = (event.text for event in recording.events if event.kind == "trial")
-    return tuple(read_trial_mass(text, rig=recording.rig) for text in notes)
+def recorded_trial_masses(recording: RawRecording) -> list[tuple[float, dict[str, complex]]]:
+    """Return since when [s] which unbalance [kg m] was on per disk, as a sweep noted it.
+
+    Each note adds a mass to those before, until one says that none is on. Raises ConfigError if one cannot be read.
+    """
+    changes: list[tuple[float, dict[str, complex]]] = []
+    masses: list[TrialMass] = []
+    for event in recording.events:
+        if event.kind == "trial":
+            masses = [] if event.text == NO_TRIAL else [*masses, read_trial_mass(event.text, rig=recording.rig)]
+            changes.append((event.t_ns / 1e9, trial_unbalance(masses)))
+    return changes
 
 
 def read_keyphasor(waveforms: Waveforms) -> ShaftAngle:

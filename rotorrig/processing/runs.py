@@ -18,6 +18,8 @@ STEADY = 0.001  # 1/s: a speed that changes by less than 0.1 % a second dwells
 STEADY_SHARE = 0.05  # or by less than this share of the recording's fast changes
 SHORTEST = 16  # turns; a shorter stretch of an unmarked recording is no run
 _GRID = 0.25  # s
+ENDS = ("stop", "abort", "emergency", "trip", "pause")  # what else than a mark ends a run
+TrialChanges = Sequence[tuple[float, Mapping[str, complex]]]  # since when [s] which unbalance [kg m] is on per disk
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,12 +31,10 @@ class Span:
     end: float
 
 
-def find_runs(
-    events: Sequence[Event], shaft: ShaftAngle, *, trial: Mapping[str, complex] | None = None
-) -> tuple[Span, ...]:
+def find_runs(events: Sequence[Event], shaft: ShaftAngle, *, trial: TrialChanges = ()) -> tuple[Span, ...]:
     """Return the runs of a recording in order of time, each with a name of its own.
 
-    `trial` is the unbalance [kg m] that trial masses add per disk: to every run, the slow roll included.
+    `trial` is what trial masses add, in order of time: a run has what is on when it begins, the slow roll included.
     """
     if any(event.kind == "mark" for event in events):
         spans = _from_marks(events, end=float(shaft.t[-1]))
@@ -45,14 +45,15 @@ def find_runs(
     for name, direction, begin, end in spans:
         count[name] = count.get(name, 0) + 1
         own = name if count[name] == 1 else f"{name} {count[name]}"
-        run = Run(name=own, direction=direction, trial_unbalance=dict(trial or {}))
+        on = [unbalance for since, unbalance in trial if since <= begin]
+        run = Run(name=own, direction=direction, trial_unbalance=dict(on[-1]) if on else {})
         named.append(Span(run=run, begin=begin, end=end))
     return tuple(named)
 
 
 def _from_marks(events: Sequence[Event], *, end: float) -> list[tuple[str, int, float, float]]:
-    """Return name, direction, begin and end of each run: from its mark to the next mark, trip or stop."""
-    borders = sorted((e for e in events if e.kind in ("mark", "trip", "stop")), key=lambda e: e.t_ns)
+    """Return name, direction, begin and end of each run: from its mark to the next mark or end."""
+    borders = sorted((e for e in events if e.kind in ("mark", *ENDS)), key=lambda e: e.t_ns)
     until = [e.t_ns / 1e9 for e in borders[1:]] + [end]
     return [
         (mark.text, direction, mark.t_ns / 1e9, stop)

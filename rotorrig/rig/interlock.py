@@ -1,7 +1,7 @@
 """The interlock: what stops the rotor whatever the plan says. Cheap enough to see every sample.
 
 `check` looks at every Block, `check_motor` at what the drive reports; both raise LimitExceeded in one sentence. A link
-that dies is raised by its driver, as LinkLost.
+that dies is raised by its driver, as LinkLost. Vibration has a limit per probe, and others inside a critical band.
 """
 
 import math
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.rig.description import RigConfig
+from rotorrig.rig.devices import Limits
 from rotorrig.rig.errors import LimitExceeded
 from rotorrig.rig.motor.base import MotorState
 from rotorrig.rig.probes.base import Block, DaqInfo
@@ -35,6 +36,7 @@ class Interlock:
         self.keyphasor = KeyphasorSpeed(rig, info) if rig.keyphasor else None
         self._limits = rig.limits
         self._scale = ProbeScale.of(rig, info)
+        self._vibration = VibrationLimits(rig.limits, self._scale.names) if rig.limits else None
         self._gain = np.abs(self._scale.gain)  # (probe,) m per count; an inverting input has a negative one
         self._volts_per_count = np.array(info.volts_per_count)[self._scale.channels]
         self._clip = (-info.full_scale_counts, info.full_scale_counts - 1)
@@ -45,18 +47,23 @@ class Interlock:
 
     def check(self, block: Block) -> None:
         """Look at one block. Raises LimitExceeded."""
-        if self.keyphasor:
-            self.keyphasor.update(block)
-        if self._limits is None or not len(block.counts):
+        self.follow(block)
+        if self._vibration is None or not len(block.counts):
             return
         if self.keyphasor:
             self._check_speed(self.keyphasor.steady_speed, "keyphasor")
-        self._check_probes(block.counts[:, self._scale.channels])
+        self._check_probes(block.counts, self._vibration)
+
+    def follow(self, block: Block) -> None:
+        """Take note of the speed in a block, and of nothing else: the rotor is being stopped already."""
+        if self.keyphasor:
+            self.keyphasor.update(block)
 
     def check_motor(self, state: MotorState) -> None:
         """Look at one reading of the drive. Raises LimitExceeded."""
         if state.fault:
-            raise LimitExceeded(f"drive: has tripped with '{state.fault}' at {state.speed * RPM:.0f} rpm")
+            speed = state.speed or (self.keyphasor.steady_speed if self.keyphasor else 0.0)  # its output may be off
+            raise LimitExceeded(f"drive: has tripped with '{state.fault}' at {speed * RPM:.0f} rpm")
         if self._limits:
             self._check_speed(state.speed, "drive")
         if self.keyphasor:
@@ -69,21 +76,23 @@ class Interlock:
                 f"overspeed: {speed * RPM:.0f} rpm by the {source}, limit {self._limits.overspeed * RPM:.0f} rpm"
             )
 
-    def _check_probes(self, counts: NDArray[np.int32]) -> None:
-        """Compare the block's excursions from the running mean with the limit; counts (sample, probe)."""
-        assert self._limits is not None
-        low, high = counts.min(axis=0), counts.max(axis=0)
-        centre = self._centre(counts, low, high)
+    def _check_probes(self, counts: NDArray[np.int32], vibration: "VibrationLimits") -> None:
+        """Compare the block's excursions from the running mean with the limits; counts (sample, channel)."""
+        signals = [counts[:, channel] for channel in self._scale.channels]
+        low = np.array([signal.min() for signal in signals])
+        high = np.array([signal.max() for signal in signals])
+        centre = self._centre(signals, low, high)
         peak = np.maximum(high - centre, centre - low) * self._gain
-        for i in map(int, np.flatnonzero(peak > self._limits.vibration)):
-            excursion = np.abs(counts[:, i] - centre[i]) * self._gain[i]
-            if np.count_nonzero(excursion > self._limits.vibration) > STRAY_SAMPLES:
+        limit, band = vibration.at(self.keyphasor.steady_speed if self.keyphasor else 0.0)
+        for i in map(int, np.flatnonzero(peak > limit)):
+            excursion = np.abs(signals[i] - centre[i]) * self._gain[i]
+            if np.count_nonzero(excursion > limit[i]) > STRAY_SAMPLES:
                 raise LimitExceeded(
                     f"probe {self._scale.names[i]}: {peak[i] * 1e6:.0f} um{self._at_speed()}, "
-                    f"limit {self._limits.vibration * 1e6:.0f} um"
+                    f"limit {limit[i] * 1e6:.0f} um{band}"
                 )
         for i in map(int, np.flatnonzero((low <= self._clip[0]) | (high >= self._clip[1]))):
-            self._check_clipped(i, counts[:, i])
+            self._check_clipped(i, signals[i])
 
     def _check_clipped(self, i: int, counts: NDArray[np.int32]) -> None:
         clipped = (counts <= self._clip[0]) | (counts >= self._clip[1])
@@ -95,7 +104,7 @@ class Interlock:
             )
 
     def _centre(
-        self, counts: NDArray[np.int32], low: NDArray[np.int32], high: NDArray[np.int32]
+        self, signals: list[NDArray[np.int32]], low: NDArray[np.int32], high: NDArray[np.int32]
     ) -> NDArray[np.float64]:
         """Return what vibration is measured from, (probe,) counts, and move the running mean by the block.
 
@@ -103,9 +112,11 @@ class Interlock:
         extremes stands in for it, which makes too little of a slow turn but never too much.
         """
         settled = self._seen >= self._mean_samples
-        self._seen += len(counts)
-        weight = len(counts) / max(min(self._seen, self._mean_samples), len(counts))
-        self._mean += weight * (counts.mean(axis=0) - self._mean)
+        samples = len(signals[0])
+        self._seen += samples
+        weight = samples / max(min(self._seen, self._mean_samples), samples)
+        mean = np.array([signal.sum(dtype=np.int64) for signal in signals]) / samples
+        self._mean += weight * (mean - self._mean)
         return self._mean if settled else (low + high) / 2.0
 
     def _at_speed(self) -> str:
@@ -125,3 +136,21 @@ class Interlock:
                 f"keyphasor: no pulse for {silent:.1f} s while the drive reports {state.speed * RPM:.0f} rpm, "
                 "want one every turn; check the probe and the coupling"
             )
+
+
+class VibrationLimits:
+    """How far each probe may see the shaft move about its mean, 0-peak, at a speed."""
+
+    def __init__(self, limits: Limits, names: tuple[str, ...]) -> None:
+        self._outside = np.array([limits.probes.get(name, limits.vibration) for name in names])
+        self._bands = [
+            (band, np.array([band.probes.get(name, band.vibration) for name in names]))
+            for band in limits.critical_bands
+        ]
+
+    def at(self, speed: float) -> tuple[NDArray[np.float64], str]:
+        """Return the limits (probe,) [m] at a speed [rad/s], and which band they are of, to be said after them."""
+        for band, limit in self._bands:
+            if band.low <= speed <= band.high:
+                return limit, f" in the critical band {band.low * RPM:.0f}-{band.high * RPM:.0f} rpm"
+        return self._outside, ""

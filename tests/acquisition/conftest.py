@@ -10,6 +10,8 @@ from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.rig.description import RigConfig, load
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
+from tests.acquisition.scripted_bench import Bench, MakeBench
+from tests.acquisition.scripted_rig import Shaft
 
 ROOT = Path(__file__).parents[2]
 
@@ -69,3 +71,13 @@ def whole(recording: RawRecording, tmp_path: Path) -> Path:
     path = tmp_path / "run.mcap"
     write_recording(path, recording)
     return path
+
+
+@pytest.fixture
+def bench(rig: RigConfig, daq_info: DaqInfo, source: Provenance, tmp_path: Path) -> MakeBench:
+    """Return what makes a scripted rig with a shaft of these ways, see scripted_rig.Shaft."""
+
+    def make(**shaft: float) -> Bench:
+        return Bench(rig, daq_info, source, tmp_path / "run.mcap", Shaft(**shaft))
+
+    return make

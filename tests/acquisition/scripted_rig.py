@@ -10,7 +10,7 @@ import numpy as np
 from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.motor.base import MotorInfo, MotorState, Stop
-from rotorrig.rig.probes.base import Block, DaqInfo
+from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
 
 SCANS = 200
 
@@ -33,15 +33,18 @@ class Shaft:
 
 
 class ScriptedMotor:
-    """A drive in front of `Shaft`; `on_read` and `on_stop` may raise."""
+    """A drive in front of `Shaft`; `on_read` and `on_stop` may raise, `obeys` are the stops it acts on."""
 
     def __init__(self, shaft: Shaft) -> None:
         self.commands: list[tuple[object, ...]] = []
         self.on_read: Callable[[MotorState], MotorState] = lambda state: state
         self.on_stop: Callable[[Stop], None] = lambda kind: None
+        self.obeys = set(Stop)
+        self.opened = 0
         self._shaft = shaft
 
     def open(self) -> MotorInfo:
+        self.opened += 1
         return MotorInfo(model="scripted", link="none")
 
     def read(self) -> MotorState:
@@ -62,7 +65,8 @@ class ScriptedMotor:
     def stop(self, kind: Stop) -> None:
         self.commands.append(("stop", kind))
         self.on_stop(kind)
-        self._shaft.powered = False
+        if kind in self.obeys:
+            self._shaft.powered = False
 
     def close(self) -> None: ...
 
@@ -81,6 +85,7 @@ class ScriptedDaq:
         self.vibration: Callable[[float], float] = lambda speed: 50e-6  # m, 0-peak
         self.on_block: Callable[[Block], Block] = lambda block: block
         self.streaming = False
+        self.counters = DaqCounters()
         self._rig, self._info, self._shaft, self._clock = rig, info, shaft, clock
         self._first, self._angle = 0, 0.0
 

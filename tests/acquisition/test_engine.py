@@ -1,87 +1,19 @@
+"""A sweep on a scripted rig: in order, whole on record, and ended in words whatever ends it."""
+
 import dataclasses
 import math
-import signal
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from rotorrig.acquisition.engine import SweepResult, run_sweep
-from rotorrig.acquisition.mcap_file import RecordingWriter, read_recording
-from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, Step, Trial
-from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.clock import ManualClock
+from rotorrig.acquisition.plans import Ask, Dwell, Mark, Ramp, Rest, Step, Trial
+from rotorrig.processing.pipeline import track
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError, DataError, LinkLost
-from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.motor.base import MotorState, Stop
-from rotorrig.rig.probes.base import Block, DaqInfo
-from rotorrig.rig.provenance import Provenance
+from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
 from rotorrig.rig.units import RPM
-from tests.acquisition.scripted_rig import ScriptedDaq, ScriptedMotor, Shaft
-
-PLAN: tuple[Step, ...] = (
-    Mark(label="slow roll"),
-    Ramp(to=60.0, rate=60.0),
-    Dwell(seconds=1.0),
-    Mark(label="up"),
-    Ramp(to=120.0, rate=30.0),
-    Mark(label="down"),
-    Coast(until=60.0),
-    Mark(label="end"),
-)
-
-
-class Bench:
-    """A scripted rig and the file its sweep goes to."""
-
-    def __init__(self, rig: RigConfig, info: DaqInfo, source: Provenance, path: Path, shaft: Shaft) -> None:
-        self.clock = ManualClock()
-        self.motor = ScriptedMotor(shaft)
-        self.daq = ScriptedDaq(rig, info, shaft, self.clock)
-        self.rig, self.info, self.path = rig, info, path
-        self.writer = RecordingWriter(path, rig, info, source)
-
-    def sweep(self, steps: tuple[Step, ...] = PLAN, **more: object) -> SweepResult:
-        return run_sweep(
-            steps,
-            motor=self.motor,
-            daq=self.daq,
-            rig=self.rig,
-            writer=self.writer,
-            interlock=Interlock(self.rig, self.info),
-            clock=self.clock,
-            **more,  # type: ignore[arg-type]
-        )
-
-    def recorded(self) -> RawRecording:
-        return read_recording(self.path)
-
-    def marks(self, kind: str = "mark") -> list[str]:
-        return [event.text for event in self.recorded().events if event.kind == kind]
-
-
-MakeBench = Callable[..., Bench]
-
-
-@pytest.fixture
-def bench(rig: RigConfig, daq_info: DaqInfo, source: Provenance, tmp_path: Path) -> MakeBench:
-    def make(**shaft: float) -> Bench:
-        return Bench(rig, daq_info, source, tmp_path / "run.mcap", Shaft(**shaft))
-
-    return make
-
-
-def at_sample(limit: int, error: BaseException) -> Callable[[Block], Block]:
-    """Return a script that raises once the stream has come to sample `limit`."""
-
-    def script(block: Block) -> Block:
-        if block.first_sample >= limit:
-            raise error
-        return block
-
-    return script
+from tests.acquisition.scripted_bench import PLAN, Bench, MakeBench, Watching, at_sample
 
 
 def test_a_plan_is_run_in_order_and_the_rotor_stopped_down_the_ramp(bench: MakeBench) -> None:
@@ -104,6 +36,103 @@ def test_a_trial_mass_is_noted_before_the_first_run(bench: MakeBench) -> None:
     rig.sweep((Trial(mass="disk: 12 g mm at 90 deg"), *PLAN))
     assert rig.marks("trial") == ["disk: 12 g mm at 90 deg"]
     assert rig.recorded().events[1].kind == "trial"  # the first says when the recording began
+
+
+MOUNTING: tuple[Step, ...] = (
+    *PLAN,
+    Rest(),
+    Ask(request="mount 'disk: 12 g mm at 90 deg'"),
+    Trial(mass="disk: 12 g mm at 90 deg"),
+    *PLAN,
+)
+
+
+def turned_by_hand(rig: Bench, *, seconds: float) -> Watching:
+    """Return an operator who pushes the shaft out of the probes' range and is done after a while."""
+    done_at: list[float] = []
+
+    def answer() -> bool:
+        done_at.append(rig.clock.now() + seconds) if not done_at else None
+        rig.daq.vibration = lambda speed: 2000e-6 if rig.clock.now() < done_at[0] else 50e-6
+        return rig.clock.now() > done_at[0]
+
+    return Watching(answer=answer)
+
+
+def test_a_trial_mass_is_mounted_at_rest_with_the_limits_off_and_what_hands_do_is_not_recorded(
+    bench: MakeBench,
+) -> None:
+    rig = bench()
+    operator = turned_by_hand(rig, seconds=60.0)
+    result = rig.sweep(MOUNTING, operator=operator)
+    assert result.trip == ""
+    assert operator.asked == ["mount 'disk: 12 g mm at 90 deg'"]
+    assert [command[0] for command in rig.motor.commands] == ["set", "set", "stop", "stop"] * 2
+    at = {event.kind: event.t_ns / 1e9 for event in result.events}
+    assert at["trial"] - at["pause"] == pytest.approx(60.0, abs=0.1)
+    assert result.gaps == 0
+    (first, before), (then, after) = rig.recorded().segments()
+    assert first == 0
+    assert then - len(before) == pytest.approx(60.0 * 1e4, abs=1000)
+    assert np.abs(after[:, 0] * 6e-4 + 10.0).max() / 7874.0 < 100e-6
+    assert rig.marks() == ["slow roll", "up", "down", "end"] * 2
+
+
+def test_baseline_and_trial_runs_of_one_recording_are_told_apart(bench: MakeBench) -> None:
+    rig = bench()
+    rig.daq.vibration = lambda speed: 50e-6 * (speed / 100) ** 2
+    rig.sweep(MOUNTING, operator=Watching())
+    response = track(rig.recorded(), orders=(1.0,))
+    assert [(run.name, run.trial_unbalance) for run in response.runs] == [
+        ("slow roll", {}),
+        ("up", {}),
+        ("down", {}),
+        ("slow roll 2", {"disk": pytest.approx(12e-6j)}),
+        ("up 2", {"disk": pytest.approx(12e-6j)}),
+        ("down 2", {"disk": pytest.approx(12e-6j)}),
+    ]
+    assert set(response.run) == set(range(6))
+
+
+def test_a_drive_that_starts_while_the_rotor_is_worked_on_trips(bench: MakeBench) -> None:
+    rig = bench()
+    operator = Watching(answer=lambda: False)
+
+    def started(state: MotorState) -> MotorState:
+        stopped = ("stop", Stop.EMERGENCY) in rig.motor.commands
+        return dataclasses.replace(state, running=True, speed=10.0) if operator.asked and not stopped else state
+
+    rig.motor.on_read = started
+    result = rig.sweep(MOUNTING, operator=operator)
+    assert result.trip == "drive: runs at 95 rpm while the rotor is worked on"
+    assert rig.motor.commands[-1] == ("stop", Stop.EMERGENCY)
+
+
+def test_a_plan_that_asks_needs_somebody_to_ask(bench: MakeBench) -> None:
+    rig = bench()
+    with pytest.raises(ConfigError, match="want an operator to ask"):
+        rig.sweep(MOUNTING)
+    assert rig.motor.commands == []
+    rig.writer.close()
+
+
+def test_the_rate_changes_on_the_way_without_a_halt(bench: MakeBench) -> None:
+    rig = bench()
+    result = rig.sweep((Ramp(to=120.0, rate=20.0, until=60.0), Mark(label="band"), Ramp(to=120.0, rate=60.0)))
+    assert rig.motor.commands[:2] == [("set", 120.0, 20.0), ("set", 120.0, 60.0)]
+    (at,) = [event.t_ns / 1e9 for event in result.events if event.kind == "mark"]
+    late = 3 * 2 * math.pi / 60.0  # the keyphasor's median of five turns
+    assert 3.0 <= at <= 3.0 + late
+
+
+def test_what_the_daq_counted_stands_at_the_end_of_the_recording(bench: MakeBench) -> None:
+    rig = bench()
+    rig.daq.counters = DaqCounters(damaged_frames=3, saturated=(0, 2, 0, 0, 7))
+    rig.sweep()
+    assert rig.marks("note")[-2:] == [
+        "3 frames of the DAQ arrived damaged",
+        "probe 1y (channel 1): 2 samples at the end of the DAQ's range",
+    ]
 
 
 def test_steps_take_the_time_they_should_by_the_sample_clock(bench: MakeBench) -> None:
@@ -138,8 +167,10 @@ def test_the_drive_is_asked_four_times_a_second(bench: MakeBench) -> None:
     result = rig.sweep((Ramp(to=60.0, rate=60.0), Dwell(seconds=10.0)))
     readings = rig.recorded().motor
     assert 35 <= len(readings) <= 4 * result.seconds + 5
-    assert [sample.setpoint for sample in readings[-30:]] == [60.0] * 30
-    assert readings[-1].speed == pytest.approx(60.0)
+    held = [sample for sample in readings if 2 < sample.t_ns / 1e9 < 10]
+    assert len(held) in (31, 32)  # of eight seconds
+    assert {sample.setpoint for sample in held} == {60.0}
+    assert held[-1].speed == pytest.approx(60.0)
 
 
 def test_progress_rises_from_0_to_1(bench: MakeBench) -> None:
@@ -160,8 +191,9 @@ def test_too_much_vibration_trips_and_the_tripping_block_is_on_record(bench: Mak
     assert "limit 900 um" in result.trip
     assert rig.motor.commands[-1] == ("stop", Stop.EMERGENCY)
     assert rig.marks("trip") == [result.trip]
-    last = rig.recorded().blocks[-1].counts[:, 0] * 6e-4 + 10.0
-    assert np.abs(last / 7874.0).max() > 900e-6
+    (tripped,) = [event.t_ns for event in result.events if event.kind == "trip"]
+    last = [block for block in rig.recorded().blocks if block.t_ns < tripped][-1]
+    assert np.abs(last.counts[:, 0] * 6e-4 + 10.0).max() / 7874.0 > 900e-6
     assert rig.marks() == ["slow roll", "up"]
 
 
@@ -179,7 +211,20 @@ def test_a_drive_in_fault_trips(bench: MakeBench) -> None:
     result = rig.sweep()
     assert "overcurrent" in result.trip
     assert rig.motor.commands[-1] == ("stop", Stop.EMERGENCY)
-    assert rig.recorded().motor[-1].fault == "overcurrent"
+    assert "overcurrent" in [sample.fault for sample in rig.recorded().motor]
+
+
+def test_a_drive_that_somebody_else_has_stopped_trips(bench: MakeBench) -> None:
+    rig = bench()
+
+    def pressed(state: MotorState) -> MotorState:
+        rig.shaft.powered &= state.speed < 80
+        return dataclasses.replace(state, running=rig.shaft.powered)
+
+    rig.motor.on_read = pressed
+    assert rig.sweep().trip == (
+        "drive: is off, though it was sent to 1146 rpm; was it stopped by hand or by its watchdog?"
+    )
 
 
 def test_a_drive_that_does_not_get_there_trips_and_says_what_was_read(bench: MakeBench) -> None:
@@ -187,6 +232,15 @@ def test_a_drive_that_does_not_get_there_trips_and_says_what_was_read(bench: Mak
     assert result.trip == (
         "ramp to 1146 rpm: not there after 24 s, the keyphasor reads 859 rpm and the drive reports 859 rpm, "
         "not at its setpoint of 1146 rpm"
+    )
+
+
+def test_a_rotor_that_does_not_follow_its_drive_trips(bench: MakeBench) -> None:
+    rig = bench(stuck_at=90.0)
+    rig.motor.on_read = lambda state: dataclasses.replace(state, speed=state.setpoint, at_setpoint=True)
+    assert rig.sweep().trip == (
+        "ramp to 1146 rpm: the rotor does not follow, for 5 s the keyphasor reads 859 rpm and the drive reports "
+        "1146 rpm, at its setpoint of 1146 rpm"
     )
 
 
@@ -204,7 +258,8 @@ def test_a_silent_daq_stops_the_rotor_and_leaves_a_whole_recording(bench: MakeBe
         rig.sweep()
     assert rig.motor.commands[-1] == ("stop", Stop.EMERGENCY)
     assert rig.recorded().samples == 20_000
-    assert rig.marks("stop") == ["DAQ at /dev/ttyACM0: silent for 2 s"]
+    assert rig.marks("emergency") == ["DAQ at /dev/ttyACM0: silent for 2 s"]
+    assert rig.marks("note")[-1] == "the drive reports that it is off"
 
 
 def test_a_lost_drive_is_still_told_to_stop(bench: MakeBench) -> None:
@@ -222,55 +277,6 @@ def test_a_lost_drive_is_still_told_to_stop(bench: MakeBench) -> None:
     assert rig.recorded().complete
 
 
-@pytest.mark.parametrize("refusal", [LinkLost("drive: no answer"), OSError("port is gone"), RuntimeError("defect")])
-def test_a_stop_is_tried_again_when_the_link_hiccups(bench: MakeBench, refusal: Exception) -> None:
-    rig = bench()
-    answers: list[Exception | None] = [refusal, refusal, None]
-
-    def hiccup(kind: Stop) -> None:
-        if kind is Stop.RAMP and (answer := answers.pop(0)):
-            raise answer
-
-    rig.motor.on_stop = hiccup
-    assert rig.sweep().trip == ""
-    assert rig.motor.commands[-3:] == [("stop", Stop.RAMP)] * 3
-
-
-def test_a_stop_that_is_never_confirmed_is_said_loudly(bench: MakeBench) -> None:
-    rig = bench()
-
-    def refuse(kind: Stop) -> None:
-        raise LinkLost("drive: no answer")
-
-    rig.motor.on_stop = refuse
-    with pytest.raises(LinkLost, match=r"THE ROTOR MAY STILL BE TURNING.*no answer.*cut its power"):
-        rig.sweep((Ramp(to=60.0, rate=60.0),))
-    assert "THE ROTOR MAY STILL BE TURNING" in rig.marks("stop")[0]
-    assert rig.recorded().complete
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_ctrl_c_kill_or_a_closed_terminal_stop_the_rotor_and_a_second_one_cannot_keep_it_from_that(
-    bench: MakeBench, number: signal.Signals
-) -> None:
-    rig = bench()
-
-    def press(block: Block) -> Block:
-        if block.first_sample >= 20_000:
-            signal.raise_signal(number)
-        return block
-
-    rig.daq.on_block = press
-    rig.motor.on_stop = lambda kind: signal.raise_signal(number)
-    handler = signal.getsignal(number)
-    with pytest.raises(KeyboardInterrupt):
-        rig.sweep()
-    assert rig.motor.commands[-1] == ("stop", Stop.EMERGENCY)
-    assert rig.marks("stop") == ["interrupted by the operator"]
-    assert rig.recorded().complete
-    assert signal.getsignal(number) is handler
-
-
 def test_a_defect_of_the_program_stops_the_rotor_too(bench: MakeBench) -> None:
     rig = bench()
 
@@ -280,7 +286,7 @@ def test_a_defect_of_the_program_stops_the_rotor_too(bench: MakeBench) -> None:
     with pytest.raises(ZeroDivisionError):
         rig.sweep(progress=broken)
     assert rig.motor.commands[-1] == ("stop", Stop.EMERGENCY)
-    assert rig.marks("stop") == ["ZeroDivisionError: division by zero"]
+    assert rig.marks("abort") == ["ZeroDivisionError: division by zero"]
 
 
 def test_a_recorder_that_fails_ends_the_sweep(bench: MakeBench) -> None:
@@ -323,7 +329,7 @@ def test_gaps_are_counted_and_noted_where_they_are(bench: MakeBench) -> None:
 def test_a_daq_that_begins_again_ends_the_sweep(bench: MakeBench) -> None:
     rig = bench()
     rig.daq.on_block = lambda block: (
-        dataclasses.replace(block, first_sample=0) if block.first_sample == 4_000 else block
+        dataclasses.replace(block, first_sample=block.first_sample - 4_000) if block.first_sample >= 4_000 else block
     )
     with pytest.raises(LinkLost, match="begun again at sample 0 after sample 4000"):
         rig.sweep()

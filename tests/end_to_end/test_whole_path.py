@@ -142,4 +142,4 @@ def test_ctrl_c_stops_the_rotor_and_keeps_what_was_recorded(folder: Path) -> Non
     recording = read_recording(folder / "cut.mcap")
     assert recording.complete
     assert recording.samples > 10_000
-    assert any(event.kind == "stop" for event in recording.events)
+    assert any(event.kind == "abort" for event in recording.events)

@@ -65,5 +65,22 @@ def test_hunting_is_no_run(rng: np.random.Generator) -> None:
 
 
 def test_a_trial_mass_is_on_in_every_run_the_slow_roll_included() -> None:
-    spans = find_runs([], SWEEP, trial={"disk": 12e-6j})
+    spans = find_runs([], SWEEP, trial=[(0.0, {"disk": 12e-6j})])
     assert [span.run.trial_unbalance for span in spans] == [{"disk": 12e-6j}] * 4
+
+
+def test_a_run_has_the_trial_mass_that_was_on_when_it_began() -> None:
+    events = [mark(2, "slow roll"), mark(12, "up"), mark(40, "end"), mark(60, "up"), mark(80, "end")]
+    on = [(50.0, {"disk": 12e-6j}), (70.0, {})]
+    spans = find_runs(events, SWEEP, trial=on)
+    assert [(s.run.name, s.run.trial_unbalance) for s in spans] == [
+        ("slow roll", {}),
+        ("up", {}),
+        ("up 2", {"disk": 12e-6j}),
+    ]
+
+
+def test_every_way_to_end_a_sweep_ends_its_run() -> None:
+    for kind in ("stop", "abort", "emergency", "trip", "pause"):
+        (span,) = find_runs([mark(22, "up"), mark(50, "because", kind=kind)], SWEEP)
+        assert span.end == 50.0

@@ -1,0 +1,49 @@
+"""Ctrl-C, `kill` and a closed terminal while a rotor turns: each stops it, none ends the program before it stands.
+
+The first one aborts the sweep, the second is an emergency stop, the third ends the recording of the run-down.
+"""
+
+import signal
+import threading
+from collections.abc import Callable
+from types import FrameType, TracebackType
+from typing import Self
+
+HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "the terminal was closed"}
+EMERGENCY, ENOUGH = 2, 3  # how many make an emergency stop, and end the recording
+
+
+class Interrupts:
+    """Counts what would end the program otherwise, while its `with` block runs; not outside the main thread.
+
+    `stop` is called at once, from the signal handler, the first two times: the loop may hang, the rotor shall not wait
+    for it. `hangs` says whether it does: then the third one breaks out of it as KeyboardInterrupt.
+    """
+
+    def __init__(self, *, stop: Callable[[], None], hangs: Callable[[], bool]) -> None:
+        self.count = 0
+        self.first = ""  # what came first
+        self._stop, self._hangs = stop, hangs
+        self._before: dict[signal.Signals, object] = {}
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is threading.main_thread():  # Python delivers signals to that one only
+            self._before = {number: signal.signal(number, self._handle) for number in HANDLED}
+            # Ctrl-Z would leave the rotor turning with nobody to watch it
+            self._before[signal.SIGTSTP] = signal.signal(signal.SIGTSTP, signal.SIG_IGN)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)  # type: ignore[arg-type]
+
+    def _handle(self, number: int, frame: FrameType | None) -> None:
+        self.count += 1
+        self.first = self.first or NAMES[signal.Signals(number)]
+        if self.count <= EMERGENCY:
+            self._stop()
+        elif self._hangs():
+            raise KeyboardInterrupt

@@ -1,0 +1,165 @@
+"""How each step of a plan is performed: what is commanded, what is waited for, and when that has taken too long."""
+
+from collections.abc import Callable, Iterator
+
+from rotorrig.acquisition.operator import Operator
+from rotorrig.acquisition.run_down import AT_REST
+from rotorrig.acquisition.session import Session
+from rotorrig.acquisition.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
+from rotorrig.acquisition.timeline import timeline
+from rotorrig.rig.errors import LimitExceeded
+from rotorrig.rig.motor.base import Stop
+from rotorrig.rig.units import RPM
+
+Progress = Callable[[Step, float, float], None]  # step, fraction of the sweep 0..1, speed [rad/s]
+
+AT_SPEED = 0.005  # relative distance from the target that counts as there
+SLIP = 0.05  # an induction motor stays behind its frequency: so far off is there too ...
+SLIP_STEADY = 3.0  # ... once the speed has been steady for so many seconds
+DISAGREEMENT = 5.0  # s for which a drive may be at its setpoint and the rotor steady somewhere else
+RAMP_SLACK = (2.0, 20.0)  # a ramp may take twice its time and 20 s more
+COAST_LIMIT = 900.0  # s; an RK4 needs about 45
+
+
+def perform(steps: tuple[Step, ...], session: Session, operator: Operator, progress: Progress | None) -> Iterator[None]:
+    """Perform the steps; yield after every block. Raises LimitExceeded if one does not get where it should."""
+    timed = timeline(steps)
+    total = timed[-1].end if timed and timed[-1].end else 1.0
+    shown = 0.0
+    for part in timed:
+        for done in _performed(part.step, session, operator):
+            now = (part.begin + part.seconds * min(done, 1.0)) / total
+            shown = max(shown, now)  # a measured speed falters, progress does not
+            if progress:
+                progress(part.step, shown, session.speed)
+            yield
+
+
+def _performed(step: Step, session: Session, operator: Operator) -> Iterator[float]:
+    """Perform a step; yield after every block how much of it is done, about 0 to 1."""
+    match step:
+        case Mark():
+            session.note("mark", step.label)
+        case Trial():
+            session.note("trial", step.mass)
+        case Ramp():
+            yield from _ramped(step, session)
+        case Dwell():
+            yield from _dwelt(step, session)
+        case Coast():
+            yield from _coasted(step, session)
+        case Rest():
+            yield from _brought_to_rest(session)
+        case Ask():
+            yield from _asked(step, session, operator)
+
+
+def _ramped(step: Ramp, session: Session) -> Iterator[float]:
+    start, began = session.speed, session.t
+    factor, slack = RAMP_SLACK
+    limit = factor * abs(step.end - start) / step.rate + slack
+    rising = step.end > start
+    session.command(step.to, ramp=step.rate)
+    while not (_there(step.to, session) if step.until is None else _passed(step.until, session, rising=rising)):
+        if session.t - began > limit:
+            raise LimitExceeded(
+                f"ramp to {step.end * RPM:.0f} rpm: not there after {limit:.0f} s, {_readings(session)}"
+            )
+        session.take()
+        _check_agreement(step, session, since=began)
+        yield (session.speed - start) / (step.end - start) if step.end != start else 1.0
+    if step.until is None and abs(session.speed - step.to) > AT_SPEED * step.to:
+        session.note("note", f"steady at {session.speed * RPM:.1f} rpm, asked for {step.to * RPM:.1f} rpm: slip")
+
+
+def _dwelt(step: Dwell, session: Session) -> Iterator[float]:
+    began = session.t
+    while session.t - began < step.seconds:
+        session.take()
+        yield (session.t - began) / step.seconds
+
+
+def _coasted(step: Coast, session: Session) -> Iterator[float]:
+    start, began = session.speed, session.t
+    session.slow_down(Stop.COAST)
+    while session.speed > step.until:
+        if session.t - began > COAST_LIMIT:
+            raise LimitExceeded(
+                f"coast to {step.until * RPM:.0f} rpm: not there after {COAST_LIMIT:.0f} s, {_readings(session)}"
+            )
+        session.take()
+        yield (start - session.speed) / (start - step.until)
+
+
+def _brought_to_rest(session: Session) -> Iterator[float]:
+    start, began = max(session.speed, AT_REST), session.t
+    session.slow_down(Stop.RAMP)
+    while not _resting(session):
+        if session.t - began > COAST_LIMIT:
+            raise LimitExceeded(f"stop: not at rest after {COAST_LIMIT:.0f} s, {_readings(session)}")
+        session.take()
+        yield 1 - session.speed / start
+
+
+def _asked(step: Ask, session: Session, operator: Operator) -> Iterator[float]:
+    """Wait for the operator with limits off, since a hand at the rotor exceeds them; a drive that runs trips still.
+
+    Samples are not recorded meanwhile: turns by hand are no pulses of a run. The stream goes on, and so the watch.
+    """
+    session.note("pause", f"{step.request}; not recorded until that is done")
+    session.guarded, session.paused = False, True
+    operator.ask(step.request)
+    while not operator.has_answered():
+        session.take()
+        state = session.state
+        if state is not None and state.running:
+            session.halt(Stop.EMERGENCY)
+            raise LimitExceeded(f"drive: runs at {state.speed * RPM:.0f} rpm while the rotor is worked on")
+        yield 0.0
+    session.guarded, session.paused = True, False
+    session.note("note", f"done: {step.request}")
+
+
+def _there(target: float, session: Session) -> bool:
+    """Whether the keyphasor and the drive agree that the target speed is reached."""
+    off = abs(session.speed - target)
+    slipping = off <= SLIP * target and session.steady >= SLIP_STEADY
+    if off > AT_SPEED * target and not slipping:
+        return False
+    session.control.hurry()
+    session.hear_motor()
+    return session.state is not None and session.state.at_setpoint
+
+
+def _check_agreement(step: Ramp, session: Session, *, since: float) -> None:
+    """Raise LimitExceeded if the drive has long been where it was sent, and the rotor stays elsewhere."""
+    state = session.state
+    steady = min(session.steady, session.t - since)
+    if (
+        state is None
+        or not state.at_setpoint
+        or steady < DISAGREEMENT
+        or abs(session.speed - step.to) <= SLIP * step.to
+    ):
+        return
+    raise LimitExceeded(
+        f"ramp to {step.end * RPM:.0f} rpm: the rotor does not follow, for {steady:.0f} s {_readings(session)}"
+    )
+
+
+def _passed(speed: float, session: Session, *, rising: bool) -> bool:
+    return session.speed >= speed if rising else session.speed <= speed
+
+
+def _resting(session: Session) -> bool:
+    return session.speed < AT_REST and session.state is not None and not session.state.running
+
+
+def _readings(session: Session) -> str:
+    """Say what keyphasor and drive read, for an error."""
+    state = session.state
+    drive = "has not answered since the command"
+    if state is not None:
+        where = "at" if state.at_setpoint else "not at"
+        drive = f"reports {state.speed * RPM:.0f} rpm, {where} its setpoint of {state.setpoint * RPM:.0f} rpm"
+    return f"the keyphasor reads {session.speed * RPM:.0f} rpm and the drive {drive}"

@@ -1,0 +1,67 @@
+"""The steps of a sweep, one thing to ask of the rig each; plans make them, the engine performs them."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ramp:
+    """Go to speed `to` [rad/s] at `rate` [rad/s^2] and wait until there.
+
+    With `until` the next step begins as soon as that speed [rad/s] is passed on the way: the rate may change without
+    a halt.
+    """
+
+    to: float
+    rate: float
+    until: float | None = None
+
+    @property
+    def end(self) -> float:
+        """The speed at which the next step begins [rad/s]."""
+        return self.to if self.until is None else self.until
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dwell:
+    """Hold the speed for `seconds` of the sample clock."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coast:
+    """Power off; wait until the keyphasor says the speed is below `until` [rad/s]."""
+
+    until: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rest:
+    """Stop down the ramp last asked for and wait until keyphasor and drive say that the rotor is at rest."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ask:
+    """With the rotor at rest, wait until the operator has done what `request` says. Samples are not recorded."""
+
+    request: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mark:
+    """Write `label` into the recording: "slow roll", "up", "down", which name the runs of a response."""
+
+    label: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """Write into the recording which trial mass is on the rotor from here on, beside those noted before.
+
+    "disk: 12 g mm at 90 deg"; rig.trial_mass.NO_TRIAL says that none is on any more.
+    """
+
+    mass: str
+
+
+Step = Ramp | Dwell | Coast | Rest | Ask | Mark | Trial

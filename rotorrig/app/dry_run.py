@@ -1,0 +1,181 @@
+"""`rotor sweep --dry-run`: what a sweep would do, step by step, and what speaks against it; nothing is opened."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from rotorrig.acquisition import critical_speeds, plans
+from rotorrig.acquisition.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Trial
+from rotorrig.acquisition.timeline import COAST_SECONDS, Timed, timeline
+from rotorrig.app.console import out
+from rotorrig.app.model_criticals import criticals_of
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.probes.calibration import channels_used
+from rotorrig.rig.units import RPM
+
+BYTES_PER_SAMPLE = 2  # and channel, before compression
+COMPRESSION = 0.5  # of a rotor's vibration: a quiet one less, a noisy one up to 0.7
+ROWS = 10  # of the chart
+BLOCKS = " ▁▂▃▄▅▆▇█"
+PLAIN = " .::-==##"
+DOT = {False: "·", True: "."}  # along a critical speed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Preview:
+    """What a plan comes to."""
+
+    steps: tuple[Timed, ...]
+    criticals: tuple[float, ...]  # of the nameplate's model, rad/s
+    bands: tuple[critical_speeds.Band, ...]
+    objections: tuple[str, ...]  # why it is refused; empty: it is not
+
+    @property
+    def seconds(self) -> float:
+        """How long it takes [s], masses mounted in no time."""
+        return self.steps[-1].end if self.steps else 0.0
+
+
+def preview(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> Preview:
+    """Return what a plan comes to. Raises ConfigError if there is none of that name, or no such trial mass."""
+    criticals = criticals_of(rig)
+    planned = plans.planned(rig, plan, trial=trial, criticals=criticals)
+    return Preview(
+        steps=timeline(planned),
+        criticals=tuple(criticals),
+        bands=critical_speeds.bands(rig.limits, criticals),
+        objections=tuple(plans.objections(rig, planned, criticals=criticals)),
+    )
+
+
+def show(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> None:
+    """Print the preview. Raises ConfigError with the first objection, when everything has been shown."""
+    seen = preview(rig, plan, trial=trial)
+    out.print(steps_table(seen, title=f"plan '{plan}' on {rig.name}"))
+    plain = out.options.ascii_only or not out.is_terminal
+    out.print(chart(seen.steps, criticals=seen.criticals, width=min(out.width, 100), plain=plain))
+    for line in (*facts(rig, seen), *(f"refused: {objection}" for objection in seen.objections)):
+        out.print(line, highlight=False, markup=False, soft_wrap=True)
+    for objection in seen.objections:
+        raise ConfigError(f"plans.{plan}: {objection}")
+
+
+def steps_table(seen: Preview, *, title: str) -> Table:
+    """Return the steps with times, speeds and what they pass."""
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
+    for heading in ("begin, s", "end, s", "step", "rpm", "rpm/s", "remarks"):
+        right = heading in ("begin, s", "end, s", "rpm", "rpm/s")
+        table.add_column(heading, justify="right" if right else "left", no_wrap=heading != "remarks")
+    for timed in seen.steps:
+        what, rate = _described(timed)
+        speeds = f"{timed.to * RPM:.0f}"
+        if timed.to != timed.speed:
+            speeds = f"{timed.speed * RPM:.0f} → {speeds}"
+        about = "~" if isinstance(timed.step, Coast) else ""
+        table.add_row(
+            f"{timed.begin:.1f}", f"{about}{timed.end:.1f}", Text(what), speeds, rate, Text(_remarks(timed, seen))
+        )
+    return table
+
+
+def facts(rig: RigConfig, seen: Preview) -> list[str]:
+    """Return in a line each: the time, the file's size, the limits and the critical speeds."""
+    coasts = sum(isinstance(timed.step, Coast) for timed in seen.steps)
+    asks = sum(isinstance(timed.step, Ask) for timed in seen.steps)
+    total = f"about {seen.seconds:.0f} s"
+    total += f", {coasts} coast-downs guessed at {COAST_SECONDS:.0f} s each" if coasts > 1 else ""
+    total += f", its coast-down guessed at {COAST_SECONDS:.0f} s" if coasts == 1 else ""
+    total += f", and the time of an operator asked {'once' if asks == 1 else f'{asks} times'}" if asks else ""
+    lines = [f"time: {total}; then the run-down to rest"]
+    if rig.daq:
+        size = expected_bytes(rig, seen.seconds) / 1e6
+        lines.append(f"file: about {size:.0f} MB, {channels_used(rig)} channels at {rig.daq.sample_rate:g} Hz")
+    lines.append(f"limits: {limits_words(rig)}")
+    named = ", ".join(f"{speed * RPM:.0f}" for speed in seen.criticals) or "none"
+    lines.append(f"critical speeds of the nameplate: {named}{' rpm' if seen.criticals else ''}")
+    return lines
+
+
+def expected_bytes(rig: RigConfig, seconds: float) -> float:
+    """Return about how large the recording of a sweep is; 0 without a DAQ."""
+    rate = rig.daq.sample_rate if rig.daq else 0.0
+    return seconds * rate * channels_used(rig) * BYTES_PER_SAMPLE * COMPRESSION
+
+
+def limits_words(rig: RigConfig) -> str:
+    """Return the config's limits in a line."""
+    limits = rig.limits
+    if limits is None:
+        return "none: the config has no [limits], only drive and keyphasor are watched"
+    words = [f"{limits.overspeed * RPM:.0f} rpm", f"{limits.vibration * 1e6:g} um 0-peak"]
+    words += [f"{name} {limit * 1e6:g} um" for name, limit in limits.probes.items()]
+    words += [
+        f"{band.low * RPM:.0f}-{band.high * RPM:.0f} rpm {band.vibration * 1e6:g} um" for band in limits.critical_bands
+    ]
+    words += (
+        [f"critical speeds passed at {limits.critical_ramp * RPM:g} rpm/s at least"] if limits.critical_ramp else []
+    )
+    return ", ".join(words)
+
+
+def chart(steps: Sequence[Timed], *, criticals: Sequence[float] = (), width: int, plain: bool) -> Text:
+    """Return speed over time as columns of characters, with the highest speed and the critical ones [rad/s] named."""
+    total, top = steps[-1].end or 1.0, max(max(timed.speed, timed.to) for timed in steps) or 1.0
+    rows = {int(speed / top * ROWS): f"critical {speed * RPM:.0f} rpm " for speed in criticals if speed < top}
+    named = {ROWS - 1: f"{top * RPM:.0f} rpm "} | rows
+    margin = max(map(len, named.values()))
+    columns = max(width - margin - 1, 20)
+    heights = [_speed_at(steps, (i + 0.5) / columns * total) / top * ROWS for i in range(columns)]
+    glyphs = PLAIN if plain else BLOCKS
+    lines = []
+    for row in reversed(range(ROWS)):
+        levels = [min(max(height - row, 0.0), 1.0) for height in heights]
+        line = "".join(glyphs[math.ceil(level * (len(glyphs) - 1))] for level in levels)
+        lines.append(
+            named.get(row, "").rjust(margin) + (line.replace(" ", DOT[plain]) if row in rows else line.rstrip())
+        )
+    end = f"{total:.0f} s"
+    lines.append(" " * margin + "0 s" + " " * (columns - 3 - len(end)) + end)
+    return Text("\n".join(lines), no_wrap=True, overflow="crop")
+
+
+def _speed_at(steps: Sequence[Timed], t: float) -> float:
+    """Return the expected speed at a time, straight between the ends of each step."""
+    timed = next((timed for timed in steps if timed.begin <= t < timed.end), steps[-1])
+    part = (t - timed.begin) / timed.seconds if timed.seconds else 1.0
+    return timed.speed + min(part, 1.0) * (timed.to - timed.speed)
+
+
+def _described(timed: Timed) -> tuple[str, str]:
+    """Return what a step is, and its rate in rpm/s where it has one."""
+    match timed.step:
+        case Ramp(rate=rate):
+            return "ramp", f"{rate * RPM:.0f}"
+        case Dwell():
+            return "dwell", ""
+        case Coast():
+            return "coast, power off", ""
+        case Rest():
+            return "stop, to rest", ""
+        case Ask(request=request):
+            return f"ask: {request}", ""
+        case Mark(label=label):
+            return f"mark '{label}'", ""
+        case Trial(mass=mass):
+            return f"trial mass: {mass}", ""
+
+
+def _remarks(timed: Timed, seen: Preview) -> str:
+    """Say which critical speeds and bands a step passes or stands in."""
+    low, high = sorted((timed.speed, timed.to))
+    said = []
+    if timed.seconds:
+        passed = [f"{speed * RPM:.0f}" for speed in seen.criticals if low <= speed <= high and low < high]
+        said += [f"passes critical {', '.join(passed)} rpm"] if passed else []
+        said += [f"in band {band}" for band in seen.bands if timed.speed in band and timed.to in band]
+    return "; ".join(said)

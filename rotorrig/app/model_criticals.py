@@ -1,0 +1,22 @@
+"""The critical speeds of a config's rotor, for whom they are only numbers: sweeps."""
+
+from threadpoolctl import threadpool_limits
+
+from rotorrig.rig.description import RigConfig
+
+
+@threadpool_limits.wrap(limits=1, user_api="blas")  # many small eigenvalue problems: threads only slow them down
+def criticals_of(rig: RigConfig) -> list[float]:
+    """Return the 1X critical speeds of the nameplate's model [rad/s], up to the fastest the rig may go."""
+    from rotorrig.sims.rotor.assembly import assemble
+    from rotorrig.sims.rotor.modes import critical_speeds
+
+    ceiling = rig.motor.max_speed if rig.motor else 1000.0
+    return [float(speed) for speed in critical_speeds(assemble(rig), up_to=ceiling)]
+
+
+def criticals_to_pass(rig: RigConfig) -> list[float]:
+    """Return the model's critical speeds [rad/s] where a sweep goes by them: no bands, but a rate to pass at."""
+    if rig.limits is None or rig.limits.critical_ramp is None or rig.limits.critical_bands:
+        return []
+    return criticals_of(rig)

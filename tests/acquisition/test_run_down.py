@@ -1,0 +1,217 @@
+"""From the stop to rest: watched, recorded, and stopped harder when the rotor does not slow down."""
+
+import signal
+from collections.abc import Callable
+
+import pytest
+
+from rotorrig.acquisition.plans import Dwell, Mark, Ramp
+from rotorrig.rig.errors import LinkLost
+from rotorrig.rig.motor.base import Stop
+from rotorrig.rig.probes.base import Block
+from tests.acquisition.scripted_bench import MakeBench, Watching, at_sample
+
+
+@pytest.mark.parametrize("refusal", [LinkLost("drive: no answer"), OSError("port is gone"), RuntimeError("defect")])
+def test_a_stop_is_tried_again_when_the_link_hiccups(bench: MakeBench, refusal: Exception) -> None:
+    rig = bench()
+    answers: list[Exception | None] = [refusal, refusal, None]
+
+    def hiccup(kind: Stop) -> None:
+        if kind is Stop.RAMP and (answer := answers.pop(0)):
+            raise answer
+
+    rig.motor.on_stop = hiccup
+    assert rig.sweep().trip == ""
+    assert rig.motor.commands[-3:] == [("stop", Stop.RAMP)] * 3
+
+
+def test_a_stop_that_is_never_confirmed_is_said_loudly(bench: MakeBench) -> None:
+    rig = bench()
+
+    def refuse(kind: Stop) -> None:
+        raise LinkLost("drive: no answer")
+
+    assert rig.rig.limits
+    rig.rig = rig.rig.model_copy(update={"limits": rig.rig.limits.model_copy(update={"run_down": 20.0})})
+    rig.motor.on_stop = refuse
+    told = Watching()
+    with pytest.raises(LinkLost, match=r"THE ROTOR MAY STILL BE TURNING.*no answer.*cut its power"):
+        rig.sweep((Ramp(to=60.0, rate=60.0),), operator=told)
+    assert "THE ROTOR MAY STILL BE TURNING" in rig.marks("emergency")[0]
+    assert [text.startswith("The drive does not confirm the stop (drive: no answer)") for text in told.told] == [True]
+    assert rig.motor.opened > 5  # the link is opened anew for every try
+    assert rig.recorded().complete
+
+
+def pressing(number: signal.Signals, *at: int) -> Callable[[Block], Block]:
+    """Return a script that sends the process a signal when the stream comes to each of these samples."""
+    left = list(at)
+
+    def script(block: Block) -> Block:
+        while left and block.first_sample >= left[0]:
+            left.pop(0)
+            signal.raise_signal(number)
+        return block
+
+    return script
+
+
+@pytest.mark.parametrize(
+    ("number", "name"),
+    [
+        (signal.SIGINT, "Ctrl-C"),
+        (signal.SIGTERM, "SIGTERM"),
+        (signal.SIGHUP, "the terminal was closed"),
+    ],
+)
+def test_ctrl_c_kill_or_a_closed_terminal_abort_the_sweep_and_record_the_rotor_to_rest(
+    bench: MakeBench, number: signal.Signals, name: str
+) -> None:
+    rig = bench()
+    rig.daq.on_block = pressing(number, 20_000)
+    handler = signal.getsignal(number)
+    with pytest.raises(KeyboardInterrupt):
+        rig.sweep()
+    assert rig.motor.commands[-1] == ("stop", Stop.EMERGENCY)
+    assert rig.marks("abort") == [f"interrupted by the operator ({name})"]
+    assert rig.marks("stop") == rig.marks("trip") == rig.marks("emergency") == []
+    assert rig.marks("note")[-1].startswith("at rest")
+    assert rig.recorded().complete
+    assert rig.recorded().samples > 40_000  # two seconds from 60 rad/s at 40 rad/s^2, and two without a pulse
+    assert signal.getsignal(number) is handler
+
+
+def test_a_second_ctrl_c_is_an_emergency_stop(bench: MakeBench) -> None:
+    rig = bench()
+    rig.daq.on_block = pressing(signal.SIGINT, 20_000, 22_000)
+    with pytest.raises(KeyboardInterrupt):
+        rig.sweep()
+    assert rig.motor.commands[-2:] == [("stop", Stop.EMERGENCY)] * 2
+    assert len(rig.marks("abort")) == 1
+    assert rig.marks("emergency") == ["emergency stop by the operator"]
+    assert rig.marks("note")[-1].startswith("at rest")
+
+
+def test_a_third_ctrl_c_ends_the_recording_at_once(bench: MakeBench) -> None:
+    rig = bench()
+    rig.daq.on_block = pressing(signal.SIGINT, 20_000, 22_000, 24_000)
+    with pytest.raises(KeyboardInterrupt):
+        rig.sweep()
+    assert rig.recorded().samples == 24_200
+    assert rig.recorded().complete
+    assert "still turning at" in rig.marks("note")[-1]
+
+
+def test_a_signal_stops_the_rotor_before_the_loop_takes_note_of_it(bench: MakeBench) -> None:
+    rig = bench()
+    commands: list[list[object]] = []
+
+    def press(block: Block) -> Block:
+        if block.first_sample == 20_000:
+            signal.raise_signal(signal.SIGTERM)
+            commands.append(list(rig.motor.commands))  # a program that hangs here would not come any further
+        return block
+
+    rig.daq.on_block = press
+    with pytest.raises(KeyboardInterrupt):
+        rig.sweep()
+    assert commands[0][-1] == ("stop", Stop.EMERGENCY)
+
+
+def test_the_operator_ends_a_sweep_down_the_ramp(bench: MakeBench) -> None:
+    rig = bench()
+    result = rig.sweep(operator=Watching(stop=lambda: rig.shaft.speed > 100))
+    assert rig.motor.commands[-1] == ("stop", Stop.RAMP)
+    assert (result.ending, result.trip, result.at_rest) == ("stop", "", True)
+    assert rig.marks("stop") == ["stopped by the operator"]
+    assert rig.marks() == ["slow roll", "up"]
+
+
+def test_after_the_plan_the_rotor_is_recorded_to_rest(bench: MakeBench) -> None:
+    rig = bench()
+    result = rig.sweep((Ramp(to=60.0, rate=60.0), Mark(label="end")))
+    assert result.at_rest
+    assert rig.shaft.speed == 0.0
+    kinds = [(event.kind, event.text) for event in result.events[1:]]
+    assert kinds[:2] == [("mark", "end"), ("stop", "plan finished")]
+    assert kinds[2][0] == "note"
+    assert kinds[2][1].startswith("at rest")
+
+
+def test_a_limit_exceeded_on_the_way_down_the_ramp_makes_it_an_emergency_stop(bench: MakeBench) -> None:
+    rig = bench()
+    rig.daq.vibration = lambda speed: 50e-6 if rig.shaft.powered else 1000e-6
+    result = rig.sweep((Ramp(to=120.0, rate=60.0),))
+    assert rig.motor.commands[-2:] == [("stop", Stop.RAMP), ("stop", Stop.EMERGENCY)]
+    assert result.trip.endswith("limit 900 um; while stopping")
+    assert result.ending == "stop"
+
+
+def test_a_rotor_that_does_not_slow_down_is_stopped_harder_and_then_left_without_power(bench: MakeBench) -> None:
+    rig = bench()
+    rig.motor.obeys = {Stop.COAST}
+    result = rig.sweep((Ramp(to=60.0, rate=60.0),))
+    assert rig.motor.commands[-3:] == [("stop", Stop.RAMP), ("stop", Stop.EMERGENCY), ("stop", Stop.COAST)]
+    said = rig.marks("emergency")
+    assert said == [
+        "the rotor does not slow down, 573 rpm after a stop of kind 'ramp': 'emergency' instead",
+        "the rotor does not slow down, 573 rpm after a stop of kind 'emergency': 'coast' instead",
+    ]
+    assert result.at_rest
+
+
+def test_a_rotor_that_never_stops_is_recorded_for_as_long_as_the_config_says(bench: MakeBench) -> None:
+    rig = bench()
+    assert rig.rig.limits
+    rig.rig = rig.rig.model_copy(update={"limits": rig.rig.limits.model_copy(update={"run_down": 30.0})})
+    rig.motor.obeys = set()
+    result = rig.sweep((Ramp(to=60.0, rate=60.0),))
+    assert not result.at_rest
+    assert (
+        rig.marks("note")[-1] == "the rotor is still turning at 573 rpm 30 s after the stop, where the recording ends"
+    )
+
+
+def test_without_samples_and_without_the_drive_the_danger_is_named(bench: MakeBench) -> None:
+    rig = bench()
+    rig.daq.on_block = at_sample(20_000, LinkLost("DAQ: silent for 2 s"))
+
+    def unconfirmed(kind: Stop) -> None:
+        raise LinkLost("drive: no answer")
+
+    rig.motor.on_stop = unconfirmed
+    with pytest.raises(LinkLost, match="THE ROTOR MAY STILL BE TURNING"):
+        rig.sweep((Ramp(to=60.0, rate=60.0), Dwell(seconds=10)))
+    assert rig.recorded().complete
+
+
+def test_a_rotor_seen_to_come_to_rest_is_no_danger_though_the_drive_says_nothing(bench: MakeBench) -> None:
+    rig = bench()
+
+    def dead_when_fast(state: object) -> object:
+        if rig.shaft.speed > 100:
+            rig.shaft.powered = False  # its own watchdog
+            raise LinkLost("drive: no answer")
+        return state
+
+    def unconfirmed(kind: Stop) -> None:
+        raise LinkLost("drive: no answer to the stop")
+
+    rig.motor.on_read = dead_when_fast  # type: ignore[assignment]
+    rig.motor.on_stop = unconfirmed
+    with pytest.raises(
+        LinkLost, match=r"^drive: no answer; at rest [\d.]+ s after the stop, without the drive's word$"
+    ):
+        rig.sweep()
+    assert rig.marks("note")[-1].endswith("without the drive's word")
+
+
+def test_it_is_told_when_the_samples_came_and_the_stop_went_out(bench: MakeBench) -> None:
+    rig = bench()
+    rig.daq.vibration = lambda speed: 50e-6 if speed < 100 else 1000e-6
+    result = rig.sweep()
+    (trip,) = [event for event in result.events if event.kind == "trip"]
+    times = result.stop_times
+    assert times
+    assert times.received == times.decided == times.handed == times.confirmed == pytest.approx(trip.t_ns / 1e9)

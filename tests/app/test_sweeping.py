@@ -1,0 +1,96 @@
+"""Sweeps over real wires that do not end as planned; the drive and the DAQ are in another process."""
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rotorrig.acquisition import motor_control
+from rotorrig.acquisition.mcap_file import read_recording
+from rotorrig.acquisition.operator import Nobody
+from rotorrig.acquisition.plans import Step
+from rotorrig.app.simulating import StandIn
+from rotorrig.app.sweeping import record_sweep, sweep
+from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.errors import ConfigError, DataError
+from rotorrig.rig.units import RPM
+from rotorrig.sims.wire.launch import BenchPorts, simulated_bench
+
+RK4 = (Path(__file__).parents[2] / "configs/rk4.toml").read_text()
+HASTY = {
+    'slow_roll_time = "10 s"': 'slow_roll_time = "0.2 s"',
+    'start = "480 rpm"': 'start = "1000 rpm"',
+    'ramp = "30 rpm/s"': 'ramp = "300 rpm/s"',
+    "address = 100": 'watchdog = "1 s"\naddress = 100',
+}
+
+
+def hasty() -> RigConfig:
+    text = RK4
+    for old, new in HASTY.items():
+        assert old in text
+        text = text.replace(old, new)
+    return parse(text, where="hasty.toml")
+
+
+@pytest.fixture(scope="module")
+def ports() -> Iterator[BenchPorts]:
+    with simulated_bench(hasty().text, seed=3) as ports:
+        yield ports
+
+
+def test_a_limit_stops_the_rotor_and_the_recording_follows_it_to_rest(ports: BenchPorts, tmp_path: Path) -> None:
+    rig = hasty()
+    assert rig.limits
+    strict = rig.model_copy(update={"limits": rig.limits.model_copy(update={"vibration": 250e-6})})
+    result = record_sweep(strict, out=tmp_path / "run.mcap", ports=ports)
+    assert (result.ending, result.at_rest, result.gaps) == ("trip", True, 0)
+    assert "limit 250 um" in result.trip
+    times = result.stop_times
+    assert times
+    assert times.received <= times.decided <= times.handed <= times.confirmed
+    recording = read_recording(tmp_path / "run.mcap")
+    assert recording.complete
+    (trip,) = [event for event in recording.events if event.kind == "trip"]
+    end = recording.samples / recording.daq.sample_rate
+    assert end - trip.t_ns / 1e9 > 2.0  # the rotor's way to rest, and two seconds without a pulse
+    assert recording.events[-1].text.startswith("at rest")
+
+
+def test_of_a_program_that_hangs_the_drive_stops_the_rotor_by_itself(
+    ports: BenchPorts, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(motor_control, "STALL", 0.5)
+    hung: list[float] = []
+
+    def hang(step: Step, fraction: float, speed: float) -> None:
+        if speed * RPM > 1500 and not hung:
+            hung.append(time.monotonic())
+            time.sleep(2.5)  # half a second until that is seen, one until the drive's watchdog acts
+
+    result = record_sweep(hasty(), out=tmp_path / "run.mcap", ports=ports, progress=hang)
+    assert hung
+    assert result.trip.startswith("drive: is off, though it was sent to 3600 rpm")
+    assert result.at_rest
+
+
+def test_the_operator_ends_a_sweep_over_the_wire(ports: BenchPorts, tmp_path: Path) -> None:
+    class Impatient(Nobody):
+        def wants_stop(self) -> bool:
+            return True
+
+    result = record_sweep(hasty(), out=tmp_path / "run.mcap", ports=ports, operator=Impatient())
+    assert (result.ending, result.trip, result.at_rest) == ("stop", "", True)
+
+
+def test_a_mass_cannot_be_mounted_on_a_simulated_rig(tmp_path: Path) -> None:
+    text = f'{RK4}\n[plans.test]\nkind = "trial-mass"\nmasses = ["disk: 12 g mm at 0 deg"]'
+    with pytest.raises(ConfigError, match="which nobody can do on a simulated rig"):
+        sweep(parse(text, where="x"), out=tmp_path / "x.mcap", plan="test", stand_in=StandIn(seed=1), view=False)
+
+
+def test_a_sweep_that_will_not_fit_on_its_disk_is_refused_before_it_starts(tmp_path: Path) -> None:
+    text = f'{RK4}\n[plans.test]\nkind = "dwell"\nspeed = "900 rpm"\ntime = "1000000 h"\nramp = "60 rpm/s"'
+    with pytest.raises(DataError, match=r"x\.mcap: \d+ MB are free there, want 180000\d\d\d MB for this sweep"):
+        sweep(parse(text, where="x"), out=tmp_path / "x.mcap", plan="test", stand_in=StandIn(seed=1), view=False)
