@@ -3,7 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test lint types check pictures bench chea-tables identification-tables blind clean
+.PHONY: demo test lint types check pictures bench chea-tables identification-tables blind recorder soak fuzz clean
 
 demo: .venv/ready
 	$(BIN)/rotor demo --out demo
@@ -37,6 +37,19 @@ identification-tables: .venv/ready
 # Hours: hidden faults, and how often they are found. Ctrl-C keeps the cases done; the same command goes on.
 blind: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/blind.py --write
+
+# Twenty minutes: a recording at full rate, how soon a trip reaches the drive, kill -9.
+recorder: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/recorder.py --write
+
+# About an hour: every fault on every motor controller, judged from outside. Goes on where it was stopped, as `blind`.
+soak: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/soak.py --write
+
+# A quarter of an hour on two cores: damaged files of every kind through every reader. Findings, and how far it came, are
+# kept in fuzz-findings; Ctrl-C and the same command go on. Another campaign: make fuzz FUZZ="--seed 2".
+fuzz: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.fuzz --inputs 100000 $(FUZZ)
 
 # uv where there is one (seconds), else the venv module and pip; the same pinned versions either way. Made anew when the
 # versions change: an old one may be of another Python.

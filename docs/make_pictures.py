@@ -16,7 +16,6 @@ from importlib import resources
 from pathlib import Path
 
 import numpy as np
-import rerun as rr
 from PIL import Image
 from plotly.offline import get_plotlyjs
 from rerun.experimental import ViewerClient
@@ -130,7 +129,7 @@ def _moment(response: OrderTrackedResponse) -> float:
 def picture_live(recording: RawRecording, moment: float, out: Path) -> None:
     """Play a recording up to `moment` [s] into a live view and keep what it shows. Raises RigError."""
     with _viewer() as (client, address):
-        sink = Sink(targets=(rr.GrpcSink(address),))
+        sink = Sink(targets=(address,))
         with LiveView(recording.rig, recording.daq, sink) as view:
             _play(recording, moment, view)
         if view.fault:

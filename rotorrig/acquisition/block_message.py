@@ -1,13 +1,16 @@
-"""A `Block` as a message and back: raw counts, channel after channel, in the fewest bytes that hold them exactly.
+"""A `Block` as a message and back: raw counts, exact, in the form that zstd packs best.
 
-Channel after channel ("planar") compresses better than scan after scan: in chunks of 0.25 s zstd packs a simulated RK4
-sweep to 0.63 of int16 at 136 MB/s (lz4: 0.83 at 390 MB/s), scan after scan to 0.72. Differences between samples would
-give 0.41, but every reader would have to undo them.
+Channel after channel, each sample as its difference from the one before, the differences folded (0, -1, 1, -2, ... as
+0, 1, 2, 3, ...) so that small ones of either sign have zeros in their high bytes, then all low bytes, all high bytes.
+A simulated RK4 sweep at 10 kHz takes 0.38 of its int16 that way in chunks of 0.1 s; the differences alone 0.47, folded
+0.46, the plain counts 0.79. Of 24 bit counts the lowest byte is noise and stays: 0.63 of int24 instead of 1.04.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rotorrig.acquisition.schemas import message_type
 from rotorrig.rig.probes.base import Block
@@ -19,12 +22,14 @@ WAVEFORM = message_type(
         "first_sample": "int64",
         "samples": "int64",
         "channels": "int64",
-        "dtype": "string",  # "int16" or "int32", little endian
-        "counts": "bytes",  # (channel, sample)
+        "dtype": "string",  # "int16" or "int32": the least that holds these counts
+        "counts": "bytes",  # see coding
         "overrun": "bool",
+        "coding": "string",  # "delta": as above; empty: plain, (channel, sample), little endian, as in version 1
     },
 )
-_DTYPES: dict[str, np.dtype[Any]] = {"int16": np.dtype("<i2"), "int32": np.dtype("<i4")}
+DELTA, PLAIN = "delta", ""
+_WIDTHS = {"int16": 2, "int32": 4}  # bytes
 
 
 def packed(block: Block) -> dict[str, Any]:
@@ -39,25 +44,88 @@ def packed(block: Block) -> dict[str, Any]:
         "samples": counts.shape[0],
         "channels": counts.shape[1],
         "dtype": dtype,
-        "counts": counts.T.astype(_DTYPES[dtype]).tobytes(),
+        "counts": _coded(counts.T, width=_WIDTHS[dtype]),
         "overrun": block.overrun,
+        "coding": DELTA,
     }
 
 
 def unpacked(message: Any) -> Block:
     """Return the block in a WAVEFORM message. Raises ValueError if its fields contradict one another."""
-    dtype = _DTYPES.get(message.dtype)
-    if dtype is None:
+    samples, channels = _shape(message)
+    return _unpacked(message, np.empty((samples, channels), dtype=np.int32))
+
+
+def unpacked_all(messages: list[Any]) -> tuple[Block, ...]:
+    """Return the blocks of many WAVEFORM messages, emptying the list; raises ValueError as `unpacked` does.
+
+    Blocks that follow on one another lie side by side in memory, so that putting them together copies nothing; and a
+    message is let go once it is decoded, so that both forms of a long recording are never held at once.
+    """
+    blocks: list[Block] = []
+    for run in _runs(messages):
+        lengths = [message.samples for message in run]
+        counts = np.empty((sum(lengths), run[0].channels), dtype=np.int32)
+        at = 0
+        for number, length in enumerate(lengths):
+            blocks.append(_unpacked(run[number], counts[at : at + length]))
+            run[number] = None
+            at += length
+    return tuple(blocks)
+
+
+def _coded(counts: NDArray[np.int32], *, width: int) -> bytes:
+    """Return counts (channel, sample) as byte planes of folded differences, `width` bytes each; modulo 2^(8 width)."""
+    whole = np.ascontiguousarray(counts, dtype=f"<i{width}")
+    steps = whole.copy()
+    steps[:, 1:] -= whole[:, :-1]
+    folded = (steps << 1) ^ (steps >> (8 * width - 1))
+    return np.ascontiguousarray(folded.view(np.uint8).reshape(-1, width).T).tobytes()
+
+
+def _decoded(data: bytes, *, shape: tuple[int, int], width: int) -> NDArray[Any]:
+    """Return counts (channel, sample) from what `_coded` made of them."""
+    planes = np.frombuffer(data, np.uint8).reshape(width, -1)
+    folded = np.ascontiguousarray(planes.T).view(f"<u{width}").reshape(shape)
+    steps = (folded >> 1) ^ -(folded & 1)
+    return np.cumsum(steps, axis=1, dtype=steps.dtype).view(f"<i{width}")
+
+
+def _unpacked(message: Any, counts: NDArray[np.int32]) -> Block:
+    """Decode a message into `counts` (sample, channel) and return the block."""
+    samples, channels = _shape(message)
+    shape, width = (channels, samples), _WIDTHS[message.dtype]
+    if message.coding == DELTA:
+        counts[:] = _decoded(message.counts, shape=shape, width=width).T
+    else:
+        counts[:] = np.frombuffer(message.counts, f"<i{width}").reshape(shape).T
+    return Block(counts=counts, first_sample=message.first_sample, t_ns=message.t_ns, overrun=message.overrun)
+
+
+def _shape(message: Any) -> tuple[int, int]:
+    """Return (samples, channels) once they agree with the bytes that are there; raises ValueError."""
+    if message.dtype not in _WIDTHS:
         raise ValueError(f"dtype is {message.dtype!r}, want int16 or int32")
-    shape = (message.channels, message.samples)
-    if min(shape) < 0 or len(message.counts) != shape[0] * shape[1] * dtype.itemsize:
+    if message.coding not in (DELTA, PLAIN):
+        raise ValueError(f"coding is {message.coding!r}, want {DELTA!r} or none")
+    samples, channels = message.samples, message.channels
+    if min(samples, channels) < 0 or len(message.counts) != samples * channels * _WIDTHS[message.dtype]:
         raise ValueError(
-            f"{len(message.counts)} bytes of {message.dtype} counts for {shape[0]} channels of {shape[1]} samples"
+            f"{len(message.counts)} bytes of {message.dtype} counts for {channels} channels of {samples} samples"
         )
-    counts = np.frombuffer(message.counts, dtype).reshape(shape).T
-    return Block(
-        counts=np.ascontiguousarray(counts, dtype=np.int32),
-        first_sample=message.first_sample,
-        t_ns=message.t_ns,
-        overrun=message.overrun,
-    )
+    return samples, channels
+
+
+def _runs(messages: list[Any]) -> Sequence[list[Any]]:
+    """Return the checked messages in runs without a gap, emptying the list. Raises ValueError."""
+    runs: list[list[Any]] = []
+    expected: tuple[int, int] | None = None  # first sample, channels
+    for message in messages:
+        samples, channels = _shape(message)
+        if expected == (message.first_sample, channels):
+            runs[-1].append(message)
+        else:
+            runs.append([message])
+        expected = (message.first_sample + samples, channels)
+    messages.clear()
+    return runs

@@ -20,6 +20,7 @@ from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 from rotorrig.acquisition.mcap_records import Fault, records
 from rotorrig.acquisition.part_file import PartFile, part_of
 from rotorrig.acquisition.schemas import ENCODING, MessageType, register_schema
+from rotorrig.acquisition.syncing import Syncer
 from rotorrig.rig import description
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError, RigError
@@ -79,12 +80,16 @@ class FileWriter:
         """Begin the file as `<path>.part`.
 
         With `flush_every_ns` it holds data that cannot be made again: messages are handed to the system after that
-        much log time at the latest, and a full disk leaves a valid file of what was flushed rather than none.
+        much log time at the latest and put on the medium about once a second, on a thread of its own; and a full disk
+        leaves a valid file of what was flushed rather than none.
         Raises DataError if it cannot be created or, unless `overwrite`, if `path` or its `.part` is there already.
         """
         self._path = path
         try:
             self._file = PartFile(path, overwrite=overwrite)
+            self._syncer = Syncer(self._file.fileno()) if flush_every_ns is not None else None
+            if self._syncer:
+                self._file.keep_name()
         except OSError as error:
             raise DataError(f"{path}: cannot be written ({error.strerror})") from error
         self._mcap = Writer(cast(IO[bytes], self._file), compression=CompressionType.ZSTD, enable_data_crcs=True)
@@ -139,16 +144,12 @@ class FileWriter:
             self._mcap.flush()
             self._file.mark()
 
-    def sync(self) -> None:
-        """Wait until what was flushed is on the medium, so that it outlives a power cut. Raises DiskFull."""
-        with self._guarded():
-            self._file.sync()
-
     def close(self) -> None:
         """Write the index and give the file its name; may be called twice. Raises DiskFull."""
         if self.closed:
             return
         self.flush()
+        self._end_sync()
         with self._guarded():
             self._mcap.finish()
             self._file.sync()
@@ -157,6 +158,7 @@ class FileWriter:
     def discard(self) -> None:
         """Leave nothing behind; may be called twice, and does nothing after `close`."""
         if not self.closed:
+            self._end_sync()
             self._file.discard()
 
     def __enter__(self) -> Self:
@@ -172,10 +174,13 @@ class FileWriter:
 
     @contextmanager
     def _guarded(self) -> Iterator[None]:
-        """Turn an OSError into DiskFull, after saving what can be saved."""
+        """Turn an OSError, the syncing thread's too, into DiskFull, after saving what can be saved."""
         try:
             yield
+            if self._syncer is not None and self._syncer.fault is not None:
+                raise self._syncer.fault
         except OSError as error:
+            self._end_sync()
             kept = self._file.end_early(_bare_ending()) if self._flush_every is not None else 0
             if kept:
                 self._take_name()
@@ -184,6 +189,10 @@ class FileWriter:
                 self._file.discard()
                 fate = "nothing of it is kept"
             raise DiskFull(f"{self._path}: cannot be written on ({error.strerror}); {fate}") from error
+
+    def _end_sync(self) -> None:
+        if self._syncer is not None:
+            self._syncer.close()
 
     def _take_name(self) -> None:
         try:

@@ -3,6 +3,7 @@
 import queue
 import threading
 from collections.abc import Callable
+from enum import Enum, auto
 from typing import Protocol
 
 from rotorrig.acquisition.recording import Event, MotorSample
@@ -14,7 +15,14 @@ Listener = Callable[[Block], None]
 
 DEPTH = 1000  # items that may wait for the disk: 20 s of 20 ms blocks
 PATIENCE = 1.0  # s to wait for room among them before giving up: the interlock waits with it
+IDLE = 0.1  # s without anything to write after which what waits for the rest of its chunk is handed to the system
 FAREWELL = 2.0  # s for a viewer to finish its last block
+
+
+class _Pause(Enum):
+    """Stands for a while in which nothing came."""
+
+    PAUSE = auto()
 
 
 class Writer(Protocol):
@@ -32,19 +40,24 @@ class Writer(Protocol):
         """Add a reading of the motor controller."""
         ...
 
+    def flush(self) -> None:
+        """Hand what was added to the system, so that it outlives this process."""
+        ...
+
     def close(self) -> None:
         """Finish the file; may be called twice."""
         ...
 
 
 class Recorder:
-    """Writes all it is given, in order, on a thread of its own."""
+    """Writes all it is given, in order, on a thread of its own; in a pause, nothing of it is held back."""
 
     def __init__(self, writer: Writer, *, depth: int = DEPTH, patience: float = PATIENCE) -> None:
         self._writer = writer
         self._patience = patience
-        self._queue: queue.Queue[Item | None] = queue.Queue(depth)
+        self._queue: queue.Queue[Item | _Pause | None] = queue.Queue(depth)
         self._fault: Exception | None = None
+        self._paused = True  # nothing is held back
         self._thread = threading.Thread(target=self._write_all, name="recorder", daemon=True)
         self._thread.start()
 
@@ -70,7 +83,7 @@ class Recorder:
             raise self._fault
 
     def _write_all(self) -> None:
-        while (item := self._queue.get()) is not None:
+        while (item := self._next()) is not None:
             if self._fault is not None:
                 continue  # nothing more can be written, but nobody shall wait for room in the queue
             try:
@@ -78,8 +91,19 @@ class Recorder:
             except Exception as fault:  # handed to the thread that puts, which stops the rotor
                 self._fault = fault
 
-    def _write(self, item: Item) -> None:
+    def _next(self) -> Item | _Pause | None:
+        """Wait for the next item; once, when none has come for a while, return a pause instead. None at the end."""
+        try:
+            item = self._queue.get(timeout=None if self._paused else IDLE)
+        except queue.Empty:
+            item = _Pause.PAUSE
+        self._paused = item is _Pause.PAUSE
+        return item
+
+    def _write(self, item: Item | _Pause) -> None:
         match item:
+            case _Pause.PAUSE:
+                self._writer.flush()
             case Block():
                 self._writer.block(item)
             case Event():

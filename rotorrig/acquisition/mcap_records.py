@@ -23,6 +23,8 @@ from rotorrig.rig.errors import DataError
 
 CHUNK_LIMIT = 64 * 2**20  # bytes of one chunk unpacked; ours are about 1 MiB
 TOTAL_LIMIT = 16 * 2**30  # bytes of all chunks unpacked: five hours of 8 channels at 50 kS/s
+# and of a small file in proportion: silent inputs pack to a few thousandths, a file made to fill the memory to less
+SPARE_LIMIT, RATIO_LIMIT = 256 * 2**20, 1000
 
 _HEAD = struct.Struct("<BQ")  # opcode, length of the body
 _CRC = struct.Struct("<I")
@@ -66,6 +68,7 @@ def records(path: Path) -> Iterator[McapRecord | Fault]:
 
 def _walk(data: mmap.mmap) -> Iterator[McapRecord | Fault]:
     offset, unpacked = len(MCAP0_MAGIC), 0
+    limit = min(TOTAL_LIMIT, SPARE_LIMIT + RATIO_LIMIT * len(data))
     while True:
         if offset + _HEAD.size > len(data):
             yield Fault(offset, len(data), "the file ends too early", cut=True)
@@ -85,8 +88,8 @@ def _walk(data: mmap.mmap) -> Iterator[McapRecord | Fault]:
         else:
             found = _opened(data, opcode, offset, end)
             unpacked += sum(len(r.data) for r in found if isinstance(r, Message))
-            if unpacked > TOTAL_LIMIT:
-                yield Fault(offset, len(data), f"more than {TOTAL_LIMIT >> 30} GiB unpacked", cut=False)
+            if unpacked > limit:
+                yield Fault(offset, len(data), f"more than {limit / 2**30:.2g} GiB unpacked", cut=False)
                 return
             yield from found
         offset = end

@@ -52,6 +52,14 @@ class PartFile:
     def flush(self) -> None:
         """Do nothing: no byte is held back. The `mcap` writer wants the verb."""
 
+    def keep_name(self) -> None:
+        """Have the provisional name outlive a power cut. Raises OSError."""
+        _sync_folder(self._path.parent)
+
+    def fileno(self) -> int:
+        """Return the file's descriptor."""
+        return self._file.fileno()
+
     def sync(self) -> None:
         """Wait until everything is on the medium, so that it outlives a power cut. Raises OSError."""
         os.fsync(self._file.fileno())
@@ -84,13 +92,17 @@ class PartFile:
         """Close the file and give it its name, replacing an older one. Raises OSError."""
         self._file.close()
         part_of(self._path).replace(self._path)
-        folder = os.open(self._path.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)  # the new name outlives a power cut too
-        finally:
-            os.close(folder)
+        _sync_folder(self._path.parent)  # the new name outlives a power cut too
 
     def discard(self) -> None:
         """Close the file and remove it."""
         self._file.close()
         part_of(self._path).unlink(missing_ok=True)
+
+
+def _sync_folder(path: Path) -> None:
+    folder = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)

@@ -1,15 +1,22 @@
-"""A recording behaving as a live DAQ: what works on a rig can be tried on a file."""
+"""A recording behaving as a live DAQ: what works on a rig can be tried on a file.
+
+Nothing of what it hands on depends on the rate it is played at, only when: blocks come as they were recorded, gaps and
+overruns included, and events and motor readings in their places between them.
+"""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Literal, Self
 
 from rotorrig.acquisition.mcap_file import read_recording
-from rotorrig.acquisition.recording import RawRecording
+from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.rig.clock import Clock, WallClock
 from rotorrig.rig.errors import ConfigError, LinkLost
 from rotorrig.rig.probes.base import Block, DaqInfo
+
+BORDERS = ("mark", "stop", "abort", "emergency", "trip", "pause")  # events that begin or end a run
 
 
 class ReplayDaq:
@@ -29,6 +36,8 @@ class ReplayDaq:
         self._clock = clock or WallClock()
         self._next: int | None = None  # None: not started
         self._began = 0.0
+        self._notes = _in_order(self.recording)
+        self._told = 0  # how many of them
 
     @property
     def ended(self) -> bool:
@@ -41,7 +50,7 @@ class ReplayDaq:
 
     def start(self) -> None:
         """Begin, or begin again, at the first block."""
-        self._next, self._began = 0, self._clock.now()
+        self._next, self._began, self._told = 0, self._clock.now(), 0
 
     def read(self, timeout: float = 1.0) -> Block:
         """Return the next block when it is due. Raises LinkLost at the end, or if it is not due within `timeout`."""
@@ -57,6 +66,19 @@ class ReplayDaq:
             self._clock.sleep(wait)
         self._next += 1
         return self.recording.blocks[self._next - 1]
+
+    def notes(self) -> tuple[Event | MotorSample, ...]:
+        """Return what else was recorded up to the end of the block last read and not returned yet, in order.
+
+        After the last block that is all that is left.
+        """
+        if self._next is None or not self._next:
+            return ()
+        until = math.inf if self.ended else _end_ns(self.recording, self._next - 1)
+        begin = self._told
+        while self._told < len(self._notes) and self._notes[self._told].t_ns <= until:
+            self._told += 1
+        return self._notes[begin : self._told]
 
     def stop(self) -> None:
         """End the stream; may be called twice."""
@@ -80,3 +102,58 @@ class ReplayDaq:
             return 0.0
         first, block = self.recording.blocks[0], self.recording.blocks[index]
         return (block.t_ns - first.t_ns) / 1e9 + len(block.counts) / self.recording.daq.sample_rate
+
+
+def cut_from(recording: RawRecording, seconds: float) -> RawRecording:
+    """Return a recording without what came before `seconds` on its clock; indices and times stay as they are.
+
+    Of the events before, trial masses stay, put to the cut, and the last that began or ended a run: it says which is
+    under way. Raises ConfigError if nothing would be left or `seconds` is no time.
+    """
+    if not 0 <= seconds < math.inf:
+        raise ConfigError(f"from: got {seconds:g} s, want 0 or later")
+    rate = recording.daq.sample_rate
+    first = math.ceil(seconds * rate)
+    blocks = [_tail(block, first, rate) for block in recording.blocks if block.first_sample + len(block.counts) > first]
+    if not blocks:
+        raise ConfigError(
+            f"from: got {seconds:g} s, want less than the recording's {_end_ns(recording, -1) / 1e9:.1f} s"
+        )
+    cut_ns = round(first * 1e9 / rate)
+    before = [event for event in recording.events if event.t_ns < cut_ns]
+    border = [event for event in before if event.kind in BORDERS][-1:]
+    carried = [event for event in before if event.kind == "trial"] + border
+    return replace(
+        recording,
+        blocks=tuple(blocks),
+        events=(
+            *(replace(event, t_ns=cut_ns) for event in carried),
+            *(event for event in recording.events if event.t_ns >= cut_ns),
+        ),
+        motor=tuple(sample for sample in recording.motor if sample.t_ns >= cut_ns),
+    )
+
+
+def _tail(block: Block, first: int, rate: float) -> Block:
+    """Return the block from sample `first` on."""
+    skipped = first - block.first_sample
+    if skipped <= 0:
+        return block
+    return replace(
+        block,
+        counts=block.counts[skipped:],
+        first_sample=first,
+        t_ns=block.t_ns + round(skipped * 1e9 / rate),
+        overrun=False,
+    )
+
+
+def _in_order(recording: RawRecording) -> tuple[Event | MotorSample, ...]:
+    """Return events and motor readings by time; of the same moment, as a sweep writes them: events first."""
+    return tuple(sorted((*recording.events, *recording.motor), key=lambda note: note.t_ns))
+
+
+def _end_ns(recording: RawRecording, index: int) -> int:
+    """Return when a block ends on the sample clock."""
+    block = recording.blocks[index]
+    return block.t_ns + round(len(block.counts) * 1e9 / recording.daq.sample_rate)

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
+from rich.text import Text
 
 from rotorrig.app.console import err, out, progress_bars
 from rotorrig.rig.description import RigConfig, load
-from rotorrig.rig.errors import ConfigError, NotBuilt, RigError
+from rotorrig.rig.errors import ConfigError, RigError
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -27,6 +28,7 @@ Recording = Annotated[Path, typer.Argument(metavar="RUN", help="a run.mcap", sho
 Seed = Annotated[int, typer.Option(help="of the search; of the simulated rig's hidden deviations")]
 Hidden = Annotated[Path | None, typer.Option(help="a sealed file with what the simulated rig hides, instead of a seed")]
 Rate = Annotated[float, typer.Option(help="simulated seconds per second, at the most")]
+Faults = Annotated[Path | None, typer.Option(help="a script of what goes wrong on the simulated rig, in JSON")]
 Trial = Annotated[
     list[str] | None,
     typer.Option(help="a trial mass on the rotor, 'disk: 12 g mm at 90 deg' from the keyphasor mark; repeatable"),
@@ -39,14 +41,17 @@ def main() -> None:
     try:
         app()
     except RigError as error:
-        err.print(f"[red]error:[/] {_plain(error)}", highlight=False, soft_wrap=True)
-        sys.exit(3 if isinstance(error, NotBuilt) else 1)
+        err.print("[red]error:[/]", Text(str(error)), highlight=False, soft_wrap=True)
+        sys.exit(1)
 
 
 @app.command()
 def check(
     config: Config,
     connect: Annotated[bool, typer.Option("--connect", help="talk to motor and DAQ and say what answered")] = False,
+    clear: Annotated[
+        bool, typer.Option("--clear-fault", help="clear what the motor controller has tripped with")
+    ] = False,
     model: Annotated[bool, typer.Option("--model", help="draw the rotor; masses, sag, critical speeds")] = False,
 ) -> None:
     """Check a config, say what it describes; with --connect, talk to its devices."""
@@ -56,6 +61,8 @@ def check(
     checking.show_rig(rig)
     if model:
         checking.show_model(rig)
+    if clear:
+        checking.clear_fault(rig)
     if connect:
         checking.show_devices(rig)
 
@@ -63,26 +70,40 @@ def check(
 @app.command()
 def sweep(
     config: Config,
-    out_file: Out,
+    out_file: Annotated[Path | None, typer.Option("--out", "-o", help="the file to write", show_default=False)] = None,
     plan: Annotated[str, typer.Option(help="a plan of the config")] = "default",
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="say what it would do, and open nothing")] = False,
     simulate: Annotated[bool, typer.Option("--simulate", help="on a simulated rig instead of the devices")] = False,
     trial: Trial = None,
     view: View = False,
+    yes: Annotated[bool, typer.Option("--yes", help="do not wait for masses to be mounted: a rehearsal")] = False,
     seed: Seed = 1,
     hidden: Hidden = None,
     rate: Rate = 20.0,
+    faults: Faults = None,
 ) -> None:
-    """Run a sweep and record it."""
+    """Run a sweep and record it; with --dry-run, show its steps, its limits and what speaks against it."""
+    if faults and not simulate:
+        raise ConfigError("--faults: wants --simulate, only a simulated rig has faults to order")
+    rig = load(config)
+    if dry_run:
+        from rotorrig.app import dry_run as previewing
+
+        previewing.show(rig, plan, trial=trial or ())
+        return
+    if out_file is None:
+        raise ConfigError("--out: is missing, want the file to write, or --dry-run")
     from rotorrig.app import simulating, sweeping
 
-    rig = load(config)
-    stand_in = simulating.StandIn(seed=seed, hidden=hidden, rate=rate) if simulate else None
+    stand_in = simulating.StandIn(seed=seed, hidden=hidden, rate=rate, faults=faults) if simulate else None
     try:
-        result = sweeping.sweep(rig, out=out_file, plan=plan, trial=trial or (), stand_in=stand_in, view=view)
+        result = sweeping.sweep(rig, out=out_file, plan=plan, trial=trial or (), stand_in=stand_in, view=view, yes=yes)
     except KeyboardInterrupt as interrupt:  # or SIGTERM, or the terminal was closed
         err.print(f"interrupted: the rotor was stopped and {out_file} holds the sweep up to there", highlight=False)
         raise typer.Exit(130) from interrupt
     out.print(f"{out_file}: {result.seconds:.1f} s, {result.samples} scans, {result.gaps} gaps recorded")
+    if not result.at_rest:
+        err.print(f"warning: {result.events[-1].text}", highlight=False, markup=False, soft_wrap=True)
     if result.trip:
         raise RigError(f"{result.trip}; the rotor was stopped and {out_file} holds the sweep up to there")
 
@@ -91,13 +112,15 @@ def sweep(
 def replay(
     run: Recording,
     rate: Annotated[str, typer.Option(help="'max', or recorded seconds per second")] = "max",
+    track: Annotated[Path | None, typer.Option(help="the response.mcap to write, of what was played")] = None,
+    begin: Annotated[float, typer.Option("--from", help="seconds on the recording's clock to begin at")] = 0.0,
     view: View = False,
 ) -> None:
-    """Play a recording as if it were live."""
+    """Play a recording as if it were live; with --track, track its orders: as `rotor track` does, at any rate."""
     from rotorrig.app import replaying
 
-    seconds = replaying.play(run, rate=rate, view=view)
-    out.print(f"{run}: {seconds:.1f} s replayed")
+    seconds = replaying.play(run, rate=rate, view=view, track=track, begin=begin)
+    out.print(f"{track or run}: {seconds:.1f} s replayed" + (" and tracked" if track else ""))
 
 
 @app.command()
@@ -118,7 +141,7 @@ def track(run: Recording, out_file: Out, trial: Trial = None) -> None:
         response = pipeline.track(recording, trial=masses, progress=lambda done: bars.update(task, completed=done))
         write_response(out_file, response)
     masked = int((~response.usable).any(axis=1).sum())
-    loaded = ", ".join(response.runs[0].trial_unbalance)
+    loaded = ", ".join(dict.fromkeys(disk for run in response.runs for disk in run.trial_unbalance))
     out.print(
         f"{out_file}: {len(response.omega)} rows in {len(response.runs)} runs, {masked} with masked probes"
         + (f", with a trial mass on {loaded}" if loaded else "")
@@ -228,48 +251,48 @@ def view(file: Annotated[Path, typer.Argument(help="run.mcap, response.mcap or a
 
 @app.command("import")
 def import_(
-    file: Annotated[Path, typer.Argument(help="a CSV file; with --ross a rotor saved by ROSS", show_default=False)],
+    file: Annotated[Path, typer.Argument(help="CSV, UFF, TDMS, WAV; with --ross a rotor of ROSS", show_default=False)],
     out_file: Out,
     config: Annotated[Path | None, typer.Option("--config", help="the rig's TOML file", show_default=False)] = None,
-    vectors: Annotated[Path | None, typer.Option("--vectors", help="a mapping (TOML): FILE is a Bode table")] = None,
+    mapping: Annotated[
+        Path | None,
+        typer.Option("--mapping", "--vectors", help="a TOML file that says what channels or columns mean"),
+    ] = None,
     ross: Annotated[bool, typer.Option("--ross", help="FILE is a rotor saved by ROSS: make a config of it")] = False,
     keep_nodes: Annotated[bool, typer.Option("--keep-nodes", help="with --ross: every element a section")] = False,
 ) -> None:
-    """Bring in waveforms (to a run.mcap), with --vectors a Bode table (to a response.mcap), with --ross a rotor."""
+    """Bring in waveforms (to a run.mcap), by its mapping a Bode table (to a response.mcap), with --ross a rotor."""
     from rotorrig.app import importing, ross_exchange
 
-    if ross and (config or vectors):
-        raise ConfigError("--ross: wants neither --config nor --vectors, it makes a config")
+    if ross and (config or mapping):
+        raise ConfigError("--ross: wants neither --config nor --mapping, it makes a config")
     if ross:
         for line in ross_exchange.bring_in(file, out=out_file, keep_nodes=keep_nodes):
             out.print(line, highlight=False, markup=False, soft_wrap=True)
     elif config is None:
         raise ConfigError("--config: is missing, want the rig's TOML file, as it says what the columns are")
     else:
-        out.print(importing.bring_in(file, rig=load(config), mapping=vectors, out=out_file), highlight=False)
+        said = importing.bring_in(file, rig=load(config), mapping=mapping, out=out_file)
+        out.print(said, highlight=False, markup=False, soft_wrap=True)
 
 
 @app.command()
 def export(
-    file: Annotated[Path, typer.Argument(help="a response.mcap; with --ross a config", show_default=False)],
+    file: Annotated[Path, typer.Argument(help="a run.mcap or response.mcap; with --ross a config", show_default=False)],
     out_file: Out,
     ross: Annotated[bool, typer.Option("--ross", help="write the rotor of a config, for ROSS")] = False,
     max_element: Annotated[str, typer.Option(help="with --ross: the longest shaft element")] = "20 mm",
 ) -> None:
-    """Write the order vectors of a response as CSV or, with --ross, the rotor of a config for ROSS."""
+    """Write waveforms of a run or order vectors of a response as .csv or .uff; with --ross, a rotor for ROSS."""
+    from rotorrig.app import exporting
+
     if ross:
         from rotorrig.app import ross_exchange
 
         for line in ross_exchange.write_out(file, out=out_file, max_element=max_element):
             out.print(line, highlight=False, markup=False, soft_wrap=True)
         return
-    if out_file.suffix.lower() != ".csv":
-        raise NotBuilt(f"{out_file}: only .csv can be written yet")
-    from rotorrig.processing.response_file import read_response
-    from rotorrig.processing.vector_export import write_csv
-
-    rows = write_csv(out_file, read_response(file))
-    out.print(f"{out_file}: {rows} rows")
+    out.print(exporting.write_out(file, out_file), highlight=False, markup=False, soft_wrap=True)
 
 
 @app.command()
@@ -278,11 +301,13 @@ def simulate(
     seed: Seed = 1,
     hidden: Hidden = None,
     rate: Rate = 1.0,
+    faults: Faults = None,
 ) -> None:
-    """Keep a simulated rig running on two serial ports until Ctrl-C, for another terminal to sweep."""
+    """Keep a simulated rig running on real ports until Ctrl-C, for another terminal to sweep."""
     from rotorrig.app import simulating
 
-    simulating.stand_in(load(config), seed=seed, hidden=hidden, rate=rate)
+    simulation = simulating.StandIn(seed=seed, hidden=hidden, rate=rate, faults=faults)
+    simulating.stand_in(load(config), simulation)
 
 
 @app.command()
@@ -291,7 +316,8 @@ def salvage(run: Recording, out_file: Out) -> None:
     from rotorrig.acquisition.mcap_file import salvage as save
 
     saved = save(run, out_file)
-    out.print(f"{out_file}: {saved.seconds:.2f} s saved")
+    lost = "nothing was lost" if saved.whole else f"{saved.lost_bytes} bytes could not be read"
+    out.print(f"{out_file}: {saved.seconds:.2f} s saved, {lost}")
 
 
 @app.command()
@@ -312,10 +338,6 @@ def bundled(name: str) -> RigConfig:
     """Return a config that comes with the program: from the checkout, or from the installed package."""
     places = [Path(__file__).parents[2] / "configs", Path(__file__).parents[1] / "configs"]
     return load(next((p for d in places if (p := d / f"{name}.toml").exists()), places[0] / f"{name}.toml"))
-
-
-def _plain(error: Exception) -> str:
-    return str(error).replace("[", r"\[")
 
 
 if __name__ == "__main__":

@@ -1,42 +1,84 @@
-"""`rotor replay`: a recording played as a live DAQ, into the live view if wanted."""
+"""`rotor replay`: a recording played as a live DAQ, into the live view or through the order tracking."""
 
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from rotorrig.acquisition.mcap_file import read_recording
-from rotorrig.acquisition.replay import ReplayDaq
+from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
+from rotorrig.acquisition.replay import ReplayDaq, cut_from
 from rotorrig.app.console import progress_bars
 from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.probes.base import Block
+
+if TYPE_CHECKING:
+    from rotorrig.app.viewer import LiveView
 
 
-def play(path: Path, *, rate: str, view: bool) -> float:
-    """Play `path` and return its length [s]. Raises DataError, ConfigError."""
-    pace: float | Literal["max"] = "max"
-    if rate != "max":
-        try:
-            pace = float(rate)
-        except ValueError as error:
-            raise ConfigError(f"--rate: got '{rate}', want 'max' or a number such as 1.0") from error
-        if not pace > 0:
-            raise ConfigError(f"--rate: got '{rate}', want 'max' or a number above 0")
+def play(path: Path, *, rate: str, view: bool, track: Path | None = None, begin: float = 0.0) -> float:
+    """Play `path` from `begin` [s of its clock] on and return the length played [s].
+
+    With `track`, what was played is order-tracked into that response file: the same bytes at any rate, and from the
+    beginning those of `rotor track`. Raises DataError, ConfigError.
+    """
+    pace = _pace(rate)
     recording = read_recording(path)
+    if begin:
+        recording = cut_from(recording, begin)
     with ExitStack() as stack:
-        live = None
-        if view:
-            from rotorrig.app.viewer import LiveView, serve
+        live = stack.enter_context(_live_view(recording)) if view else None
+        played = _played(recording, pace, live)
+        if track is not None:
+            _track(played, track)
+    if live:
+        live.sink.linger()
+    return played.samples / played.daq.sample_rate
 
-            live = stack.enter_context(LiveView(recording.rig, recording.daq, serve()))
-        bars = stack.enter_context(progress_bars())
+
+def _pace(rate: str) -> float | Literal["max"]:
+    if rate == "max":
+        return "max"
+    try:
+        pace = float(rate)
+    except ValueError as error:
+        raise ConfigError(f"--rate: got '{rate}', want 'max' or a number such as 1.0") from error
+    if not pace > 0:
+        raise ConfigError(f"--rate: got '{rate}', want 'max' or a number above 0")
+    return pace
+
+
+def _live_view(recording: RawRecording) -> "LiveView":
+    from rotorrig.app.viewer import LiveView, serve  # Rerun takes a second to import
+
+    return LiveView(recording.rig, recording.daq, serve())
+
+
+def _played(recording: RawRecording, pace: float | Literal["max"], live: "LiveView | None") -> RawRecording:
+    """Play a recording and return what came, put together again."""
+    blocks: list[Block] = []
+    notes: list[Event | MotorSample] = []
+    with progress_bars() as bars, ReplayDaq(recording, rate=pace) as daq:
         task = bars.add_task("replaying", total=recording.samples, note="")
-        daq = stack.enter_context(ReplayDaq(recording, rate=pace))
-        daq.open()
+        info = daq.open()
         daq.start()
-        for _ in recording.blocks:
-            block = daq.read()
+        while not daq.ended:
+            blocks.append(block := daq.read(timeout=float("inf")))
+            notes += daq.notes()
             bars.advance(task, len(block.counts))
             if live:
                 live.show(block)
-    if live:
-        live.sink.linger()
-    return recording.samples / recording.daq.sample_rate
+    return replace(
+        recording,
+        daq=info,
+        blocks=tuple(blocks),
+        events=tuple(note for note in notes if isinstance(note, Event)),
+        motor=tuple(note for note in notes if isinstance(note, MotorSample)),
+    )
+
+
+def _track(recording: RawRecording, out: Path) -> None:
+    from rotorrig.processing.pipeline import track
+    from rotorrig.processing.response_file import write_response
+
+    write_response(out, track(recording))

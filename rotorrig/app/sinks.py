@@ -17,8 +17,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, Self
 
-import rerun as rr
-
 from rotorrig.app.console import err
 from rotorrig.rig.errors import RigError
 
@@ -34,9 +32,15 @@ class Sink:
     A viewer's window outlives the program, its owner closes it; a viewer served as a web page ends with the program.
     """
 
-    targets: tuple[Any, ...]  # rr.GrpcSink, rr.FileSink
+    targets: tuple[str | Path, ...]  # a viewer's address, the name of a file
     address: str = ""  # what a person opens in a browser; empty where a window opens by itself, or for a file
     viewer: subprocess.Popen[bytes] | None = None
+
+    def opened(self) -> tuple[Any, ...]:
+        """Return the targets as a stream takes them."""
+        import rerun as rr  # takes a second, and only the process that draws needs it
+
+        return tuple(rr.FileSink(str(t)) if isinstance(t, Path) else rr.GrpcSink(t) for t in self.targets)
 
     def close(self) -> None:
         """End the viewer, if there is one; may be called twice."""
@@ -66,7 +70,7 @@ def to_file(path: Path) -> Sink:
     """Return a sink that writes an .rrd file. Raises RigError if its folder is missing."""
     if not path.parent.is_dir():
         raise RigError(f"{path}: there is no folder {path.parent}, want an existing one for the .rrd file")
-    return Sink(targets=(rr.FileSink(str(path)),))
+    return Sink(targets=(path,))
 
 
 def serve(*, save: Path | None = None, headless: bool | None = None) -> Sink:
@@ -79,7 +83,7 @@ def serve(*, save: Path | None = None, headless: bool | None = None) -> Sink:
     process, port, address = _start(headless=not has_display() if headless is None else headless)
     if address:
         err.print(f"no display here; the live view is at {address}", highlight=False, soft_wrap=True)
-    return Sink(targets=(rr.GrpcSink(proxy(port)), *file), address=address, viewer=process)
+    return Sink(targets=(proxy(port), *file), address=address, viewer=process)
 
 
 def show_files(paths: Sequence[Path], *, headless: bool | None = None) -> Sink:

@@ -14,7 +14,8 @@ from rotorrig.acquisition.mcap_file import read_recording, salvage
 from rotorrig.rig.probes.base import Block
 from tests.acquisition.file_parts import with_index
 
-CONFIG = Path(__file__).parents[2] / "configs/rk4.toml"
+ROOT = Path(__file__).parents[2]
+CONFIG = ROOT / "configs/rk4.toml"
 
 WRITE_FOREVER = """
 import sys
@@ -71,17 +72,17 @@ def test_kill_9_costs_a_quarter_of_a_second(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def sixth_chunk_ends(tmp_path_factory: pytest.TempPathFactory) -> int:
+def a_chunk_ends(tmp_path_factory: pytest.TempPathFactory) -> int:
     path = tmp_path_factory.mktemp("reference") / "run.mcap"
     limited(CONFIG, path, 200_000)
-    return with_index(path)[5]
+    return with_index(path)[12]
 
 
 @pytest.mark.parametrize("spare", [0, 49, 1000])
-def test_a_full_disk_is_one_sentence_and_leaves_a_valid_file(tmp_path: Path, sixth_chunk_ends: int, spare: int) -> None:
-    """The limit on a file's size stands in for the disk; `spare` bytes are left behind the 6th chunk."""
+def test_a_full_disk_is_one_sentence_and_leaves_a_valid_file(tmp_path: Path, a_chunk_ends: int, spare: int) -> None:
+    """The limit on a file's size stands in for the disk; `spare` bytes are left behind the 13th chunk."""
     path = tmp_path / "run.mcap"
-    done = limited(CONFIG, path, sixth_chunk_ends + spare)
+    done = limited(CONFIG, path, a_chunk_ends + spare)
     assert done.stderr.count("\n") == 1
     assert "run.mcap: cannot be written on (File too large); it ends early and keeps the 0.1" in done.stderr
     with path.open("rb") as file:  # the official reader finds it valid
@@ -97,6 +98,24 @@ def limited(config: Path, path: Path, size: int) -> "subprocess.CompletedProcess
         resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
     return subprocess.run(writing(config, path), capture_output=True, text=True, preexec_fn=limit, timeout=60)
+
+
+@pytest.mark.skipif(
+    subprocess.run(["unshare", "--user", "--map-root-user", "--mount", "true"], capture_output=True).returncode != 0,
+    reason="needs a user namespace, to mount a small disk in",
+)
+def test_a_disk_that_fills_up_holds_a_valid_file_of_what_went_onto_it(tmp_path: Path) -> None:
+    disk, out, listed = tmp_path / "disk", tmp_path / "kept.mcap", tmp_path / "listed"
+    disk.mkdir()
+    script = f'mount -t tmpfs -o size=400k none "{disk}" && cd "{disk}" && "$@"; cp run.mcap "{out}"; ls > "{listed}"'
+    words = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", script, "sh"]
+    done = subprocess.run([*words, *writing(CONFIG, Path("run.mcap"))], capture_output=True, text=True, cwd=ROOT)
+    assert "run.mcap: cannot be written on (No space left on device); it ends early and keeps the 0." in done.stderr
+    assert listed.read_text() == "run.mcap\n"
+    with out.open("rb") as file:
+        assert sum(1 for _ in make_reader(file, validate_crcs=True).iter_messages(topics="/waveform")) > 100
+    read = read_recording(out)
+    assert as_written(read.blocks) and not read.complete
 
 
 def test_a_disk_that_is_full_from_the_start_leaves_nothing(tmp_path: Path) -> None:

@@ -1,9 +1,10 @@
 import threading
+import time
 
 import numpy as np
 import pytest
 
-from rotorrig.acquisition.fanout import Recorder, Viewer
+from rotorrig.acquisition.fanout import IDLE, Recorder, Viewer
 from rotorrig.acquisition.recording import Event, MotorSample
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import Block
@@ -19,6 +20,8 @@ class ListWriter:
     def __init__(self, *, fails_at: int | None = None, gate: threading.Event | None = None) -> None:
         self.items: list[Block | Event | MotorSample] = []
         self.closed = 0
+        self.flushed: list[int] = []  # how many items there were each time
+        self.pause = threading.Event()
         self._fails_at, self._gate = fails_at, gate
 
     def block(self, item: Block | Event | MotorSample) -> None:
@@ -29,6 +32,10 @@ class ListWriter:
         self.items.append(item)
 
     event = motor = block
+
+    def flush(self) -> None:
+        self.flushed.append(len(self.items))
+        self.pause.set()
 
     def close(self) -> None:
         self.closed += 1
@@ -72,6 +79,21 @@ def test_a_disk_that_does_not_keep_up_is_an_error_not_a_lost_block() -> None:
     gate.set()
     recorder.close()
     assert [b.first_sample for b in writer.items if isinstance(b, Block)] == [0, 1, 2, 3, 4, 5]
+
+
+def test_what_waits_in_a_pause_is_handed_on_once() -> None:
+    writer = ListWriter()
+    recorder = Recorder(writer)
+    for n in range(3):
+        recorder.put(block(n))
+    assert writer.pause.wait(10)
+    time.sleep(3 * IDLE)
+    assert writer.flushed == [3]
+    writer.pause.clear()
+    recorder.put(block(3))
+    assert writer.pause.wait(10)
+    recorder.close()
+    assert writer.flushed == [3, 4]
 
 
 def test_a_slow_viewer_gets_the_newest_block_and_never_blocks() -> None:

@@ -31,10 +31,39 @@ def test_a_recording_comes_back_as_it_was(recording: RawRecording, whole: Path) 
     assert not whole.with_name("run.mcap.part").exists()
 
 
+def test_what_a_daq_says_of_itself_comes_back(recording: RawRecording, tmp_path: Path) -> None:
+    inverting = (6e-4, -6e-4, 6e-4, 6e-4, 1e-3)
+    said = dataclasses.replace(
+        recording.daq, simulated=True, remarks=("channel 1 is turned",), volts_per_count=inverting
+    )
+    write_recording(tmp_path / "said.mcap", dataclasses.replace(recording, daq=said))
+    assert read_recording(tmp_path / "said.mcap").daq == said
+
+
 def test_its_source_is_the_file_it_was_read_from(recording: RawRecording, whole: Path) -> None:
     source = read_recording(whole).source
     assert (source.source, source.source_hash) == (whole.name, file_hash(whole))
     assert (source.config_hash, source.code_version) == (recording.rig.hash, "0.1.0")
+
+
+def test_a_recording_of_version_1_is_still_read() -> None:
+    """See tests/data/recording-v1/README.md for what it holds."""
+    read = read_recording(ROOT / "tests/data/recording-v1/run.mcap")
+    assert [block.first_sample for block in read.blocks] == [0, 200, 400, 700, 900, 1100, 1300, 1500, 1700, 1900]
+    assert [block.overrun for block in read.blocks] == [False] * 3 + [True] + [False] * 6
+    for block in read.blocks:
+        scans = np.arange(block.first_sample, block.first_sample + 200)[:, None]
+        plain = 37 * np.arange(1, 6) * scans % 60001 - 30000
+        assert np.array_equal(block.counts, plain * (100 if block.first_sample == 1100 else 1))
+    assert (len(read.events), len(read.motor), read.complete, read.rig.name[:3]) == (2, 1, True, "RK4")
+
+
+def test_a_stretch_without_gaps_is_put_together_without_a_copy(whole: Path) -> None:
+    read = read_recording(whole)
+    (_, before), (_, after) = read.segments()
+    assert np.shares_memory(before, read.blocks[0].counts)
+    assert np.shares_memory(after, read.blocks[-1].counts)
+    assert np.array_equal(before, np.concatenate([block.counts for block in read.blocks[:10]]))
 
 
 def test_a_gap_stays_a_gap(whole: Path) -> None:
@@ -155,7 +184,7 @@ def test_another_programs_mcap_is_refused(tmp_path: Path) -> None:
     ("kind", "version", "said"),
     [
         ("response", 1, "is a response file, want a run file"),
-        ("run", 2, "is version 2 of a run file, written by rotorrig 0.1.0; this program reads up to version 1"),
+        ("run", 3, "is version 3 of a run file, written by rotorrig 0.1.0; this program reads up to version 2"),
     ],
 )
 def test_other_kinds_and_newer_versions_are_refused(

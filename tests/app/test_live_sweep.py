@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import rerun as rr
 from rerun.experimental import ViewerClient
 
 from rotorrig.app import replaying, sweeping, viewer
@@ -32,7 +31,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def at_the_screen(port: int) -> Sink:
-    return Sink(targets=(rr.GrpcSink(proxy(port)),))
+    return Sink(targets=(proxy(port),))
 
 
 def assert_drawn(client: ViewerClient, folder: Path) -> None:

@@ -12,10 +12,11 @@ from rerun.experimental import ViewerClient
 
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.drawn_axes import Panel
+from rotorrig.app.live_process import joined
 from rotorrig.app.live_tracking import GrowingBode, LiveTracker
 from rotorrig.app.result_view import verdict_words
 from rotorrig.app.sinks import serve, to_file
-from rotorrig.app.viewer import LiveView, as_rrd, joined, view_file, write_recording_rrd, write_result_rrd
+from rotorrig.app.viewer import LiveView, as_rrd, view_file, write_recording_rrd, write_result_rrd
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 from rotorrig.processing.response import OrderTrackedResponse

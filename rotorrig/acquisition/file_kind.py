@@ -1,0 +1,19 @@
+"""Which of this program's files a file is."""
+
+from pathlib import Path
+
+from mcap.records import Metadata
+
+from rotorrig.acquisition.container import HEADER
+from rotorrig.acquisition.mcap_records import records
+from rotorrig.rig.errors import DataError
+
+
+def file_kind(path: Path) -> str:
+    """Return "run" or "response". Raises DataError for a file that is not there or none of this program's."""
+    if not path.is_file():
+        raise DataError(f"{path}: is not there, want a run.mcap or a response.mcap")
+    for record in records(path):
+        if isinstance(record, Metadata) and record.name == HEADER:
+            return record.metadata.get("kind", "")
+    raise DataError(f"{path}: is an MCAP file but none of this program's, want a run.mcap or a response.mcap")

@@ -1,0 +1,92 @@
+"""The bytes that go to the process of a live view.
+
+One line of JSON (rig, DAQ, where pictures go), then blocks, each a header and its counts as int32, scan by scan. The
+end of the bytes is the end of the view.
+"""
+
+import json
+import os
+import select
+import struct
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rotorrig.rig import description
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import RigError
+from rotorrig.rig.probes.base import Block, DaqInfo
+
+READY = b"ready\n"  # what the process answers when it is
+MOST_SCANS = 400_000  # handed on at a time: a replay at full speed brings more than can be drawn
+_HEAD = struct.Struct("<qqII")  # first sample, t_ns, scans, channels
+_CHUNK = 1 << 20  # bytes read at a time; a pipe holds 64 KiB, sometimes a MiB
+
+
+def opening(rig: RigConfig, info: DaqInfo, targets: Sequence[str | Path]) -> bytes:
+    """Return the first line: what is needed to draw. `targets` are addresses of viewers and names of files."""
+    where = [["file", str(t.absolute())] if isinstance(t, Path) else ["viewer", t] for t in targets]
+    si = rig.model_dump(mode="json")
+    return json.dumps({"rig": si, "text": rig.text, "daq": asdict(info), "targets": where}).encode() + b"\n"
+
+
+def block_parts(block: Block) -> tuple[bytes, memoryview]:
+    """Return the bytes of a block, its counts not copied."""
+    counts = np.ascontiguousarray(block.counts, dtype="<i4")
+    head = _HEAD.pack(block.first_sample, block.t_ns, *counts.shape)
+    return head, counts.data.cast("B") if counts.size else memoryview(b"")
+
+
+class BlockReader:
+    """Cuts what comes in on a file descriptor into the opening line and blocks."""
+
+    def __init__(self, fd: int) -> None:
+        self.ended = False  # nothing more will come
+        self._fd = fd
+        self._buffer = bytearray()
+
+    def opening(self) -> tuple[RigConfig, DaqInfo, tuple[str | Path, ...]]:
+        """Wait for the first line and return what it says. Raises RigError if it does not come."""
+        while (end := self._buffer.find(b"\n")) < 0:
+            if self.ended:
+                raise RigError("live view: was told nothing")
+            self._receive(None)
+        said = json.loads(self._buffer[:end])
+        del self._buffer[: end + 1]
+        daq: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in said["daq"].items()}
+        targets = tuple(Path(where) if kind == "file" else where for kind, where in said["targets"])
+        return description.from_si(said["rig"], text=said["text"], where="live view"), DaqInfo(**daq), targets
+
+    def blocks(self, seconds: float) -> list[Block]:
+        """Return the whole blocks that come within so many seconds, sooner at the end or when there are many."""
+        deadline, found, scans = time.monotonic() + seconds, [], 0
+        while scans < MOST_SCANS:
+            while scans < MOST_SCANS and (block := self._next()) is not None:
+                found.append(block)
+                scans += len(block.counts)
+            left = deadline - time.monotonic()
+            if self.ended or left <= 0 or scans >= MOST_SCANS:
+                break
+            self._receive(left)
+        return found
+
+    def _next(self) -> Block | None:
+        if len(self._buffer) < _HEAD.size:
+            return None
+        first, t_ns, scans, channels = _HEAD.unpack_from(self._buffer)
+        size = _HEAD.size + 4 * scans * channels
+        if len(self._buffer) < size:
+            return None
+        counts = np.frombuffer(bytes(self._buffer[_HEAD.size : size]), dtype="<i4").reshape(scans, channels)
+        del self._buffer[:size]
+        return Block(counts=counts, first_sample=first, t_ns=t_ns)
+
+    def _receive(self, seconds: float | None) -> None:
+        if select.select([self._fd], [], [], seconds)[0]:
+            data = os.read(self._fd, _CHUNK)
+            self._buffer += data
+            self.ended = not data
