@@ -2,15 +2,45 @@
 
 from pathlib import Path
 
+from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.description import RigConfig
-from rotorrig.rig.errors import NotBuilt
+from rotorrig.rig.errors import DataError
+from rotorrig.rig.toml_file import read_toml
+
+#: first bytes -> what the file is, whatever it is called
+_BEGINNINGS = {b"TDSm": "tdms", b"RIFF": "wav", b"RF64": "wav", b"BW64": "wav", b"    -1\n": "uff", b"    -1\r": "uff"}
+_ENDINGS = {".csv": "csv", ".txt": "csv", ".uff": "uff", ".unv": "uff", ".tdms": "tdms", ".wav": "wav"}
 
 
 def bring_in(file: Path, *, rig: RigConfig, mapping: Path | None, out: Path) -> str:
-    """Convert `file` to `out` and say what was made. Raises DataError, ConfigError, NotBuilt."""
-    if file.suffix.lower() not in (".csv", ".txt"):
-        raise NotBuilt(f"{file}: only CSV can be imported yet")
-    return _vectors(file, mapping, rig, out) if mapping else _waveforms(file, rig, out)
+    """Convert `file` to `out` and say what was made. Raises DataError, ConfigError.
+
+    A mapping with [[vectors]] makes a response of a Bode table, any other a recording of waveforms.
+    """
+    _refuse_source(file, out)
+    if mapping is not None and "channels" not in read_toml(mapping, want="a mapping")[0]:
+        return _vectors(file, mapping, rig, out)
+    return _waveforms(file, mapping, rig, out)
+
+
+def kind_of(file: Path) -> str:
+    """Return "csv", "uff", "tdms" or "wav" by a file's first bytes or, where they do not say, by its name."""
+    try:
+        with file.open("rb") as opened:
+            beginning = opened.read(12)
+    except OSError as error:
+        raise DataError(f"{file}: cannot be read ({error.strerror})") from error
+    for first, kind in _BEGINNINGS.items():
+        if beginning.startswith(first):
+            return kind
+    if file.suffix.lower() not in _ENDINGS:
+        raise DataError(f"{file}: is of no kind that can be imported, want one of {', '.join(_ENDINGS)}")
+    return _ENDINGS[file.suffix.lower()]
+
+
+def _refuse_source(file: Path, out: Path) -> None:
+    if out.exists() and file.exists() and out.samefile(file):
+        raise DataError(f"{out}: would be written over the file to import, want another name")
 
 
 def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
@@ -23,11 +53,22 @@ def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
     return f"{out}: " + ", ".join(f"{n} {noun}{'s' * (n != 1)}" for n, noun in counted)
 
 
-def _waveforms(file: Path, rig: RigConfig, out: Path) -> str:
-    from rotorrig.acquisition.importers.csv import read_csv
+def _waveforms(file: Path, mapping: Path | None, rig: RigConfig, out: Path) -> str:
     from rotorrig.acquisition.mcap_file import write_recording
 
-    recording = read_csv(file, rig)
+    recording = read_waveforms(file, rig, mapping)
     write_recording(out, recording)
     seconds = recording.samples / recording.daq.sample_rate
     return f"{out}: {seconds:.1f} s, {recording.samples} scans at {recording.daq.sample_rate:g} Hz"
+
+
+def read_waveforms(file: Path, rig: RigConfig, mapping: Path | None) -> RawRecording:
+    """Read foreign waveforms of any kind as a recording of the rig. Raises DataError, ConfigError."""
+    from rotorrig.acquisition.importers.channel_mapping import load_channels
+    from rotorrig.acquisition.importers.csv import read_csv
+    from rotorrig.acquisition.importers.tdms import read_tdms
+    from rotorrig.acquisition.importers.uff import read_uff
+    from rotorrig.acquisition.importers.wav import read_wav
+
+    read = {"csv": read_csv, "uff": read_uff, "tdms": read_tdms, "wav": read_wav}[kind_of(file)]
+    return read(file, rig, load_channels(mapping, rig) if mapping else None)

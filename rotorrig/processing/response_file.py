@@ -23,6 +23,7 @@ from rotorrig.rig.units import RPM
 
 KIND = FileKind(name="response", version=1, remedy="make it anew with `rotor track`")
 PIECE = 8 * 2**20  # bytes of an array in one message
+LARGEST = 1e30  # of any unit: beyond it squares overflow
 
 TABLE = message_type(
     "Response",
@@ -133,6 +134,7 @@ def read_response(path: Path) -> OrderTrackedResponse:
         **arrays,
     )
     _check_shapes(path, response)
+    _check_values(path, response)
     return response
 
 
@@ -237,6 +239,8 @@ def _arrays(path: Path, contents: Contents) -> dict[str, NDArray[Any]]:
 
 
 def _check_shapes(path: Path, response: OrderTrackedResponse) -> None:
+    if unknown := [name for name in response.probes if name not in {probe.name for probe in response.rig.probes}]:
+        raise DataError(f"{path}: has a probe '{unknown[0]}' that its config does not know; {KIND.remedy}")
     rows, probes, orders = len(response.omega), len(response.probes), len(response.orders)
     want = {
         "run": (rows,),
@@ -256,3 +260,14 @@ def _check_shapes(path: Path, response: OrderTrackedResponse) -> None:
         rows and not 0 <= response.run.min() <= response.run.max() < len(response.runs)
     ):
         raise DataError(f"{path}: its rows, reasons and runs do not belong together; {KIND.remedy}")
+
+
+def _check_values(path: Path, response: OrderTrackedResponse) -> None:
+    """Raise DataError for numbers that no measurement has; NaN and infinite ones stand for what is not known."""
+    for name in ("omega", "alpha", "z", "covariance", "slow_roll", "slow_roll_covariance"):
+        array = np.abs(getattr(response, name))
+        if (array[np.isfinite(array)] > LARGEST).any():
+            raise DataError(f"{path}: '{name}' has a number beyond {LARGEST:g}; {KIND.remedy}")
+    for name in ("covariance", "slow_roll_covariance"):
+        if (np.diagonal(getattr(response, name), axis1=-2, axis2=-1) < 0).any():
+            raise DataError(f"{path}: '{name}' has a variance below zero; {KIND.remedy}")

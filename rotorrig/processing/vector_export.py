@@ -1,12 +1,13 @@
 """Order vectors as CSV, for people and programs that read nothing else; the conventions stand in its first lines."""
 
 import csv
+import io
 from pathlib import Path
 
 import numpy as np
 
+from rotorrig.acquisition.exporters.whole_file import whole_file
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.errors import DataError
 from rotorrig.rig.units import RPM
 
 _HEAD = (
@@ -17,7 +18,7 @@ _HEAD = (
 
 
 def write_csv(path: Path, response: OrderTrackedResponse) -> int:
-    """Write every usable row, one line per row, and return their number. Raises DataError if it cannot be written."""
+    """Write every row, blank where it is not usable, and return their number. Raises DataError if that fails."""
     source = response.source
     head = [line.format(config=source.config_hash, recording=source.source_hash or source.source) for line in _HEAD]
     turning = [(n, order) for n, order in enumerate(response.orders) if order != 0]
@@ -27,15 +28,14 @@ def write_csv(path: Path, response: OrderTrackedResponse) -> int:
         for _, order in turning
         for what in ("amplitude [um]", "phase lag [deg]", "sigma [um]", "slow-roll re [um]", "slow-roll im [um]")
     ]
-    try:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            file.write("\n".join(head) + "\n")
-            writer = csv.writer(file)
-            writer.writerow(["run", "time [s]", "speed [rpm]", "acceleration [rpm/s]", *columns])
-            for row in range(len(response.omega)):
-                writer.writerow(_line(response, row, [n for n, _ in turning]))
-    except OSError as error:
-        raise DataError(f"{path}: cannot be written ({error.strerror})") from error
+    text = io.StringIO(newline="")
+    text.write("\n".join(head) + "\n")
+    writer = csv.writer(text)
+    writer.writerow(["run", "time [s]", "speed [rpm]", "acceleration [rpm/s]", *columns])
+    for row in range(len(response.omega)):
+        writer.writerow(_line(response, row, [n for n, _ in turning]))
+    with whole_file(path) as file:
+        file.write(text.getvalue().encode())
     return len(response.omega)
 
 
@@ -57,4 +57,4 @@ def _vector(response: OrderTrackedResponse, row: int, probe: int, n: int) -> lis
     variance = np.diag(response.covariance[row, n])[2 * probe : 2 * probe + 2]
     lag = -np.degrees(np.angle(z))
     sigma = 1e6 * np.sqrt(variance.mean())
-    return [f"{value:.5g}" if np.isfinite(value) else "" for value in (abs(z), lag, sigma, slow.real, slow.imag)]
+    return [f"{value:.8g}" if np.isfinite(value) else "" for value in (abs(z), lag, sigma, slow.real, slow.imag)]

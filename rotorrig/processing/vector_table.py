@@ -33,6 +33,8 @@ from rotorrig.rig.trial_mass import trial_unbalance
 BACKWARDS = 0.01  # of the speed: measured speeds of a run-up may fall back by so much, from noise
 PARABOLA = 7  # rows a local parabola is fitted to, for the scatter about it
 POOL = 41  # neighbouring rows whose scatter is pooled: known to 8 %, yet follows the noise along the sweep
+SPEEDS = (0.01, 1e6)  # rad/s, 0.1 rpm to ten million: beyond them the unit is wrong
+LARGEST = 1.0  # m
 PEAK = {"0-peak": 1.0, "peak-to-peak": 0.5, "rms": math.sqrt(2.0)}
 
 
@@ -98,9 +100,9 @@ class _Table:
             try:
                 values[i] = float(cell) if cell else np.nan
             except ValueError as error:
-                raise self.fault(i, column, f"got '{cell}', want a number") from error
+                raise self.fault(i, column, f"got '{cell:.60}', want a number") from error
             if math.isinf(values[i]):
-                raise self.fault(i, column, f"got '{cell}', want a finite number")
+                raise self.fault(i, column, f"got '{cell:.60}', want a finite number")
         return values
 
     def fault(self, row: int, column: str, words: str) -> DataError:
@@ -144,7 +146,7 @@ def _runs_of(table: _Table, mapping: TableMapping) -> NDArray[np.intp]:
     found = np.empty(len(table.lines), dtype=np.intp)
     for i, cell in enumerate(table.cells[mapping.run_column]):
         if cell not in index:
-            raise table.fault(i, mapping.run_column, f"got '{cell}', want one of {sorted(index)}, the runs' values")
+            raise table.fault(i, mapping.run_column, f"got '{cell:.60}', want one of {sorted(index)}, the runs' values")
         found[i] = index[cell]
     return found
 
@@ -155,7 +157,9 @@ def _speeds(table: _Table, mapping: TableMapping, run: NDArray[np.intp]) -> NDAr
     raw = table.numbers(column)
     for i, value in enumerate(raw):
         if not value > 0:
-            raise table.fault(i, column, f"got '{table.cells[column][i]}', want a speed above 0")
+            raise table.fault(i, column, f"got '{table.cells[column][i]:.60}', want a speed above 0")
+        if not SPEEDS[0] <= float(value) * mapping.speed.unit <= SPEEDS[1]:
+            raise table.fault(i, column, f"got {value:g}, want the speed of a rotor; is the unit right?")
     for index, described in enumerate(mapping.runs):
         rows, direction = np.flatnonzero(run == index), DIRECTIONS[described.direction]
         furthest = np.maximum.accumulate(direction * raw[rows])
@@ -183,6 +187,9 @@ def _vectors(table: _Table, mapping: TableMapping, rig: RigConfig, orders: tuple
 def _vector(table: _Table, vector: VectorColumns) -> NDArray[np.complex128]:
     first, second = (table.numbers(column) for column in vector.columns)
     scale = vector.unit * PEAK[vector.amplitude_is]
+    _check_size(table, first, vector.columns[0], LARGEST / scale)
+    if vector.amplitude is None:
+        _check_size(table, second, vector.columns[1], LARGEST / scale)
     if vector.amplitude is None or vector.phase_unit is None:
         return np.asarray(scale * (first + 1j * second))
     if (negative := np.flatnonzero(first < 0)).size:
@@ -191,6 +198,13 @@ def _vector(table: _Table, vector: VectorColumns) -> NDArray[np.complex128]:
         )
     sign = -1.0 if vector.phase_is == "lag" else 1.0
     return scale * first * np.exp(1j * sign * vector.phase_unit * second)
+
+
+def _check_size(table: _Table, values: NDArray[np.float64], column: str, limit: float) -> None:
+    """Raise DataError for a value beyond `limit`, in the column's unit."""
+    if (beyond := np.flatnonzero(np.abs(values) > limit)).size:
+        wrong = f"got {values[beyond[0]]:g}, want a vibration of less than {LARGEST:g} m; is the unit right?"
+        raise table.fault(int(beyond[0]), column, wrong)
 
 
 def _usable(

@@ -176,3 +176,13 @@ def test_arrays_that_do_not_belong_together_are_refused(
     write_response(tmp_path / "r.mcap", dataclasses.replace(response, **change))
     with pytest.raises(DataError, match=words):
         read_response(tmp_path / "r.mcap")
+
+
+def test_numbers_that_no_measurement_has_are_refused(tmp_path: Path, response: OrderTrackedResponse) -> None:
+    for changed, said in (
+        ({"slow_roll_covariance": -response.slow_roll_covariance}, "'slow_roll_covariance' has a variance below zero"),
+        ({"alpha": response.alpha + 1e40}, r"'alpha' has a number beyond 1e\+30"),
+    ):
+        write_response(tmp_path / "odd.mcap", dataclasses.replace(response, **changed))
+        with pytest.raises(DataError, match=said):
+            read_response(tmp_path / "odd.mcap")

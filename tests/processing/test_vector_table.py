@@ -175,6 +175,8 @@ def test_scatter_about_a_smooth_curve_is_found_and_outliers_are_not(rng: np.rand
         ("rpm,amp\n1000,10\n", r"want one column 'phase', got the columns \['rpm', 'amp'\]"),
         ("rpm,amp,phase,amp\n1000,10,0,1\n", "want one column 'amp', got two columns of that name"),
         ("rpm,amp,phase\n", "has 0 rows below its header"),
+        ("rpm,amp,phase\n1000,10,0\n1010,2e6,0\n", "row 3, column 'amp': got 2e\\+06, want a vibration of less"),
+        ("rpm,amp,phase\n1000,10,0\n1e300,1,0\n", "row 3, column 'rpm': got 1e\\+300, want the speed of a rotor"),
         ("", "has 0 rows below its header"),
         ("rpm,amp,phase\n1000,10,0\n1010,ten,0\n", r"bode.csv: row 3, column 'amp': got 'ten', want a number"),
         ("rpm,amp,phase\n1000,inf,0\n", "row 2, column 'amp': got 'inf', want a finite number"),

@@ -5,19 +5,15 @@ import numpy as np
 import pytest
 
 from rotorrig.acquisition.importers import csv
+from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
 from rotorrig.acquisition.importers.csv import read_csv
 from rotorrig.acquisition.mcap_file import read_recording, write_recording
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import file_hash
 
 HEADING = "time [s], keyphasor [V], 1x [um], 1y [um], 2x [um], 2y [um]"
 ROWS = ["0.000, -2.0, 0.0, 10.0, 1.5, -3", "0.001, -2.5, 1.0, 11.0, 1.5, -3", "0.002, -9.75, -1e1, 12.0, 1.5, -3"]
-
-
-@pytest.fixture(scope="module")
-def rig() -> RigConfig:
-    return load(Path(__file__).parents[3] / "configs/rk4.toml")
 
 
 Table = Callable[..., Path]
@@ -160,3 +156,27 @@ def test_files_that_hold_no_table_are_refused(rig: RigConfig, table: Table, tmp_
     binary.write_bytes(bytes(range(256)))
     with pytest.raises(DataError, match="is not UTF-8 text"):
         read_csv(binary, rig)
+
+
+def test_a_mapping_names_the_columns_and_their_units(
+    rig: RigConfig, table: Table, mapping: Callable[[str], ChannelMapping]
+) -> None:
+    path = table(*(f"{k},-2,{k},0,0,0" for k in range(4)), heading="t,tach,A [um],B [um],C [um],D [um]")
+    text = '[time]\ncolumn = "t"\nunit = "1 ms"\n[[channels]]\nprobe = "keyphasor"\nchannel = "tach"\nunit = "1 V"\n'
+    for number, (probe, column) in enumerate(zip(("1x", "1y", "2x", "2y"), "ABCD", strict=True), start=3):
+        text += f'[[channels]]\nprobe = "{probe}"\nchannel = {number if probe == "1x" else f"{column!r}"}\n'
+    recording = read_csv(path, rig, mapping(text))
+    assert recording.daq.sample_rate == 1000.0
+    volts = recording.blocks[0].counts[:, 0] * recording.daq.volts_per_count[0]
+    assert (volts + 10.0) / 7.874e-3 == pytest.approx(np.arange(4), abs=1e-3)
+    by_rate = text.replace('[time]\ncolumn = "t"\nunit = "1 ms"\n', 'rate = "2 kHz"\n')
+    assert read_csv(path, rig, mapping(by_rate)).daq.sample_rate == 2000.0
+    with pytest.raises(DataError, match=r"column 'time': says 1000 Hz, the mapping 2000 Hz"):
+        read_csv(path, rig, mapping('rate = "2 kHz"\n' + text))
+
+
+def test_a_line_without_an_end_is_refused(rig: RigConfig, tmp_path: Path) -> None:
+    path = tmp_path / "long.csv"
+    path.write_text("a" * 2**20)
+    with pytest.raises(DataError, match="row 1: has more than 1048576 characters"):
+        read_csv(path, rig)

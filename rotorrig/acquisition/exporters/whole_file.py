@@ -1,0 +1,25 @@
+"""A file that is written whole or not at all."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rotorrig.acquisition.part_file import PartFile
+from rotorrig.rig.errors import DataError
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[PartFile]:
+    """Give a file for the length of the block; it takes its name when the block ends well. Raises DataError."""
+    try:
+        file = PartFile(path, overwrite=True)
+    except OSError as error:
+        raise DataError(f"{path}: cannot be written ({error.strerror})") from error
+    try:
+        yield file
+        file.take_name()
+    except OSError as error:
+        raise DataError(f"{path}: cannot be written ({error.strerror})") from error
+    finally:
+        if not file.closed:
+            file.discard()

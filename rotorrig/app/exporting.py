@@ -1,0 +1,41 @@
+"""`rotor export`: our files for programs that read CSV or universal files."""
+
+from pathlib import Path
+
+from rotorrig.acquisition.file_kind import file_kind
+from rotorrig.rig.errors import DataError
+
+
+def write_out(file: Path, out: Path) -> str:
+    """Write a run's waveforms or a response's vectors to `out`, a .csv or .uff, and say what. Raises DataError."""
+    if out.suffix.lower() not in (".csv", ".uff", ".unv"):
+        raise DataError(f"{out}: ends in '{out.suffix}', want a name that ends in .csv or .uff")
+    if out.exists() and file.exists() and out.samefile(file):
+        raise DataError(f"{out}: would be written over the file to export, want another name")
+    write = _response if file_kind(file) == "response" else _run
+    return f"{out}: {write(file, out)}"
+
+
+def _response(file: Path, out: Path) -> str:
+    from rotorrig.processing import order_functions, vector_export
+    from rotorrig.processing.response_file import read_response
+
+    response = read_response(file)
+    if out.suffix.lower() == ".csv":
+        return f"{vector_export.write_csv(out, response)} rows"
+    return f"{order_functions.write_uff(out, response)} order functions"
+
+
+def _run(file: Path, out: Path) -> str:
+    from rotorrig.acquisition.exporters.csv import write_csv
+    from rotorrig.acquisition.exporters.uff import write_uff
+    from rotorrig.acquisition.mcap_file import read_recording
+
+    recording = read_recording(file)
+    made = (
+        f"{write_csv(out, recording)} rows of volts"
+        if out.suffix.lower() == ".csv"
+        else f"{write_uff(out, recording)} time responses in volts"
+    )
+    gaps = len(recording.segments()) - 1
+    return made + (f", with {gaps} gap{'s' * (gaps > 1)}: the times jump there" if gaps else "")
