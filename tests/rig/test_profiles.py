@@ -222,7 +222,7 @@ def test_another_device_that_answers_is_no_answer() -> None:
     with served("m-max", wire="tcp") as drive, ModbusMotor(drive.table) as motor:
         motor.open()
         drive.disguise.answers_as = 9
-        with pytest.raises(LinkLost, match="no valid answer in 4 tries"):
+        with pytest.raises(LinkLost, match="no valid answer in 6 tries"):
             motor.read()
         drive.disguise.answers_as = None
         assert not motor.read().running

@@ -18,7 +18,7 @@ from rotorrig.rig.motor.turns import Turns
 from rotorrig.rig.serial_port import why_closed
 
 ANSWER_SECONDS = 0.1  # for a device to answer, besides the wire's own time; a busy drive takes some tens of ms
-TRIES = 4  # of one exchange: a lost link is known after half a second
+TRIES = 6  # of one exchange: a lost link is known after about a second
 NETWORK_SECONDS = 0.1  # what switches and gateways may add
 CONNECT_SECONDS = 1.0  # for a TCP connection
 SLACK_SECONDS = 0.03
@@ -108,12 +108,11 @@ class ModbusLink:
         *,
         urgent: bool = False,
     ) -> ModbusPDU:
-        """Ask until the device answers what was asked, at most `TRIES` times."""
-        with self._turns.take(first=urgent):
-            if self._given_up and not urgent:  # let them arrive; an answer of RTU does not say to which question
-                time.sleep(min(self._given_up, TRIES) * self.answer_seconds + SLACK_SECONDS)
-                self._given_up = 0
-            for _ in range(TRIES):
+        """Ask until the device answers what was asked, at most `TRIES` times; each is a turn of its own."""
+        if not urgent:
+            self._let_late_answers_arrive()
+        for _ in range(TRIES):
+            with self._turns.take(first=urgent):
                 client = self._opened(asked)
                 with contextlib.suppress(ModbusException, OSError):
                     reply = request(client)
@@ -127,6 +126,12 @@ class ModbusLink:
         raise LinkLost(
             f"{self.name}: asked to {asked}, no valid answer in {TRIES} tries of {self.answer_seconds:.2g} s"
         )
+
+    def _let_late_answers_arrive(self) -> None:
+        """Wait for the answers that were given up, off turn: one of RTU does not say to which question it is."""
+        if given_up := self._given_up:
+            time.sleep(min(given_up, TRIES) * self.answer_seconds + SLACK_SECONDS)
+            self._given_up = max(0, self._given_up - given_up)
 
     def _opened(self, asked: str) -> ModbusSerialClient | ModbusTcpClient:
         if self._client is None:
