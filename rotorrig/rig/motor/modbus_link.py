@@ -111,9 +111,12 @@ class ModbusLink:
         """Ask until the device answers what was asked, at most `TRIES` times; each is a turn of its own."""
         if not urgent:
             self._let_late_answers_arrive()
-        for _ in range(TRIES):
+        for attempt in range(TRIES):
             with self._turns.take(first=urgent):
                 client = self._opened(asked)
+                if attempt == TRIES // 2 and isinstance(self._table, ModbusTcp):
+                    client.close()  # after one damaged length the two ends never agree again where a message begins
+                    client = self._client = self._connected()
                 with contextlib.suppress(ModbusException, OSError):
                     reply = request(client)
                     if reply.isError():

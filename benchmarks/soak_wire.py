@@ -1,0 +1,91 @@
+"""What a recording holds of what was on the DAQ's wire: nothing may be missing but what the fault itself took.
+
+The bytes handed to the DAQ's client are kept, behind every fault; each frame among them that is whole by its CRC-32
+has to be in the recording, count by count. Read here from docs/daq-stream.md alone, not with the driver's decoder.
+"""
+
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.acquisition.recording import RawRecording
+
+_SYNC = b"\xa5\x5a"
+_HEAD = struct.Struct("<BBH")  # type, flags, length
+_DATA = 0x02
+_DATA_HEAD = struct.Struct("<IQHB")  # sequence, index, scans, channels
+
+Counts = NDArray[np.int32]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Comparison:
+    """The wire beside the recording, in scans of all channels."""
+
+    sent: int  # scans in whole frames, none counted twice
+    recorded: int
+    lost: int  # sent before the last one recorded, and not recorded
+    wrong: int  # recorded otherwise than sent, or never sent
+    tail: int  # sent after the last one recorded
+    taken: int  # missing on the wire itself, up to there: what the fault took
+
+
+def compare(wire: bytes, recording: RawRecording) -> Comparison:
+    """Compare the bytes on the DAQ's wire with what was recorded of them."""
+    frames = dict(data_frames(wire))
+    found = recording.segments()
+    end = max((first + len(counts) for first, counts in found), default=0)
+    size = max([end, *(index + len(counts) for index, counts in frames.items())])
+    sent, values = np.zeros(size, dtype=bool), np.zeros((size, recording.daq.channels), dtype=np.int32)
+    for index, counts in frames.items():
+        sent[index : index + len(counts)], values[index : index + len(counts)] = True, counts
+    recorded, wrong = np.zeros(size, dtype=bool), 0
+    for first, counts in found:
+        there = slice(first, first + len(counts))
+        wrong += int((~sent[there] | (values[there] != counts).any(axis=1)).sum())
+        recorded[there] = True
+    return Comparison(
+        sent=int(sent.sum()),
+        recorded=int(recorded.sum()),
+        lost=int((sent & ~recorded)[:end].sum()),
+        wrong=wrong,
+        tail=int(sent[end:].sum()),
+        taken=int((~sent)[:end].sum()),
+    )
+
+
+def data_frames(wire: bytes) -> Iterator[tuple[int, Counts]]:
+    """Yield index and counts (scan, channel) of every whole DATA frame among some bytes."""
+    at = wire.find(_SYNC)
+    while at >= 0:
+        body = at + len(_SYNC)
+        end = _end_of_frame(wire, body)
+        if end is None:
+            at = wire.find(_SYNC, at + 1)
+            continue
+        kind, _, _ = _HEAD.unpack_from(wire, body)
+        if kind == _DATA:
+            _, index, scans, channels = _DATA_HEAD.unpack_from(wire, body + _HEAD.size)
+            yield index, _int24(wire[body + _HEAD.size + _DATA_HEAD.size : end - 4]).reshape(scans, channels)
+        at = wire.find(_SYNC, end)
+
+
+def _end_of_frame(wire: bytes, body: int) -> int | None:
+    """Return where the frame with its body at `body` ends; None if there is no whole one."""
+    if len(wire) < body + _HEAD.size:
+        return None
+    _, _, length = _HEAD.unpack_from(wire, body)
+    crc = body + _HEAD.size + length
+    if len(wire) < crc + 4 or zlib.crc32(wire[body:crc]) != int.from_bytes(wire[crc : crc + 4], "little"):
+        return None
+    return crc + 4
+
+
+def _int24(data: bytes) -> Counts:
+    parts = np.frombuffer(data, dtype=np.uint8).reshape(-1, 3).astype(np.int32)
+    counts = parts[:, 0] | parts[:, 1] << 8 | parts[:, 2] << 16
+    return (counts ^ 0x800000) - 0x800000
