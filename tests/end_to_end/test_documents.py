@@ -15,8 +15,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyuff
 
 from benchmarks.blind_run import record
+from rotorrig.acquisition.importers.channel_mapping import load_channels
 from rotorrig.acquisition.mcap_file import write_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app import cli
@@ -51,7 +53,8 @@ def commands(document: str) -> list[list[str]]:
 
 
 def runnable(words: list[str]) -> bool:
-    return not {"--view", "--connect"} & set(words) and (words[1] != "sweep" or "--simulate" in words)
+    needs_nothing = words[1] != "sweep" or {"--simulate", "--dry-run"} & set(words)
+    return not {"--view", "--connect"} & set(words) and bool(needs_nothing)
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +85,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory, recording: RawRecording) ->
     write_recording(folder / "README/run.mcap", recording)
     (folder / "your-data/my.toml").write_text(recording.rig.text)
     write_waveforms(folder / "your-data/waves.csv", recording)
+    write_universal_file(folder / "your-data/recorder.uff", recording)
+    (folder / "your-data/channels.toml").write_text(channels_of(recording))
     return folder
 
 
@@ -97,6 +102,29 @@ def write_waveforms(path: Path, recording: RawRecording) -> None:
     heading = ",".join(["time [s]", "keyphasor [V]", *(f"{p.name} [um]" for p in rig.probes)])
     digits = ["%.5f", "%.2f", *["%.1f"] * len(rig.probes)]
     np.savetxt(path, np.column_stack(columns), fmt=digits, delimiter=",", header=heading, comments="")
+
+
+def write_universal_file(path: Path, recording: RawRecording) -> None:
+    """Write data sets 58 by pyuff: a recorder's channels AI0, AI1, ... in volts."""
+    (_, counts), *gaps = recording.segments()
+    assert not gaps
+    times = np.arange(len(counts)) / recording.daq.sample_rate
+    file = pyuff.UFF(str(path))
+    for channel, volts in enumerate((counts * np.array(recording.daq.volts_per_count)).T):
+        signal = pyuff.prepare_58(
+            func_type=1, rsp_node=1, rsp_dir=0, ref_node=0, ref_dir=0, data=volts, x=times, binary=0,
+            id1=f"AI{channel}", abscissa_spacing=1, abscissa_spec_data_type=17, ordinate_spec_data_type=1,
+            orddenom_spec_data_type=0, z_axis_spec_data_type=0, ordinate_axis_units_lab="V",
+        )  # fmt: skip
+        file.write_sets(signal, mode="add")
+
+
+def channels_of(recording: RawRecording) -> str:
+    """Return the mapping of such a file: which channel is whose."""
+    rig = recording.rig
+    assert rig.keyphasor is not None
+    owners = [("keyphasor", rig.keyphasor.channel), *((probe.name, probe.channel) for probe in rig.probes)]
+    return "\n".join(f'[[channels]]\nprobe = "{name}"\nchannel = "AI{at}"\nunit = "1 V"' for name, at in owners)
 
 
 @pytest.fixture(scope="module")
@@ -152,13 +180,21 @@ def test_the_report_of_the_measured_run_up_begins_as_quoted(folder: Path, outcom
 
 
 def test_the_mapping_shown_reads_a_table(tmp_path: Path, rig_config: RigConfig) -> None:
-    (mapping,) = blocks("docs/your-data.md", "toml")
+    (mapping,) = (text for text in blocks("docs/your-data.md", "toml") if "[[vectors]]" in text)
     (tmp_path / "mapping.toml").write_text(mapping)
     rows = [f"{1000 + 10 * k},{10 + k},30" for k in range(9)]
     (tmp_path / "table.csv").write_text("\n".join(["rpm,amp,phase", *rows]))
     response = read_table(tmp_path / "table.csv", tmp_path / "mapping.toml", rig_config)
     assert response.z[0, 0, 0] == pytest.approx(10e-6 * np.exp(-1j * np.pi / 6))
     assert response.alpha[0] == pytest.approx(np.pi)  # 30 rpm/s
+
+
+def test_the_channels_shown_are_a_mapping(tmp_path: Path, rig_config: RigConfig) -> None:
+    (mapping,) = (text for text in blocks("docs/your-data.md", "toml") if "[[channels]]" in text)
+    (tmp_path / "channels.toml").write_text(mapping)
+    found = load_channels(tmp_path / "channels.toml", rig_config)
+    assert found.rate == 25_600.0
+    assert [(c.probe, c.channel, c.unit, c.override) for c in found.channels] == [("1x", "AI0", "1 V", True)]
 
 
 def test_a_recording_and_its_csv_give_the_same_values(folder: Path, outcomes: dict[str, list[Outcome]]) -> None:
