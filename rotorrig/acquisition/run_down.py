@@ -13,7 +13,8 @@ from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.units import RPM
 
-AT_REST = 3.0  # rad/s, 29 rpm: no pulse for two seconds
+AT_REST = 3.0  # rad/s, 29 rpm
+QUIET = 2.0  # s without a pulse, in which a shaft at that speed turns once; before two pulses no speed is known
 SLOWER = 0.98  # of the speed at the stop: a rotor that is faster than that after a while does not slow down
 PATIENCE = 3.0  # s of the sample clock for it, and twice the time its ramp takes
 CONFIRM = 1.0  # s of wall time for it since the drive has obeyed; a simulated rig's sample clock runs ahead
@@ -74,7 +75,8 @@ class _Watch:
         off = state is not None and not state.running
         if self.blind:
             return off and not report.trouble
-        return self._session.speed < AT_REST and (off or bool(report.trouble))
+        still = self._session.speed < AT_REST and self._session.silence >= QUIET
+        return still and (off or bool(report.trouble))
 
     def over(self, limit: float) -> bool:
         """Whether there is no use in waiting longer."""

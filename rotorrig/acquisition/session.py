@@ -88,6 +88,11 @@ class Session:
         return float(self._keyphasor.steady_speed)
 
     @property
+    def silence(self) -> float:
+        """Seconds since the keyphasor's last pulse, or since the samples begin where there was none."""
+        return self._keyphasor.age
+
+    @property
     def steady(self) -> float:
         """Seconds for which the speed has been steady."""
         return self.t - self._steadiness.since

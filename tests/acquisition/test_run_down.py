@@ -82,6 +82,16 @@ def test_ctrl_c_kill_or_a_closed_terminal_abort_the_sweep_and_record_the_rotor_t
     assert signal.getsignal(number) is handler
 
 
+def test_a_rotor_stopped_before_its_speed_is_known_is_recorded_to_rest_all_the_same(bench: MakeBench) -> None:
+    rig = bench()
+    rig.daq.on_block = pressing(signal.SIGINT, 4_000)  # 24 rad/s, in the first turn
+    with pytest.raises(KeyboardInterrupt):
+        rig.sweep((Ramp(to=60.0, rate=60.0),))
+    assert rig.shaft.speed == 0.0
+    assert rig.recorded().samples > 24_000  # at rest, and two seconds without a pulse
+    assert rig.marks("note")[-1].startswith("at rest")
+
+
 def test_a_second_ctrl_c_is_an_emergency_stop(bench: MakeBench) -> None:
     rig = bench()
     rig.daq.on_block = pressing(signal.SIGINT, 20_000, 22_000)
