@@ -13,7 +13,7 @@ from mcap.writer import CompressionType, Writer
 
 from rotorrig.acquisition import mcap_records
 from rotorrig.app.importing import bring_in
-from rotorrig.app.report import write_report
+from rotorrig.app.report.page import write_report
 from rotorrig.app.result_view import write_result_rrd
 from rotorrig.identify.identification import Estimate, Fit, Identification
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
@@ -83,7 +83,7 @@ def test_no_module_runs_data_or_listens_to_the_network(path: Path) -> None:
     ],
 )
 def test_a_dangerous_line_is_found(line: str) -> None:
-    assert faults("app/report.py", ast.parse(line))
+    assert faults("app/report/page.py", ast.parse(line))
 
 
 HOSTILE = (

@@ -52,8 +52,17 @@ def packed(block: Block) -> dict[str, Any]:
 
 def unpacked(message: Any) -> Block:
     """Return the block in a WAVEFORM message. Raises ValueError if its fields contradict one another."""
-    samples, channels = _shape(message)
+    samples, channels = shape_of(message)
     return _unpacked(message, np.empty((samples, channels), dtype=np.int32))
+
+
+def counts_of(message: Any) -> NDArray[Any]:
+    """Return the counts (channel, sample) in a WAVEFORM message, as narrow as they came. Raises ValueError."""
+    samples, channels = shape_of(message)
+    shape, width = (channels, samples), _WIDTHS[message.dtype]
+    if message.coding == DELTA:
+        return _decoded(message.counts, shape=shape, width=width)
+    return np.frombuffer(message.counts, f"<i{width}").reshape(shape)
 
 
 def unpacked_all(messages: list[Any]) -> tuple[Block, ...]:
@@ -85,25 +94,25 @@ def _coded(counts: NDArray[np.int32], *, width: int) -> bytes:
 
 def _decoded(data: bytes, *, shape: tuple[int, int], width: int) -> NDArray[Any]:
     """Return counts (channel, sample) from what `_coded` made of them."""
-    planes = np.frombuffer(data, np.uint8).reshape(width, -1)
-    folded = np.ascontiguousarray(planes.T).view(f"<u{width}").reshape(shape)
-    steps = (folded >> 1) ^ -(folded & 1)
-    return np.cumsum(steps, axis=1, dtype=steps.dtype).view(f"<i{width}")
+    planes = np.frombuffer(data, np.uint8).reshape(width, *shape)
+    folded = planes[-1].astype(f"<u{width}")
+    for plane in planes[-2::-1]:  # twice as quick as a transposed copy of the bytes
+        folded <<= 8
+        folded |= plane
+    sign = folded & 1
+    folded >>= 1
+    folded ^= np.negative(sign, out=sign)
+    return np.cumsum(folded, axis=1, dtype=folded.dtype, out=folded).view(f"<i{width}")
 
 
 def _unpacked(message: Any, counts: NDArray[np.int32]) -> Block:
     """Decode a message into `counts` (sample, channel) and return the block."""
-    samples, channels = _shape(message)
-    shape, width = (channels, samples), _WIDTHS[message.dtype]
-    if message.coding == DELTA:
-        counts[:] = _decoded(message.counts, shape=shape, width=width).T
-    else:
-        counts[:] = np.frombuffer(message.counts, f"<i{width}").reshape(shape).T
+    counts[:] = counts_of(message).T
     return Block(counts=counts, first_sample=message.first_sample, t_ns=message.t_ns, overrun=message.overrun)
 
 
-def _shape(message: Any) -> tuple[int, int]:
-    """Return (samples, channels) once they agree with the bytes that are there; raises ValueError."""
+def shape_of(message: Any) -> tuple[int, int]:
+    """Return (samples, channels) of a WAVEFORM message once they agree with its bytes; raises ValueError."""
     if message.dtype not in _WIDTHS:
         raise ValueError(f"dtype is {message.dtype!r}, want int16 or int32")
     if message.coding not in (DELTA, PLAIN):
@@ -121,7 +130,7 @@ def _runs(messages: list[Any]) -> Sequence[list[Any]]:
     runs: list[list[Any]] = []
     expected: tuple[int, int] | None = None  # first sample, channels
     for message in messages:
-        samples, channels = _shape(message)
+        samples, channels = shape_of(message)
         if expected == (message.first_sample, channels):
             runs[-1].append(message)
         else:

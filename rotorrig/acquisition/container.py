@@ -6,7 +6,7 @@ from. While it is being written it is called `<name>.part`, see part_file.
 
 import json
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -17,7 +17,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Attachment, Channel, DataEnd, Footer, McapRecord, Message, Metadata, Schema
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
-from rotorrig.acquisition.mcap_records import Fault, records
+from rotorrig.acquisition.mcap_records import Fault, Place, placed_records
 from rotorrig.acquisition.part_file import PartFile, part_of
 from rotorrig.acquisition.schemas import ENCODING, MessageType, register_schema
 from rotorrig.acquisition.syncing import Syncer
@@ -203,18 +203,26 @@ class FileWriter:
             ) from error
 
 
-def read_file(path: Path, *, kind: FileKind, types: tuple[MessageType, ...], salvage: bool = False) -> Contents:
+def read_file(
+    path: Path,
+    *,
+    kind: FileKind,
+    types: tuple[MessageType, ...],
+    salvage: bool = False,
+    aside: Callable[[Stored, Place], bool] | None = None,
+) -> Contents:
     """Read a file of this `kind`; messages of other types than `types` are left out.
 
-    With `salvage`, damaged stretches are skipped and listed in `Contents.faults`. Raises DataError, in one sentence,
-    for a file that is missing, no MCAP, none of ours, of another kind, of a newer version, cut or damaged.
+    With `salvage`, damaged stretches are skipped and listed in `Contents.faults`. Every message is shown to `aside`,
+    with its place in the file, and not kept where that returns True. Raises DataError, in one sentence, for a file
+    that is missing, no MCAP, none of ours, of another kind, of a newer version, cut or damaged.
     """
     _refuse_missing(path)
-    parts = _Parts(path, kind, {t.name: t for t in types})
-    for record in records(path):
+    parts = _Parts(path, kind, {t.name: t for t in types}, aside)
+    for record, place in placed_records(path):
         if isinstance(record, Fault) and not salvage:
             raise DataError(_damage(path, record, kind, parts.metadata))
-        parts.add(record)
+        parts.add(record, place)
     if HEADER not in parts.metadata:
         raise DataError(f"{path}: is an MCAP file but none of this program's, want a {kind.name} file")
     return Contents(
@@ -230,8 +238,14 @@ def read_file(path: Path, *, kind: FileKind, types: tuple[MessageType, ...], sal
 class _Parts:
     """Collects a file's records by what they are."""
 
-    def __init__(self, path: Path, kind: FileKind, types: Mapping[str, MessageType]) -> None:
-        self._path, self._kind, self._types = path, kind, types
+    def __init__(
+        self,
+        path: Path,
+        kind: FileKind,
+        types: Mapping[str, MessageType],
+        aside: Callable[[Stored, Place], bool] | None,
+    ) -> None:
+        self._path, self._kind, self._types, self._aside = path, kind, types, aside
         self._schemas: dict[int, str] = {}
         self._channels: dict[int, Channel] = {}
         self.attachments: dict[str, bytes] = {}
@@ -239,7 +253,7 @@ class _Parts:
         self.messages: list[Stored] = []
         self.faults: list[Fault] = []
 
-    def add(self, record: McapRecord | Fault) -> None:
+    def add(self, record: McapRecord | Fault, place: Place) -> None:
         match record:
             case Fault():
                 self.faults.append(record)
@@ -254,9 +268,9 @@ class _Parts:
             case Channel():
                 self._channels[record.id] = record
             case Message():
-                self._add_message(record)
+                self._add_message(record, place)
 
-    def _add_message(self, message: Message) -> None:
+    def _add_message(self, message: Message, place: Place) -> None:
         if (channel := self._channels.get(message.channel_id)) is None:
             raise DataError(f"{self._path}: channel {message.channel_id} is nowhere described, its messages are lost")
         kind = self._types.get(self._schemas.get(channel.schema_id, ""))
@@ -266,7 +280,9 @@ class _Parts:
             values = kind.cls.FromString(message.data)
         except Exception as error:  # protobuf's DecodeError, which it exports from no stable place
             raise DataError(f"{self._path}: a message of {channel.topic} is no {kind.name} ({error})") from error
-        self.messages.append(Stored(channel.topic, message.log_time, values))
+        stored = Stored(channel.topic, message.log_time, values)
+        if self._aside is None or not self._aside(stored, place):
+            self.messages.append(stored)
 
 
 def _bare_ending() -> bytes:

@@ -8,6 +8,7 @@ The MCAP container itself (`FileWriter`, `read_file`) serves other stages' files
 """
 
 import math
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from types import TracebackType
@@ -15,9 +16,11 @@ from typing import Any, Self
 
 from rotorrig.acquisition import block_message
 from rotorrig.acquisition.container import Contents, DiskFull, FileKind, FileWriter, Stored, read_file
+from rotorrig.acquisition.mcap_records import Place
 from rotorrig.acquisition.part_file import part_of, refuse_existing
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.acquisition.schemas import message_type
+from rotorrig.acquisition.stored_recording import BlockIndex, StoredRecording
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import Block, DaqInfo
@@ -31,6 +34,8 @@ __all__ = [
     "RecordingWriter",
     "Salvaged",
     "Stored",
+    "StoredRecording",
+    "open_recording",
     "read_file",
     "read_recording",
     "salvage",
@@ -138,6 +143,28 @@ def read_recording(path: Path) -> RawRecording:
     return _recording(path, _contents(path))
 
 
+def open_recording(path: Path) -> StoredRecording:
+    """Open a recording to read its samples as they are asked for; a context manager, which closes the file.
+
+    The whole file is looked through once, and what `read_recording` refuses is refused here too, but no more than a
+    few seconds of samples are ever in memory. Raises DataError.
+    """
+    blocks = BlockIndex()
+
+    def aside(message: Stored, place: Place) -> bool:
+        if message.topic == "/waveform":
+            blocks.add(message.values, place)
+        return message.topic == "/waveform"
+
+    try:
+        contents = _contents(path, aside=aside)
+        head = _recording(path, contents)
+        _check_order(zip(blocks.first, blocks.samples, blocks.channels, strict=True), head.daq)
+    except ValueError as error:
+        raise DataError(f"{path}: {error}") from error
+    return StoredRecording(path, head, blocks)
+
+
 def write_recording(path: Path, recording: RawRecording, *, overwrite: bool = False) -> None:
     """Write a recording that is there already. Raises DataError, also if it holds no samples."""
     if not recording.samples:
@@ -202,8 +229,8 @@ def _calibration(rig: RigConfig, info: DaqInfo) -> dict[str, Any]:
     }
 
 
-def _contents(path: Path, *, salvage: bool = False) -> Contents:
-    return read_file(path, kind=RUN, types=tuple(_TOPICS.values()), salvage=salvage)
+def _contents(path: Path, *, salvage: bool = False, aside: Callable[[Stored, Place], bool] | None = None) -> Contents:
+    return read_file(path, kind=RUN, types=tuple(_TOPICS.values()), salvage=salvage, aside=aside)
 
 
 def _recording(path: Path, contents: Contents) -> RawRecording:
@@ -217,7 +244,7 @@ def _recording(path: Path, contents: Contents) -> RawRecording:
         daq = _daq_info(of["/daq"][0])
         contents.messages.clear()  # the list just made holds them alone, and lets them go one by one
         blocks = block_message.unpacked_all(of["/waveform"])
-        _check_order(blocks, daq)
+        _check_order(((b.first_sample, *b.counts.shape) for b in blocks), daq)
     except ValueError as error:
         raise DataError(f"{path}: {error}") from error
     return RawRecording(
@@ -253,12 +280,15 @@ def _daq_info(message: Any) -> DaqInfo:
     return info
 
 
-def _check_order(blocks: tuple[Block, ...], daq: DaqInfo) -> None:
-    """Raise ValueError unless each block has the DAQ's channels and begins where the last one ends or later."""
+def _check_order(blocks: Iterable[tuple[int, int, int]], daq: DaqInfo) -> None:
+    """Raise ValueError unless each block has the DAQ's channels and begins where the last one ends or later.
+
+    Of a block: its first sample, how many samples, how many channels.
+    """
     expected = 0
-    for number, block in enumerate(blocks):
-        if block.counts.shape[1] != daq.channels:
-            raise ValueError(f"block {number} has {block.counts.shape[1]} channels, want {daq.channels}")
-        if block.first_sample < expected:
-            raise ValueError(f"block {number} begins at sample {block.first_sample}, want {expected} or later")
-        expected = block.first_sample + len(block.counts)
+    for number, (first, samples, channels) in enumerate(blocks):
+        if channels != daq.channels:
+            raise ValueError(f"block {number} has {channels} channels, want {daq.channels}")
+        if first < expected:
+            raise ValueError(f"block {number} begins at sample {first}, want {expected} or later")
+        expected = first + samples

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO, NamedTuple
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
@@ -25,6 +25,8 @@ CHUNK_LIMIT = 64 * 2**20  # bytes of one chunk unpacked; ours are about 1 MiB
 TOTAL_LIMIT = 16 * 2**30  # bytes of all chunks unpacked: five hours of 8 channels at 50 kS/s
 # and of a small file in proportion: silent inputs pack to a few thousandths, a file made to fill the memory to less
 SPARE_LIMIT, RATIO_LIMIT = 256 * 2**20, 1000
+
+RELEASE = 8 * 2**20  # bytes of the file shown in memory at once
 
 _HEAD = struct.Struct("<BQ")  # opcode, length of the body
 _CRC = struct.Struct("<I")
@@ -49,6 +51,13 @@ class Fault:
     cut: bool  # the file ends here: nothing is behind it
 
 
+class Place(NamedTuple):
+    """Where a record is: the offset of its chunk, or its own outside of one, and its number in there."""
+
+    offset: int
+    number: int
+
+
 def records(path: Path) -> Iterator[McapRecord | Fault]:
     """Yield the data section's records, chunks opened, up to its end; a `Fault` for every stretch that is damaged.
 
@@ -56,48 +65,74 @@ def records(path: Path) -> Iterator[McapRecord | Fault]:
     file that ends before its data section does yields a `Fault` with `cut` last. Raises DataError if the file cannot
     be read or is no MCAP file.
     """
+    for record, _ in placed_records(path):
+        yield record
+
+
+def placed_records(path: Path) -> Iterator[tuple[McapRecord | Fault, Place]]:
+    """Yield the same with the place of each, where `chunk_at` finds it again."""
     try:
         with path.open("rb") as file:
             if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
                 raise DataError(f"{path}: is no MCAP file (its first bytes are not MCAP's), want one of this program's")
             with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-                yield from _walk(data)
+                for offset, found in _walk(data):
+                    for number, record in enumerate(found):
+                        yield record, Place(offset, number)
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror})") from error
 
 
-def _walk(data: mmap.mmap) -> Iterator[McapRecord | Fault]:
-    offset, unpacked = len(MCAP0_MAGIC), 0
+def chunk_at(file: BinaryIO, offset: int) -> list[McapRecord | Fault]:
+    """Return the records of the chunk at `offset` of a file that was walked over before."""
+    file.seek(offset)
+    head = file.read(_HEAD.size)
+    if len(head) < _HEAD.size:
+        return [Fault(offset, offset, "the file ends too early", cut=True)]
+    opcode, length = _HEAD.unpack(head)
+    if opcode != Opcode.CHUNK or length > 2 * CHUNK_LIMIT:
+        return [Fault(offset, offset, "this is no chunk", cut=False)]
+    return _opened(opcode, file.read(length), offset)
+
+
+def _walk(data: mmap.mmap) -> Iterator[tuple[int, list[McapRecord | Fault]]]:
+    """Yield the records, those of a chunk together, and where they or their chunk begin."""
+    offset, unpacked, released = len(MCAP0_MAGIC), 0, 0
     limit = min(TOTAL_LIMIT, SPARE_LIMIT + RATIO_LIMIT * len(data))
     while True:
         if offset + _HEAD.size > len(data):
-            yield Fault(offset, len(data), "the file ends too early", cut=True)
+            yield offset, [Fault(offset, len(data), "the file ends too early", cut=True)]
             return
         opcode, length = _HEAD.unpack_from(data, offset)
         end = offset + _HEAD.size + length
         if opcode == Opcode.DATA_END and length == _CRC.size and end <= len(data):
-            yield from _ending_faults(data, offset, end)
+            yield offset, [*_ending_faults(data, offset, end)]
             return
         if end > len(data) or not 0 < opcode < 0x80:
             following = _next_chunk(data, offset + 1)
             what = "the file ends too early" if following is None else "this is no record"
             end = len(data) if following is None else following
-            yield Fault(offset, end, what, cut=following is None)
+            yield offset, [Fault(offset, end, what, cut=following is None)]
             if following is None:
                 return
         else:
-            found = _opened(data, opcode, offset, end)
+            found = _opened(opcode, data[offset + _HEAD.size : end], offset)
             unpacked += sum(len(r.data) for r in found if isinstance(r, Message))
             if unpacked > limit:
-                yield Fault(offset, len(data), f"more than {limit / 2**30:.2g} GiB unpacked", cut=False)
+                yield offset, [Fault(offset, len(data), f"more than {limit / 2**30:.2g} GiB unpacked", cut=False)]
                 return
-            yield from found
+            yield offset, found
         offset = end
+        if offset - released > RELEASE:
+            released = _release(data, offset)
 
 
-def _opened(data: mmap.mmap, opcode: int, offset: int, end: int) -> list[McapRecord | Fault]:
-    """Return the record from `offset` to `end`, or those inside it if it is a chunk, or what is wrong with it."""
-    body = data[offset + _HEAD.size : end]
+def _opened(opcode: int, body: bytes, offset: int) -> list[McapRecord | Fault]:
+    """Return the record of that body, or those inside it if it is a chunk, or what is wrong with it; `offset` is its.
+
+    A fault reaches to the body's end.
+    """
+    end = offset + _HEAD.size + len(body)
     try:
         if opcode == Opcode.CHUNK:
             return [*breakup_chunk(_checked_chunk(body), validate_crc=True)]
@@ -139,12 +174,27 @@ def _zstd_content_size(frame: bytes) -> int:
 def _ending_faults(data: mmap.mmap, start: int, end: int) -> Iterator[Fault]:
     """Look at the end of the data section, from `start` to `end`: its CRC, and whether the file's end is there."""
     (crc,) = _CRC.unpack_from(data, start + _HEAD.size)
-    with memoryview(data) as view:
-        wrong = crc != 0 and zlib.crc32(view[:start]) != crc
-    if wrong:
+    if crc != 0 and _checksum(data, start) != crc:
         yield Fault(start, start, "the CRC of all before is wrong", cut=False)
     if data[-len(MCAP0_MAGIC) :] != MCAP0_MAGIC or len(data) - len(MCAP0_MAGIC) < end:
         yield Fault(end, len(data), "the index at the end is not whole", cut=True)
+
+
+def _checksum(data: mmap.mmap, end: int) -> int:
+    """Return the CRC of the first `end` bytes."""
+    crc = 0
+    with memoryview(data) as view:
+        for start in range(0, end, RELEASE):
+            crc = zlib.crc32(view[start : min(start + RELEASE, end)], crc)
+            _release(data, start)
+    return crc
+
+
+def _release(data: mmap.mmap, end: int) -> int:
+    """Let the system take back the memory in which it showed the file up to `end`, and return that."""
+    if hasattr(mmap, "MADV_DONTNEED"):  # not everywhere; without it the pages count as ours until they are wanted
+        data.madvise(mmap.MADV_DONTNEED, 0, max(end, 1))
+    return end
 
 
 def _next_chunk(data: mmap.mmap, start: int) -> int | None:
@@ -156,7 +206,7 @@ def _next_chunk(data: mmap.mmap, start: int) -> int | None:
             opcode, length = _HEAD.unpack_from(data, offset)
             end = offset + _HEAD.size + length
             if opcode == Opcode.CHUNK and end <= len(data):
-                found = _opened(data, opcode, offset, end)
+                found = _opened(opcode, data[offset + _HEAD.size : end], offset)
                 if not any(isinstance(record, Fault) for record in found):
                     return offset
         name = data.find(_ZSTD_NAME, name + 1)

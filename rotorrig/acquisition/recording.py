@@ -1,6 +1,8 @@
 """`RawRecording`: everything a sweep left behind, raw, with what is needed to make metres of it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +30,41 @@ class MotorSample:
     setpoint: float  # rad/s
     running: bool
     fault: str
+
+
+class Counts(Protocol):
+    """Raw counts (sample, channel) of a stretch without a gap, in memory or in a file: slices of it are arrays."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Samples and channels."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, samples: slice, /) -> NDArray[np.int32]: ...
+
+
+class Recorded(Protocol):
+    """What a recording has to offer to whoever wants its waveforms, wherever they are kept."""
+
+    @property
+    def rig(self) -> RigConfig:
+        """The rig it was made on."""
+
+    @property
+    def daq(self) -> DaqInfo:
+        """What the counts mean."""
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """Marks of the plan, trial masses, trips."""
+
+    @property
+    def source(self) -> Provenance:
+        """Where it comes from."""
+
+    def segments(self) -> Sequence[tuple[int, Counts]]:
+        """Return gap-free stretches as (first sample, counts (sample, channel))."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,5 +1,6 @@
 """Runs that were not made yet: their rows and noise, from those of one that was."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -90,9 +91,10 @@ def recorded(response: OrderTrackedResponse, plan: Plan) -> list[Recording]:
 def _response(response: OrderTrackedResponse, plan: Plan, trial: dict[str, complex]) -> OrderTrackedResponse:
     turns = float(np.median(response.revolutions))
     pulses = _pulses(plan)
-    first = np.arange(0, len(pulses) - int(turns), int(turns))
+    length = math.ceil(turns)  # a filter's window need not be of whole turns
+    first = np.arange(0, len(pulses) - length, length)
     timeline = Timeline(pulses)
-    t = pulses[first + int(turns) // 2]
+    t = np.interp(first + length / 2, np.arange(len(pulses)), pulses)
     omega = timeline.omega(t)
     like = np.abs(response.omega[:, None] - omega).argmin(axis=0)
     probes = tuple(probe.name for probe in plan.rig.probes)
@@ -120,6 +122,11 @@ def _response(response: OrderTrackedResponse, plan: Plan, trial: dict[str, compl
         usable=np.ones((rows, len(probes)), dtype=bool),
         reasons=((),) * rows,
         keyphasor_t=pulses,
+        omega_sigma=np.empty(0),
+        alpha_sigma=np.empty(0),
+        jitter=np.empty(0),
+        remarks=(),
+        slow_roll_waveform=np.empty((0, 0)),
     )
 
 

@@ -30,6 +30,14 @@ CONVENTIONS = "SI units; amplitudes 0-peak; z = 2 mean(x exp(-j theta)), theta =
 
 def write_identification(path: Path, found: Identification) -> None:
     """Write fit.json. Raises DataError if the file cannot be written."""
+    table = identification_table(found)
+    for of_file, fit in zip(table["fits"], found.fits, strict=True):
+        of_file["prediction"] = _complex_out(fit.prediction)
+    _write(path, _FIT, table, found.source)
+
+
+def identification_table(found: Identification) -> dict[str, Any]:
+    """Return what fit.json holds, less its arrays and its provenance."""
     fits = [
         {
             "name": fit.name,
@@ -38,7 +46,6 @@ def write_identification(path: Path, found: Identification) -> None:
             "nuisances": [_plain(e, _ESTIMATE) for e in fit.nuisances],
             "unknowns": list(fit.unknowns),
             "optima": [{"theta": list(o.theta), "cost": o.cost} for o in fit.optima],
-            "prediction": _complex_out(fit.prediction),
             "directions": [_plain(d, "weights sigma sigma_of_noise") for d in fit.directions],
             "budget": fit.budget,
             "words": list(fit.words),
@@ -46,8 +53,7 @@ def write_identification(path: Path, found: Identification) -> None:
         }
         for fit in found.fits
     ]
-    body = {"effects": list(found.effects), "wall_s": found.wall_s, "fits": fits}
-    _write(path, _FIT, body, found.source)
+    return {"effects": list(found.effects), "wall_s": found.wall_s, "fits": fits}
 
 
 def read_identification(path: Path) -> Identification:

@@ -11,10 +11,14 @@ Welch, IEEE Trans. Audio Electroacoust. AU-15 (1967) 70. S(f) is taken as the sa
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.signal.windows import kaiser
 
-from rotorrig.processing.orders import Rows
+from rotorrig.processing import resampling
+from rotorrig.processing.line_interference import Line, LineSearch
+from rotorrig.processing.methods import NoiseResponse
+from rotorrig.processing.rows import Rows
 from rotorrig.processing.tacho import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.errors import DataError
@@ -24,9 +28,11 @@ BETA = 16.0  # of the segments' Kaiser window: side lobes at -118 dB, since a re
 GUARD = 3.0  # Hz on either side of an order line: the window's main lobe is 2.6 Hz wide
 LINES = 6  # orders 0 to 6 and those asked for are kept out
 OUTLIER = 10.0  # times the median power of a bin: a knock, not noise
+MOST = 512  # segments averaged, evenly spread over a longer recording: memory that does not grow with it
 FEWEST = 8  # segments a bin must have been seen in, more for more probes
 FLOOR = 0.01  # counts rms added: nothing for a live channel, keeps a dead one's matrix invertible
-HANN_BANDWIDTH = 1.5  # bins: equivalent noise bandwidth of a Hann window
+REACH = 32  # times 1 / turns: 1e-9 of the power passes a Hann window further off
+_FINE = 128  # entries of the table of |H|^2 per 1 / turns
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,6 +41,7 @@ class NoiseSpectrum:
 
     frequency: NDArray[np.float64]  # (bin,) Hz, equally spaced from 0
     density: NDArray[np.complex128]  # (bin, probe, probe) m^2/Hz, Hermitian, positive definite
+    lines: tuple[Line, ...] = ()  # at fixed frequencies; the density has them in it
 
 
 def noise_spectrum(
@@ -51,39 +58,53 @@ def noise_spectrum(
     scale = 1 / (waveforms.rate * np.sum(taper**2))
     lines = sorted({*range(LINES + 1), *(abs(order) for order in orders)})
     spectra, clear = [], []
-    for begin in _segment_starts(waveforms, shaft, size):
+    search = LineSearch(frequency, taper=taper, rate=waveforms.rate, hop=size // 2, probes=waveforms.probes)
+    starts = _segment_starts(waveforms, shaft, size)
+    stride = -(-len(starts) // MOST)
+    for number, begin in enumerate(starts):
         stretch = waveforms.samples(begin, begin + size)
         if stretch is not None:
-            x = (stretch.x - stretch.x.mean(axis=0)) * taper[:, None]
-            spectra.append(np.fft.rfft(x, axis=0)[: len(frequency)] * np.sqrt(scale))
-            clear.append(_clear_of_lines(frequency, shaft.omega(stretch.t[::50]) / TURN, lines))
+            x = stretch.x - stretch.x.mean(axis=0)
+            x *= taper[:, None]
+            omega = shaft.omega(stretch.t[::50])
+            spectrum = np.fft.rfft(x, axis=0)[: len(frequency)]
+            free = _clear_of_lines(frequency, omega / TURN, lines)
+            if number % stride == 0:
+                spectra.append((spectrum * np.sqrt(scale)).astype(np.complex64))
+                clear.append(free)
+            search.take(begin, spectrum, free, speeds=(float(omega.min()), float(omega.max())))
     if not spectra:
         raise DataError(
             f"{waveforms.where}: has no {SEGMENT:g} s of running without a gap, want some to tell noise from vibration"
         )
-    density = _average(frequency, np.array(spectra), np.array(clear), waveforms.where)
+    density = _average(frequency, np.stack(spectra), np.stack(clear), waveforms.where)
     floor = np.diag((FLOOR * waveforms.metres_per_count) ** 2 / waveforms.rate)
-    return NoiseSpectrum(frequency=frequency, density=density + floor)
+    return NoiseSpectrum(frequency=frequency, density=density + floor, lines=search.found())
 
 
-def row_covariance(spectrum: NoiseSpectrum, rows: Rows, *, orders: tuple[float, ...]) -> NDArray[np.float64]:
+def row_covariance(
+    spectrum: NoiseSpectrum,
+    rows: Rows,
+    *,
+    orders: tuple[float, ...],
+    response: NoiseResponse = resampling.noise_response,
+) -> NDArray[np.float64]:
     """Return the covariance (row, order, 2 probe, 2 probe) [m^2] that the noise spectrum gives each row.
 
-    E[z z^H] = 4 integral S(f) |W(f - n f_shaft)|^2 df with S two-sided and W the row's Hann window, W(0) = 1. For
-    white noise of variance s^2 and n samples this is var(re z) = var(im z) = 1.5 * 2 s^2 / n. Order 0 is a real
-    mean of a quarter of that power; its imaginary part, zero by definition, is given the same variance so that the
-    matrix can be inverted.
+    E[z z^H] = 4 integral S(f) |H(f)|^2 df with S two-sided and H what the tracking method, a filter about the row's
+    order, lets through, 1 at the order itself. For white noise of variance s^2, n samples and a Hann window this is
+    var(re z) = var(im z) = 1.5 * 2 s^2 / n. Order 0 is a real mean of a quarter of that power; its imaginary part,
+    zero by definition, is given the same variance so that the matrix can be inverted.
     """
-    step = spectrum.frequency[1]
-    f = np.concatenate([-spectrum.frequency[:0:-1], spectrum.frequency])
-    density = np.concatenate([spectrum.density[:0:-1].conj(), spectrum.density])
-    duration = rows.end - rows.begin
-    covariance = np.empty((len(rows.t), len(orders), 2 * density.shape[1], 2 * density.shape[1]))
+    probes = spectrum.density.shape[1]
+    density = np.concatenate([spectrum.density[:0:-1].conj(), spectrum.density])  # from -f to f
+    covariance = np.empty((len(rows.t), len(orders), 2 * probes, 2 * probes))
+    beside = np.arange(-REACH * _FINE, REACH * _FINE + 1) / _FINE
     for k, order in enumerate(orders):
-        kernel = _hann_power((f - (order * rows.omega / TURN)[:, None]) * duration[:, None])
-        # a bin may be as wide as the kernel: its area is set to the exact HANN_BANDWIDTH / duration
-        kernel *= (HANN_BANDWIDTH / duration / (kernel.sum(axis=1) * step))[:, None]
-        power = np.einsum("rf,fpq->rpq", kernel * step, density)
+        table = response(beside, order=order, orders=orders, turns=rows.turns)
+        power = _through(
+            density, spectrum.frequency[1], order * rows.omega / TURN, rows.turns * TURN / rows.omega, table
+        )
         covariance[:, k] = _pairs(4 * power) if order else _pairs(2 * power.real.astype(complex))
     return covariance
 
@@ -93,15 +114,9 @@ def jitter_covariance(
 ) -> NDArray[np.float64]:
     """Return the covariance (row, order, 2 probe, 2 probe) [m^2] that the keyphasor's timing error gives `z`.
 
-    An edge that comes late by tau makes the angle lag by omega tau about it: the row turns by n times the mean of
-    that under its window, of variance 1.5 (omega tau)^2 / turns, all probes alike.
+    A row whose mean shaft angle is wrong by d turns by n d at order n, all probes alike.
     """
-    timing = np.zeros(len(rows.t))
-    for run in np.unique(rows.run):
-        mine = rows.run == run
-        first, last = int(rows.first_turn[mine].min()), int(rows.first_turn[mine].max()) + rows.turns
-        timing[mine] = shaft.jitter(rows.middle[mine], first=first, last=last)
-    variance = HANN_BANDWIDTH / rows.turns * (rows.omega * timing) ** 2
+    variance = shaft.row_angle_sigma(rows.middle, turns=rows.turns) ** 2
     turned = np.nan_to_num(1j * z * np.array(orders)).transpose(0, 2, 1)  # (row, order, probe)
     pairs = np.stack([turned.real, turned.imag], axis=-1).reshape(*turned.shape[:2], -1)
     return variance[:, None, None, None] * pairs[..., :, None] * pairs[..., None, :]
@@ -129,10 +144,10 @@ def _clear_of_lines(
 
 
 def _average(
-    frequency: NDArray[np.float64], spectra: NDArray[np.complex128], clear: NDArray[np.bool_], where: str
+    frequency: NDArray[np.float64], spectra: NDArray[np.complex64], clear: NDArray[np.bool_], where: str
 ) -> NDArray[np.complex128]:
     """Average outer products of `spectra` (segment, bin, probe) over the segments that are `clear` (segment, bin)."""
-    power = np.where(clear, np.sum(np.abs(spectra) ** 2, axis=2), np.nan)
+    power = np.where(clear, np.sum(np.abs(spectra, dtype=np.float64) ** 2, axis=2), np.nan)
     seen = clear.any(axis=0)
     median = np.full(len(frequency), np.inf)
     median[seen] = np.nanmedian(power[:, seen], axis=0)
@@ -141,7 +156,7 @@ def _average(
     enough = observed >= max(FEWEST, 2 * spectra.shape[2])
     if not enough.any():
         raise DataError(f"{where}: too short to tell noise from vibration, want some ten seconds at changing speed")
-    total = np.einsum("sfp,sfq,sf->fpq", spectra, spectra.conj(), used.astype(float))
+    total = np.einsum("sfp,sfq,sf->fpq", spectra, spectra.conj(), used, dtype=np.complex128)
     known = total[enough] / observed[enough, None, None]
     density = np.empty_like(total)
     for p in range(total.shape[1]):
@@ -150,10 +165,40 @@ def _average(
     return density
 
 
-def _hann_power(x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return |W|^2 of a Hann window at x = frequency times duration, 1 at 0: (sinc(x) / (1 - x^2))^2."""
-    near = np.abs(np.abs(x) - 1) < 1e-6
-    return np.where(near, 0.25, (np.sinc(x) / np.where(near, 1.0, 1 - x**2)) ** 2)
+@njit(cache=True)
+def _through(
+    density: NDArray[np.complex128],
+    step: float,
+    centre: NDArray[np.float64],
+    duration: NDArray[np.float64],
+    table: NDArray[np.float64],
+) -> NDArray[np.complex128]:
+    """Return the integral of `density` (bin, probe, probe) times |H|^2, (row, probe, probe).
+
+    The bins are `step` [Hz] apart and the one in the middle is at 0 Hz; |H|^2 is a table over (f - centre) times
+    duration, of REACH either way. A bin may be as wide as |H|^2: its sum over the bins is set to its integral.
+    """
+    bins, probes, _ = density.shape
+    area, top = table.sum() / _FINE, (bins // 2) * step
+    found = np.zeros((len(centre), probes, probes), dtype=np.complex128)
+    for row in range(len(centre)):
+        middle, reach = min(max(centre[row], -top), top), REACH / duration[row]  # beyond the spectrum, as at its end
+        first = max(int(np.ceil((middle - reach) / step)) + bins // 2, 0)
+        last = min(int(np.floor((middle + reach) / step)) + bins // 2, bins - 1)
+        total = 0.0
+        for bin in range(first, last + 1):
+            place = (((bin - bins // 2) * step - middle) * duration[row] + REACH) * _FINE
+            entry = min(int(place), len(table) - 2)
+            weight = table[entry] + (place - entry) * (table[entry + 1] - table[entry])
+            total += weight
+            for p in range(probes):
+                for q in range(p + 1):  # the rest is its conjugate
+                    found[row, p, q] += weight * density[bin, p, q]
+        found[row] *= area / duration[row] / total
+        for p in range(probes):
+            for q in range(p):
+                found[row, q, p] = found[row, p, q].conjugate()
+    return found
 
 
 def _pairs(power: NDArray[np.complex128]) -> NDArray[np.float64]:

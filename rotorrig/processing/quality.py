@@ -1,16 +1,26 @@
-"""What is wrong with a row: a mask per probe, and the reason in words ("1x: clipped", "missed pulse")."""
+"""What is wrong with a row: a mask per probe, and the reason in words ("1x: clipped", "missed pulse").
+
+A reason takes a row, or one probe of it, out of use. What is only worth knowing of a usable row is a remark and is
+found elsewhere too (line_interference). NaN and infinite samples never come this far: counts are whole numbers, and the
+importers refuse a file that holds others, with the place.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing.orders import Rows
+from rotorrig.processing.rows import Rows
 from rotorrig.processing.runs import Span
-from rotorrig.processing.tacho import ShaftAngle
+from rotorrig.processing.tacho import TURN, Flaw, ShaftAngle
 from rotorrig.processing.waveform import Stretch, Waveforms
 from rotorrig.rig.description import Probe
 
 SAMPLES_PER_TURN = 20  # fewer leave the sum over a turn, and order 2 and above, inexact
 BACKWARDS = 0.01  # of the speed: a run that turns back by more is no run-up or coast-down there
+ALIAS_FREE = 1 / 2.56  # of the sample rate: what an anti-alias filter lets through, by the custom of the trade
+LONGEST_TOP = 3  # samples in a row at the highest or lowest code; more may be a flat top
+FLAT_SHARE = 0.6  # of the samples within TOP_STEPS of the extreme that are on it; a cosine leaves 0.3 = 1 / sqrt(11)
+TOP_STEPS = 10  # steps of the ADC
+MOVING = 50  # steps of the ADC from lowest to highest code, below which a top is a matter of rounding
 
 Reasons = tuple[tuple[str, ...], ...]
 
@@ -23,7 +33,7 @@ def assess(
     usable = np.ones((len(rows.t), len(probes)), dtype=bool)
     reasons: list[tuple[str, ...]] = []
     for i in range(len(rows.t)):
-        whole = _flaws(shaft, int(rows.first_turn[i]), rows.turns)
+        whole = _overlapping(shaft.flaws, float(rows.first_turn[i]), rows.turns)
         if turning[i]:
             whole.append(turning[i])
         stretch = waveforms.between(rows.begin[i], rows.end[i])
@@ -33,30 +43,104 @@ def assess(
         else:
             if len(stretch.t) < SAMPLES_PER_TURN * rows.turns:
                 whole.append(f"{len(stretch.t) / rows.turns:.0f} samples per turn, want {SAMPLES_PER_TURN}")
-            for p, probe in enumerate(probes):
-                if fault := probe_fault(stretch, p, probe=probe, full_scale=waveforms.full_scale):
-                    usable[i, p] = False
-                    single.append(f"{probe.name}: {fault}")
+            faults = probe_faults(stretch, probes=probes, full_scale=waveforms.full_scale)
+            usable[i] = [not fault for fault in faults]
+            single = [f"{probe.name}: {fault}" for probe, fault in zip(probes, faults, strict=True) if fault]
         if whole:
             usable[i] = False
         reasons.append((*dict.fromkeys(whole), *single))
     return usable, tuple(reasons)
 
 
-def probe_fault(stretch: Stretch, column: int, *, probe: Probe, full_scale: int) -> str:
-    """Return what is wrong with one probe's samples, empty if nothing."""
-    counts, x = stretch.counts[:, column], stretch.x[:, column]
-    if counts.max() >= full_scale - 1 or counts.min() <= -full_scale:
-        return "clipped"
-    low, high = sorted((volts - probe.gap_voltage) / probe.sensitivity for volts in probe.linear_range)
-    if x.min() < low or x.max() > high:
-        return "gap out of range"
-    return ""
+def probe_faults(stretch: Stretch, *, probes: tuple[Probe, ...], full_scale: int) -> list[str]:
+    """Return what is wrong with each probe's samples, empty if nothing; the first that applies.
+
+    Clipped at the end of the DAQ's range, no signal at all, outside the probe's linear range, or clipped short of the
+    DAQ's range: by an input stage or a stuck converter, seen by its flat tops.
+    """
+    if not len(stretch.t):
+        return ["no samples"] * len(probes)
+    lowest, highest = stretch.counts.min(axis=0), stretch.counts.max(axis=0)
+    nearest, farthest = stretch.x.max(axis=0), stretch.x.min(axis=0)
+    often = (stretch.counts == highest).sum(axis=0), (stretch.counts == lowest).sum(axis=0)
+    faults = []
+    for p, probe in enumerate(probes):
+        low, high = sorted((volts - probe.gap_voltage) / probe.sensitivity for volts in probe.linear_range)
+        if highest[p] >= full_scale - 1 or lowest[p] <= -full_scale:
+            faults.append("clipped")
+        elif highest[p] == lowest[p]:
+            faults.append(f"no signal, stays at {_volts(probe, stretch.x[0, p]):.2f} V")
+        elif farthest[p] < low or nearest[p] > high:
+            faults.append("gap out of range")
+        elif often[0][p] > LONGEST_TOP and _flat_top(stretch.counts[:, p]):
+            at = stretch.x[stretch.counts[:, p].argmax(), p]
+            faults.append(f"clipped at {_volts(probe, at):.2f} V, short of the DAQ's range")
+        elif often[1][p] > LONGEST_TOP and _flat_top(-stretch.counts[:, p]):
+            at = stretch.x[stretch.counts[:, p].argmin(), p]
+            faults.append(f"clipped at {_volts(probe, at):.2f} V, short of the DAQ's range")
+        else:
+            faults.append("")
+    return faults
 
 
-def _flaws(shaft: ShaftAngle, first_turn: int, turns: int) -> list[str]:
+def blind_orders(rows: Rows, orders: tuple[float, ...], *, rate: float) -> tuple[NDArray[np.bool_], Reasons]:
+    """Return (row, order) where an order lies beyond what the sample rate [Hz] carries, and remarks (row,) that say so.
+
+    The vectors there are not known, the row's other orders are: no reason to mask it.
+    """
+    limit = ALIAS_FREE * rate
+    frequency = np.abs(np.outer(rows.omega, orders)) / TURN
+    beyond = frequency > limit
+    remarks = tuple(
+        tuple(
+            f"{orders[n]:g}X is not known: {frequency[i, n]:.0f} Hz, beyond the {limit:.0f} Hz that {rate:g} Hz carry"
+            for n in np.flatnonzero(beyond[i])
+        )
+        for i in range(len(rows.t))
+    )
+    return beyond, remarks
+
+
+def keyphasor_remarks(shaft: ShaftAngle, rows: Rows) -> Reasons:
+    """Return remarks (row,): which repairs of the keyphasor's pulses the row's shaft angle rests on, and its own."""
+    return tuple(
+        (*shaft.remarks, *dict.fromkeys(_overlapping(shaft.repairs, float(first), rows.turns)))
+        for first in rows.first_turn
+    )
+
+
+def together(*parts: Reasons) -> Reasons:
+    """Return the words of each row from all of `parts`, in order; at least one of them, all of the same rows."""
+    return tuple(tuple(word for words in row for word in words) for row in zip(*parts, strict=True))
+
+
+def _flat_top(counts: NDArray[np.int32]) -> bool:
+    """Return whether the highest code of a moving signal is held, and is no rounded crest.
+
+    A rounded crest spends time near its top as the root of the depth: a third of what it spends within ten steps it
+    spends within one. The step is the smallest change there is, since a foreign file may hold fewer digits than codes.
+    A top that is flat but noisy is not seen: what saturates like that leaves the probe's linear range first.
+    """
+    values = counts.astype(np.int64)
+    change = np.abs(np.diff(values))
+    step = int(change[change > 0].min())
+    top = values.max()
+    if top - values.min() < MOVING * step:
+        return False
+    on = values == top
+    borders = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]])))
+    longest = (borders[1::2] - borders[0::2]).max()
+    near = (values >= top - TOP_STEPS * step).sum()
+    return bool(longest > LONGEST_TOP and on.sum() > FLAT_SHARE * near)
+
+
+def _volts(probe: Probe, x: float) -> float:
+    return probe.gap_voltage + probe.sensitivity * float(x)
+
+
+def _overlapping(flaws: tuple[Flaw, ...], first_turn: float, turns: int) -> list[str]:
     """Return the reasons of the flawed turns that a row overlaps."""
-    return [f.reason for f in shaft.flaws if f.first_turn < first_turn + turns and f.last_turn > first_turn]
+    return [f.reason for f in flaws if f.first_turn < first_turn + turns and f.last_turn > first_turn]
 
 
 def _against_the_run(rows: Rows, spans: tuple[Span, ...]) -> list[str]:

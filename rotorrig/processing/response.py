@@ -13,7 +13,12 @@ from numpy.typing import NDArray
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.provenance import Provenance
 
-Window = Literal["hann", "rectangular"]
+Window = Literal["hann", "rectangular", "vold-kalman"]  # weights of a row's turns, see docs/response-file.md
+Method = Literal["resampling", "least-squares", "vold-kalman", "unknown"]  # of tracking; unknown: a table's
+
+
+def _unknown() -> NDArray[np.float64]:
+    return np.empty(0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,7 +41,7 @@ class OrderTrackedResponse:
     runs: tuple[Run, ...]
     run: NDArray[np.intp]  # (speed,) index into runs
     t: NDArray[np.float64]  # (speed,) s, middle of the row's window on the recording's clock; NaN: unknown
-    omega: NDArray[np.float64]  # (speed,) rad/s, mean over the window
+    omega: NDArray[np.float64]  # (speed,) rad/s, in the middle of the window
     alpha: NDArray[np.float64]  # (speed,) rad/s^2; NaN: unknown
     revolutions: NDArray[np.float64]  # (speed,) length of the row's window in turns
     window: Window  # the weights of the turns in a row, the tracking filter's smear
@@ -47,8 +52,17 @@ class OrderTrackedResponse:
     slow_roll_omega: float  # rad/s; NaN: no slow roll
     usable: NDArray[np.bool_]  # (speed, probe)
     reasons: tuple[tuple[str, ...], ...]  # (speed,) why a probe of the row is not usable: "1x: clipped"
-    keyphasor_t: NDArray[np.float64]  # (pulse,) s, every accepted edge of the recording; empty: unknown
+    keyphasor_t: NDArray[np.float64]  # (pulse,) s, the edge of every turn by the smooth shaft angle; empty: unknown
     source: Provenance
+    method: Method = "unknown"
+    omega_sigma: NDArray[np.float64] = field(default_factory=_unknown)  # (speed,) rad/s, 1 sigma; empty: unknown
+    alpha_sigma: NDArray[np.float64] = field(default_factory=_unknown)  # (speed,) rad/s^2, 1 sigma; empty: unknown
+    #: (speed,) s, 1 sigma of a single keyphasor edge about the smooth shaft angle; empty: unknown
+    jitter: NDArray[np.float64] = field(default_factory=_unknown)
+    remarks: tuple[tuple[str, ...], ...] = ()  # (speed,) worth knowing of a usable row: "line interference, 50 Hz"
+    slow_roll_remarks: tuple[str, ...] = ()  # what speaks against the slow roll; empty: nothing
+    #: (probe, point) m, mean taken out, at equal steps of shaft angle from the keyphasor edge; empty: none
+    slow_roll_waveform: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
 
     def order(self, order: float) -> NDArray[np.complex128]:
         """Return z at one order, (speed, probe)."""

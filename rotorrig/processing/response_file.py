@@ -1,14 +1,13 @@
 """`response.mcap`: an `OrderTrackedResponse` in a file, twice: exact for this program, readable for everyone else.
 
-Topics `/response` and `/response/array` restore it bit by bit. Topics `/bode/<probe>/<order>` and `/gap/<probe>` hold
-the same as plain numbers with their unit in the name, which Rerun, Foxglove and the official `mcap` reader show.
-See docs/response-file.md.
+Topics `/response` and `/response/array` restore it bit by bit. The others hold the same as plain numbers with their
+unit in the name (response_topics.py) and as a scene with a log (response_scene.py), which Rerun, Foxglove and the
+official `mcap` reader show. See docs/response-file.md.
 """
 
 import json
 import math
-from collections.abc import Iterator
-from itertools import product
+from itertools import chain
 from pathlib import Path
 from typing import Any, get_args
 
@@ -17,9 +16,9 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition.mcap_file import Contents, FileKind, FileWriter, read_file
 from rotorrig.acquisition.schemas import message_type
-from rotorrig.processing.response import OrderTrackedResponse, Run, Window
+from rotorrig.processing import response_scene, response_topics
+from rotorrig.processing.response import Method, OrderTrackedResponse, Run, Window
 from rotorrig.rig.errors import DataError
-from rotorrig.rig.units import RPM
 
 KIND = FileKind(name="response", version=1, remedy="make it anew with `rotor track`")
 PIECE = 8 * 2**20  # bytes of an array in one message
@@ -34,39 +33,14 @@ TABLE = message_type(
         "slow_roll_omega_rad_s": "double",
         "runs_json": "string",  # [{name, direction, trial_unbalance: {disk: [re, im] kg m}}]
         "reasons_json": "string",  # [[...], ...] per row
+        "method": "string",  # and what follows: empty in files of before they were known
+        "remarks_json": "string",  # [[...], ...] per row, or []
+        "slow_roll_remarks": "repeated string",
     },
 )
 ARRAY = message_type(
     "ResponseArray",
     {"name": "string", "dtype": "string", "shape": "repeated int64", "offset": "int64", "data": "bytes"},
-)
-# Of a message, Rerun plots the first four doubles: the speed, thousands beside hundreds, stands behind them.
-VECTOR = message_type(
-    "OrderVector",
-    {
-        "speed_rpm": "int64",  # rounded, for a speed axis
-        "amplitude_um": "double",  # 0-peak, raw
-        "phase_lag_deg": "double",  # 0 to 360
-        "compensated_amplitude_um": "double",  # slow-roll vector subtracted; NaN without one
-        "compensated_phase_lag_deg": "double",
-        "sigma_um": "double",  # 1 sigma of the real or imaginary part
-        "exact_speed_rpm": "double",
-        "run": "string",
-        "usable": "bool",
-        "reasons": "string",
-    },
-)
-GAP = message_type(
-    "Gap",
-    {
-        "speed_rpm": "int64",
-        "gap_um": "double",  # mean position towards the probe, 0 at its gap voltage
-        "sigma_um": "double",
-        "exact_speed_rpm": "double",
-        "run": "string",
-        "usable": "bool",
-        "reasons": "string",
-    },
 )
 #: arrays of the response and their type in the file, little endian
 ARRAYS: dict[str, str] = {
@@ -81,7 +55,12 @@ ARRAYS: dict[str, str] = {
     "slow_roll_covariance": "<f8",
     "usable": "|b1",
     "keyphasor_t": "<f8",
+    "omega_sigma": "<f8",
+    "alpha_sigma": "<f8",
+    "jitter": "<f8",
+    "slow_roll_waveform": "<f8",
 }
+LATER = ("omega_sigma", "alpha_sigma", "jitter", "slow_roll_waveform")  # not in older files: unknown
 CONVENTION = {
     "amplitude": "0-peak",
     "vector": "z = 2 mean(x exp(-j theta)), x = Re(z exp(j theta)), theta = 0 at the keyphasor edge",
@@ -103,9 +82,8 @@ def write_response(path: Path, response: OrderTrackedResponse) -> None:
             for offset in range(0, max(len(data), 1), PIECE):
                 piece = {"shape": list(array.shape), "offset": offset, "data": data[offset : offset + PIECE]}
                 file.write("/response/array", ARRAY, 0, name=name, dtype=dtype, **piece)
-        for i, t_ns in enumerate(_times(response)):
-            for topic, kind, values in _rows(response, i):
-                file.write(topic, kind, t_ns, **values)
+        for topic, kind, t_ns, values in chain(response_scene.messages(response), response_topics.messages(response)):
+            file.write(topic, kind, t_ns, **values)
 
 
 def read_response(path: Path) -> OrderTrackedResponse:
@@ -117,34 +95,32 @@ def read_response(path: Path) -> OrderTrackedResponse:
     table, arrays = tables[0], _arrays(path, contents)
     try:
         runs = tuple(_run(run) for run in json.loads(table.runs_json))
-        reasons = tuple(tuple(str(word) for word in row) for row in json.loads(table.reasons_json))
+        reasons = _words(table.reasons_json)
+        remarks = _words(table.remarks_json or "[]")
     except (ValueError, TypeError, KeyError) as error:
         raise DataError(f"{path}: its runs or reasons cannot be read ({error})") from error
     if table.window not in get_args(Window):
         raise DataError(f"{path}: has window {table.window[:40]!r}, want one of {', '.join(get_args(Window))}")
+    method: Any = table.method or "unknown"
+    if method not in get_args(Method):
+        raise DataError(f"{path}: has method {method[:40]!r}, want one of {', '.join(get_args(Method))}")
     response = OrderTrackedResponse(
         rig=contents.rig,
         probes=tuple(table.probes),
         orders=tuple(table.orders),
         runs=runs,
         window=table.window,
+        method=method,
         slow_roll_omega=table.slow_roll_omega_rad_s,
+        slow_roll_remarks=tuple(table.slow_roll_remarks),
         reasons=reasons,
+        remarks=remarks,
         source=contents.source,
         **arrays,
     )
     _check_shapes(path, response)
     _check_values(path, response)
     return response
-
-
-def order_name(order: float) -> str:
-    """Return the name of an order as vibration people write it.
-
-    >>> [order_name(order) for order in (1.0, 0.5, 2.0)]
-    ['1X', '0.5X', '2X']
-    """
-    return f"{order:g}X"
 
 
 def _table(response: OrderTrackedResponse) -> dict[str, Any]:
@@ -163,54 +139,19 @@ def _table(response: OrderTrackedResponse) -> dict[str, Any]:
         "slow_roll_omega_rad_s": response.slow_roll_omega,
         "runs_json": json.dumps(runs),
         "reasons_json": json.dumps(response.reasons),
+        "method": response.method,
+        "remarks_json": json.dumps(response.remarks),
+        "slow_roll_remarks": response.slow_roll_remarks,
     }
+
+
+def _words(text: str) -> tuple[tuple[str, ...], ...]:
+    return tuple(tuple(str(word) for word in row) for row in json.loads(text))
 
 
 def _run(values: dict[str, Any]) -> Run:
     trial = {str(disk): complex(re, im) for disk, (re, im) in values["trial_unbalance"].items()}
     return Run(name=str(values["name"]), direction=int(values["direction"]), trial_unbalance=trial)
-
-
-def _times(response: OrderTrackedResponse) -> list[int]:
-    t = response.t if np.isfinite(response.t).all() else np.arange(len(response.t), dtype=float)
-    return [max(0, round(seconds * 1e9)) for seconds in t]
-
-
-def _rows(response: OrderTrackedResponse, i: int) -> Iterator[tuple[str, Any, dict[str, Any]]]:
-    """Yield topic, message type and fields of every probe and order of row `i`."""
-    rpm = float(response.omega[i]) * RPM
-    for (p, probe), (n, order) in product(enumerate(response.probes), enumerate(response.orders)):
-        variance = response.covariance[i, n, 2 * p : 2 * p + 2, 2 * p : 2 * p + 2]
-        common = {
-            "speed_rpm": round(rpm),
-            "exact_speed_rpm": rpm,
-            "sigma_um": math.sqrt(np.trace(variance) / 2) * 1e6,
-            "run": response.runs[response.run[i]].name,
-            "usable": bool(response.usable[i, p]),
-            "reasons": "; ".join(response.reasons[i]),
-        }
-        z = complex(response.z[i, p, n])
-        if order == 0:
-            yield f"/gap/{probe}", GAP, {**common, "gap_um": z.real * 1e6}
-        else:
-            amplitude, lag = _polar(z)
-            compensated_amplitude, compensated_lag = _polar(z - complex(response.slow_roll[p, n]))
-            yield (
-                f"/bode/{probe}/{order_name(order)}",
-                VECTOR,
-                {
-                    **common,
-                    "amplitude_um": amplitude,
-                    "phase_lag_deg": lag,
-                    "compensated_amplitude_um": compensated_amplitude,
-                    "compensated_phase_lag_deg": compensated_lag,
-                },
-            )
-
-
-def _polar(z: complex) -> tuple[float, float]:
-    """Return the amplitude [um] and phase lag [deg, 0 to 360] of z [m]."""
-    return abs(z) * 1e6, math.degrees(-math.atan2(z.imag, z.real)) % 360.0
 
 
 def _arrays(path: Path, contents: Contents) -> dict[str, NDArray[Any]]:
@@ -222,6 +163,9 @@ def _arrays(path: Path, contents: Contents) -> dict[str, NDArray[Any]]:
     arrays: dict[str, NDArray[Any]] = {}
     for name, dtype in ARRAYS.items():
         mine = sorted(pieces.get(name, []), key=lambda piece: piece.offset)
+        if not mine and name in LATER:
+            arrays[name] = np.empty((0,) * (2 if name == "slow_roll_waveform" else 1))
+            continue
         if not mine:
             raise DataError(f"{path}: lacks the array '{name}'; {KIND.remedy}")
         shape, data = tuple(mine[0].shape), b"".join(piece.data for piece in mine)
@@ -256,8 +200,18 @@ def _check_shapes(path: Path, response: OrderTrackedResponse) -> None:
     for name, shape in want.items():
         if getattr(response, name).shape != shape:
             raise DataError(f"{path}: '{name}' has shape {getattr(response, name).shape}, want {shape}; {KIND.remedy}")
-    if len(response.reasons) != rows or (
-        rows and not 0 <= response.run.min() <= response.run.max() < len(response.runs)
+    for name in ("omega_sigma", "alpha_sigma", "jitter"):
+        if getattr(response, name).shape not in ((0,), (rows,)):
+            raise DataError(
+                f"{path}: '{name}' has shape {getattr(response, name).shape}, want {(rows,)}; {KIND.remedy}"
+            )
+    waveform = response.slow_roll_waveform
+    if waveform.ndim != 2 or (waveform.size and len(waveform) != probes):
+        raise DataError(f"{path}: 'slow_roll_waveform' has shape {waveform.shape}, want {probes} rows; {KIND.remedy}")
+    if (
+        len(response.reasons) != rows
+        or len(response.remarks) not in (0, rows)
+        or (rows and not 0 <= response.run.min() <= response.run.max() < len(response.runs))
     ):
         raise DataError(f"{path}: its rows, reasons and runs do not belong together; {KIND.remedy}")
 

@@ -1,21 +1,24 @@
 """Which stretch of a recording is which run: from the marks of the plan, or from the speed where there are none."""
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import savgol_filter
 
 from rotorrig.acquisition.recording import Event
 from rotorrig.processing.response import Run
-from rotorrig.processing.tacho import ShaftAngle
+from rotorrig.processing.tacho import TURN, ShaftAngle
 from rotorrig.rig.units import RPM
 
 DIRECTION = {"slow roll": 0, "up": 1, "down": -1, "dwell": 0}  # of a mark's first word or words; others are no runs
 SLOW_ROLL_BELOW = 600 * np.pi / 30  # rad/s: a dwell slower than that is a slow roll
 STEADY = 0.001  # 1/s: a speed that changes by less than 0.1 % a second dwells
 STEADY_SHARE = 0.05  # or by less than this share of the recording's fast changes
+HUNTING = 0.03  # of the speed: a rise or a fall by less is a drive that hunts, not a run
+BRIEF = 2.0  # s: a dwell as short amid a rise or fall is none
 SHORTEST = 16  # turns; a shorter stretch of an unmarked recording is no run
 _GRID = 0.25  # s
 ENDS = ("stop", "abort", "emergency", "trip", "pause")  # what else than a mark ends a run
@@ -69,31 +72,45 @@ def _direction(label: str) -> int | None:
 def _from_speed(shaft: ShaftAngle) -> list[tuple[str, int, float, float]]:
     """Split into stretches of rising, falling and steady speed; the slowest steady one may be the slow roll."""
     t = np.arange(shaft.t[0], shaft.t[-1], _GRID)
-    if len(t) < 3:
+    if len(t) < 4:
         return []
-    trend = _trend(shaft, t)
-    borders = [0, *(np.flatnonzero(np.diff(trend)) + 1), len(t)]
+    speed = TURN * np.diff(np.interp(t, shaft.t, shaft.turn)) / _GRID  # no single pulse's error counts for much
+    trend = _without_hunting(_trend(speed), speed)
     spans = []
-    for a, b in itertools.pairwise(borders):
-        begin, end = float(t[a]), float(t[b]) if b < len(t) else float(shaft.t[-1])
-        turns = np.ptp(shaft.theta(np.array([begin, end]))) / (2 * np.pi)
-        if turns >= SHORTEST:
-            spans.append((int(trend[a]), begin, end, turns * 2 * np.pi / (end - begin)))
+    for a, b in _pieces(trend):
+        begin, end = float(t[a]), float(t[b]) if b < len(trend) else float(shaft.t[-1])
+        pulses = np.flatnonzero((shaft.t >= begin) & (shaft.t <= end))
+        if len(pulses) >= SHORTEST:  # at rest there are none
+            first, last = pulses[[0, -1]]
+            mean = TURN * (shaft.turn[last] - shaft.turn[first]) / (shaft.t[last] - shaft.t[first])
+            spans.append((int(trend[a]), begin, end, float(mean)))
     slow = min((s[3] for s in spans if s[0] == 0), default=np.inf)
     return [(_name(d, speed, slow), d, begin, end) for d, begin, end, speed in spans]
 
 
-def _trend(shaft: ShaftAngle, t: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Return +1, 0, -1 (point,): speed rises, dwells, falls, judged over about 3 s so that hunting does not count."""
-    pulse_speed = 2 * np.pi * np.diff(shaft.turn) / np.diff(shaft.t)
-    speed = np.interp(t, (shaft.t[1:] + shaft.t[:-1]) / 2, pulse_speed)
-    half = min(6, (len(t) - 1) // 2)
-    padded = np.pad(speed, half, mode="reflect", reflect_type="odd")
-    rate = (padded[2 * half :] - padded[: -2 * half]) / (2 * half * _GRID)
+def _trend(speed: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Return +1, 0, -1 (point,): speed rises, dwells, falls, by the slope of a straight line through 4 s of it."""
+    points = min(17, len(speed) - 1 + len(speed) % 2)  # an odd number
+    rate = savgol_filter(speed, points, 1, deriv=1, delta=_GRID)
     steady = np.maximum(STEADY * speed, STEADY_SHARE * np.quantile(np.abs(rate), 0.9))
-    if np.ptp(speed) < 0.02 * speed.mean():
-        return np.zeros(len(t), dtype=np.intp)
     return np.where(np.abs(rate) < steady, 0, np.sign(rate)).astype(np.intp)
+
+
+def _without_hunting(trend: NDArray[np.intp], speed: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Return the trend with small rises and falls as part of a dwell, and brief dwells as part of a rise or fall."""
+    trend = trend.copy()
+    for a, b in _pieces(trend):
+        if trend[a] and np.ptp(speed[a:b]) < HUNTING * speed[a:b].mean():
+            trend[a:b] = 0
+    for a, b in _pieces(trend):
+        if trend[a] == 0 and (b - a) * _GRID < BRIEF and a > 0 and b < len(trend) and trend[a - 1] == trend[b]:
+            trend[a:b] = trend[b]
+    return trend
+
+
+def _pieces(trend: NDArray[np.intp]) -> Iterator[tuple[int, int]]:
+    """Yield where each stretch of one trend begins and where the next does."""
+    yield from itertools.pairwise([0, *(np.flatnonzero(np.diff(trend)) + 1).tolist(), len(trend)])
 
 
 def _name(direction: int, speed: float, slowest: float) -> str:

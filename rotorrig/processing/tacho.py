@@ -1,31 +1,30 @@
-"""Keyphasor pulses to shaft angle: theta(t_k) = 2 pi turn_k at the chosen edge, a cubic spline through them between.
+"""Keyphasor pulses to shaft angle: 2 pi times the turns made at each pulse, a smooth curve through them.
 
-A once-per-turn pulse says nothing of the speed within a turn; the spline assumes it changes smoothly over a few turns
-and is exact for a constant acceleration. A pulse at the wrong time is found by comparing its period with the median of
-its neighbours'.
+A pulse says nothing of the speed until the next; the curve takes it to change smoothly and averages the pulses' timing
+errors over as many turns as the data allow (smooth_angle). Missed, extra and displaced pulses are found (pulse_train,
+teeth, displaced) and repaired where the curve knows the angle well enough across them.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.ndimage import median_filter, uniform_filter1d
+from scipy.interpolate import PPoly
 
-from rotorrig.rig.errors import DataError
+from rotorrig.processing.displaced import without_displaced
+from rotorrig.processing.pulse_train import Gaps, PulseTrain, count_pulses
+from rotorrig.processing.smooth_angle import TURN, SmoothAngle, fit_angle
+from rotorrig.processing.teeth import count_teeth, tooth_angles
 
-TURN = 2 * np.pi
-NEIGHBOURS = 9  # periods in the running median; four flawed ones among them do no harm
-SHORT, LONG = 0.7, 1.5  # of the neighbours' period; a run-up from rest shortens it by 0.71 after the second turn
-WORST = 0.2  # share of flawed pulses beyond which the channel is no once-per-turn pulse
-JITTER_POOL = 65  # edges
-SEPARATION = 3.0  # levels apart, in scatter about them: 2.3 for pure noise, 3.8 for a sine, > 10 for a pulse
+BRIDGED = 0.02  # rad (1.1 deg), 1 sigma of the angle amid missed pulses: beyond, its turns are not to be used
+HANN_BANDWIDTH = 1.5  # of a row's Hann window: independent errors of n pulses leave 1.5 / n of their variance
+UNMARKED = "no tooth of the keyphasor is marked: phases compare within this recording alone"
+_PER_TURN = 4  # places at which the variance of a row's angle is looked at
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flaw:
-    """Turns whose angle is not to be trusted, and why."""
+    """Turns that are not as they should be, and why."""
 
     first_turn: int
     last_turn: int
@@ -34,12 +33,19 @@ class Flaw:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShaftAngle:
-    """Shaft angle as a function of time on the recording's clock."""
+    """Shaft angle as a function of time on the recording's clock, with its uncertainty."""
 
-    t: NDArray[np.float64]  # (pulse,) s, accepted edges
+    t: NDArray[np.float64]  # (pulse,) s, accepted edges; of tooth 0 where there are several per turn
     turn: NDArray[np.int64]  # (pulse,) turns since the first edge; jumps by more than one where pulses are missing
-    flaws: tuple[Flaw, ...]
-    spline: CubicSpline  # rad over s
+    flaws: tuple[Flaw, ...]  # angle not to be trusted
+    repairs: tuple[Flaw, ...]  # pulses missed or extra, angle as good as its sigma says
+    smooth: SmoothAngle
+    remarks: tuple[str, ...] = ()  # of all turns
+
+    @property
+    def spline(self) -> PPoly:
+        """The angle [rad] over time [s], a polynomial between pulses."""
+        return self.smooth.curve
 
     def theta(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the shaft angle [rad] at times t [s], 0 at the first edge."""
@@ -49,144 +55,128 @@ class ShaftAngle:
         """Return the speed [rad/s] at times t [s]."""
         return self.spline(t, 1)
 
+    def alpha(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the angular acceleration [rad/s^2] at times t [s]."""
+        return self.spline(t, 2)
+
+    def angle_sigma(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the 1-sigma uncertainty (time,) of the angle [rad]."""
+        return np.sqrt(self.smooth.variance(t)[:, 0])
+
+    def omega_sigma(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the 1-sigma uncertainty (time,) of the speed [rad/s]."""
+        return np.sqrt(self.smooth.variance(t)[:, 1])
+
+    def alpha_sigma(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the 1-sigma uncertainty (time,) of the acceleration [rad/s^2]."""
+        return np.sqrt(self.smooth.variance(t)[:, 2])
+
+    def row_angle_sigma(self, middle: NDArray[np.float64], *, turns: float) -> NDArray[np.float64]:
+        """Return the 1-sigma uncertainty [rad] of the mean angle of rows of `turns` turns about turns `middle` (row,).
+
+        Under a Hann window. Errors of a curve that averages more turns than the row are alike all over it; those of
+        one that passes through every pulse are independent, and so is what it leaves open between pulses. The less of
+        the first two is taken, which is the variance or, where both lengths are equal, up to 1.5 times too much.
+        """
+        places = (np.arange(turns * _PER_TURN) + 0.5) / _PER_TURN - turns / 2
+        t = self.time_at(np.ravel(np.asarray(middle)[:, None] + places))
+        variance = self.smooth.variance(t)[:, 0].reshape(len(middle), -1)
+        at_pulse = np.interp(t, self.spline.x, self.smooth.smoothed[:, 0, 0]).reshape(variance.shape)
+        single = (self.omega(t) * np.interp(t, self.spline.x, self.smooth.sigma)).reshape(variance.shape)
+        pulses = turns * (len(self.spline.x) - 1) / max(self.turn[-1], 1)
+        alike = at_pulse.mean(axis=1)
+        independent = HANN_BANDWIDTH / pulses * np.mean(single**2, axis=1)
+        between = HANN_BANDWIDTH / pulses * np.maximum(variance - at_pulse, 0).mean(axis=1)
+        return np.sqrt(np.minimum(alike, independent) + between)
+
     def time_at(self, turn: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the time [s] at which the shaft has made `turn` turns, fractions included, by Newton's method."""
-        k = np.clip(np.searchsorted(self.turn, turn, side="right") - 1, 0, len(self.t) - 2)
-        t = np.interp(turn, self.turn, self.t)
-        for _ in range(4):
-            slope = np.maximum(self.omega(t), 1e-6)  # a spline may dip where the rotor stands still
-            t = np.clip(t - (self.theta(t) - TURN * turn) / slope, self.t[k], self.t[k + 1])
+        knots = self.spline.x
+        angle = np.maximum.accumulate(self.theta(knots))
+        wanted = TURN * np.asarray(turn, dtype=float)
+        k = np.clip(np.searchsorted(angle, wanted, side="right") - 1, 0, len(knots) - 2)
+        earliest, latest = knots[k], knots[k + 1]
+        earliest = np.where(k == 0, 2 * knots[0] - knots[1], earliest)  # the first pulse may have come too late
+        latest = np.where(k == len(knots) - 2, 2 * knots[-1] - knots[-2], latest)
+        t = np.interp(wanted, angle, knots)
+        for _ in range(5):
+            slope = np.maximum(self.omega(t), 1e-6)  # the curve may dip where the rotor stands still
+            t = np.clip(t - (self.theta(t) - wanted) / slope, earliest, latest)
         return t
 
     def pulses(self) -> NDArray[np.float64]:
-        """Return an edge time [s] for every turn: the accepted ones, interpolated where pulses are missing."""
-        every = np.arange(self.turn[-1] + 1)
-        t = self.time_at(every.astype(float))
-        t[self.turn] = self.t
-        return t
+        """Return the time [s] of every whole turn by the smooth angle, where a pulse without timing error would be."""
+        return self.time_at(np.arange(self.turn[-1] + 1, dtype=float))
+
+    def residual(self) -> NDArray[np.float64]:
+        """Return by how much each edge (pulse,) came too late [s], by the smooth angle."""
+        return (self.theta(self.t) - TURN * self.turn) / np.maximum(self.omega(self.t), 1e-6)
 
     def jitter(self, turn: NDArray[np.float64], *, first: int, last: int) -> NDArray[np.float64]:
         """Return the 1-sigma timing error [s] of single edges around each of `turn`, from turns `first` to `last`.
 
-        From fourth differences of the edge times, which a smooth speed leaves at zero and white errors of variance s^2
-        bring to 70 s^2 (1 + 16 + 36 + 16 + 1); root mean square over 65 edges, so known to about 15 %. Flawed turns
-        are left out, and what lies beyond the range: a start from rest is no smooth speed.
+        As the smooth angle's fit found it, over some hundred pulses; zero where the range holds no edge.
         """
-        regular = (self.turn[4:] - self.turn[:-4] == 4) & (self.turn[:-4] >= first) & (self.turn[4:] <= last)
-        centre = self.turn[2:-2][regular].astype(float)
-        if len(centre) == 0:
+        inside = (self.turn >= first) & (self.turn <= last)
+        if not inside.any():
             return np.zeros(len(turn))
-        variance = np.diff(self.t, 4)[regular] ** 2 / 70
-        pooled = uniform_filter1d(variance, min(JITTER_POOL, len(centre)), mode="reflect")
-        return np.sqrt(np.interp(turn, centre, pooled))
+        sigma = np.interp(self.t[inside], self.spline.x, self.smooth.sigma)
+        return np.interp(turn, self.turn[inside], sigma)
 
 
 def shaft_angle(
-    edges: NDArray[np.float64], *, gaps: Sequence[tuple[float, float]] = (), where: str = "keyphasor"
+    edges: NDArray[np.float64], *, gaps: Gaps = (), per_turn: int = 1, where: str = "keyphasor"
 ) -> ShaftAngle:
-    """Return the shaft angle through keyphasor edges at times `edges` [s], increasing.
+    """Return the shaft angle through keyphasor edges at times `edges` [s], increasing, `per_turn` of them a turn.
 
-    `gaps` are stretches [s] without samples. Extra pulses are dropped, missed ones counted; both leave a `Flaw` over
-    the turns they touch. Raises DataError for fewer than 5 edges or too many flawed ones.
+    `gaps` are stretches [s] without samples. Extra pulses are dropped and missed ones counted: a repair where the angle
+    is known across them, else, as a gap, a flaw. Raises DataError for fewer than 5 edges, or turns of several edges,
+    or too many flawed ones.
     """
-    if len(edges) < 5:
-        raise DataError(f"{where}: got {len(edges)} keyphasor pulses, want at least 5")
-    t, extra = _without_extra(edges, where)
-    ratio = np.diff(t) / _typical(np.diff(t))
-    step = np.where(ratio > LONG, np.maximum(np.round(ratio), 1), 1).astype(np.int64)
-    turn = np.concatenate([[0], np.cumsum(step)])
-    in_gap = np.zeros(len(step), dtype=bool)
-    for begin, end in gaps:
-        in_gap |= (t[:-1] < end) & (t[1:] > begin)
-    missed = (step > 1) & ~in_gap
-    if len(extra) + missed.sum() > WORST * len(edges):
-        raise DataError(
-            f"{where}: {len(extra)} extra and {missed.sum()} missed among {len(edges)} keyphasor pulses, "
-            "want one clean pulse per turn; check keyphasor.threshold and keyphasor.edge"
-        )
-    flaws = [Flaw(first_turn=a, last_turn=b, reason="gap in the samples") for a, b in _turns(turn, in_gap)]
-    flaws += [Flaw(first_turn=a, last_turn=b, reason="missed pulse") for a, b in _turns(turn, missed)]
-    for time in extra:
-        k = int(np.interp(time, t, turn))
-        flaws.append(Flaw(first_turn=k, last_turn=k + 1, reason="extra pulse"))
-    return ShaftAngle(t=t, turn=turn, flaws=tuple(flaws), spline=CubicSpline(t, TURN * turn.astype(float)))
+    if per_turn > 1:
+        return _by_teeth(edges, per_turn, gaps, where)
+    train = count_pulses(edges, gaps=gaps, where=where)
+    train = without_displaced(train, TURN * train.number.astype(float))
+    smooth = fit_angle(train.t, TURN * train.number.astype(float), cut=train.in_gap | train.uncounted)
+    flaws, repairs = _judge(train, smooth, per_turn)
+    return ShaftAngle(t=train.t, turn=train.number, flaws=flaws, repairs=repairs, smooth=smooth)
 
 
-def find_edges(
-    volts: NDArray[np.float64], *, edge: str, threshold: float, band: float, first_sample: int = 0
-) -> NDArray[np.float64]:
-    """Return where `volts` (sample,) crosses `threshold` on the "falling" or "rising" edge, in fractional samples.
-
-    A crossing counts when the voltage has left the band of `band` volts about the threshold on one side and then on
-    the other; its place is interpolated linearly between the two samples about the threshold.
-
-    >>> find_edges(np.array([0.0, 0, -4, -8, -8, 0, 0]), edge="falling", threshold=-5.0, band=2.0)
-    array([2.25])
-    """
-    v = volts - threshold if edge == "rising" else threshold - volts
-    outside = np.flatnonzero(np.abs(v) > band / 2)
-    above = v[outside] > 0
-    crossed = outside[1:][above[1:] & ~above[:-1]]  # first sample beyond the band on the far side
-    crossings = np.flatnonzero((v[:-1] < 0) & (v[1:] >= 0)) + 1
-    after = crossings[np.searchsorted(crossings, crossed, side="right") - 1]
-    return first_sample + after - v[after] / (v[after] - v[after - 1])
-
-
-def levels(volts: NDArray[np.float64], *, where: str = "keyphasor") -> tuple[float, float]:
-    """Return the low and high level [V] of a pulse train, flanks and spikes ignored.
-
-    The fullest bin of the histogram's either half, then the median of the samples near it (IEEE Std 181, histogram
-    modes). Raises DataError if the samples hold no two levels.
-    """
-    bottom, top = float(volts.min()), float(volts.max())
-    upper = volts > (bottom + top) / 2
-    halves = (volts[~upper], volts[upper])
-    if not upper.any():
-        raise DataError(f"{where}: no pulse found, the voltage stays at {top:.3g} V; want a pulse once per turn")
-    low, high = (_mode(half, span=top - bottom) for half in halves)
-    scatter = max(float(np.median(np.abs(half - level))) for half, level in zip(halves, (low, high), strict=True))
-    if not high - low > SEPARATION * 1.4826 * scatter:
-        raise DataError(
-            f"{where}: no pulse found, the voltage wanders between {bottom:.3g} and {top:.3g} V; "
-            "want a pulse once per turn"
-        )
-    return low, high
-
-
-def _mode(volts: NDArray[np.float64], *, span: float) -> float:
-    count, borders = np.histogram(volts, bins=50)
-    middle = borders[np.argmax(count)] + (borders[1] - borders[0]) / 2
-    return float(np.median(volts[np.abs(volts - middle) <= 0.05 * span]))
-
-
-def _without_extra(edges: NDArray[np.float64], where: str) -> tuple[NDArray[np.float64], list[float]]:
-    """Drop, one by one, edges that cut a period short; of the two about a short period the one that does not fit."""
-    t = edges
-    dropped: list[float] = []
-    while len(t) >= 5:
-        period = np.diff(t)
-        typical = _typical(period)
-        short = np.flatnonzero(period < SHORT * typical)
-        if len(short) == 0:
-            return t, dropped
-        if len(dropped) > WORST * len(edges):
-            break
-        i = int(short[0])
-        # dropping edge i or i + 1 leaves one longer period: keep the choice that comes nearest to the neighbours'
-        first = abs(period[i - 1] + period[i] - typical[i]) if i > 0 else np.inf
-        second = abs(period[i] + period[i + 1] - typical[i]) if i + 1 < len(period) else np.inf
-        k = i if first < second else i + 1
-        dropped.append(float(t[k]))
-        t = np.delete(t, k)
-    raise DataError(
-        f"{where}: more than {WORST:.0%} of {len(edges)} keyphasor pulses come too early, want one clean pulse "
-        "per turn; check keyphasor.threshold and keyphasor.edge"
+def _by_teeth(edges: NDArray[np.float64], teeth: int, gaps: Gaps, where: str) -> ShaftAngle:
+    wheel = count_teeth(edges, teeth=teeth, gaps=gaps, where=where)
+    places = tooth_angles(wheel, where=where)
+    train = without_displaced(wheel.train, _angle(wheel.train, places))
+    smooth = fit_angle(train.t, _angle(train, places), cut=train.in_gap | train.uncounted)
+    turn, tooth = np.divmod(train.number, teeth)
+    flaws, repairs = _judge(train, smooth, teeth)
+    return ShaftAngle(
+        t=train.t[tooth == 0],
+        turn=turn[tooth == 0],
+        flaws=flaws,
+        repairs=repairs,
+        smooth=smooth,
+        remarks=() if wheel.marked else (UNMARKED,),
     )
 
 
-def _typical(period: NDArray[np.float64]) -> NDArray[np.float64]:
-    return median_filter(period, NEIGHBOURS, mode="nearest")
+def _angle(train: PulseTrain, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    turn, tooth = np.divmod(train.number, len(places))
+    return TURN * turn + places[tooth]
 
 
-def _turns(turn: NDArray[np.int64], flawed: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    return [(int(turn[i]), int(turn[i + 1])) for i in np.flatnonzero(flawed)]
+def _judge(train: PulseTrain, smooth: SmoothAngle, per_turn: int) -> tuple[tuple[Flaw, ...], tuple[Flaw, ...]]:
+    """Return what cannot be used, and what has been repaired."""
+    amid = np.sqrt(smooth.variance((train.t[1:] + train.t[:-1]) / 2)[:, 0])
+    bridged = train.missed & ~train.uncounted & (amid < BRIDGED)
+    flaws = _turns(train, train.in_gap, per_turn, "gap in the samples")
+    flaws += _turns(train, train.missed & ~bridged, per_turn, "missed pulse")
+    repairs = _turns(train, bridged, per_turn, "missed pulse bridged")
+    for time in train.extra:
+        k = int(np.interp(time, train.t, train.number)) // per_turn
+        repairs.append(Flaw(first_turn=k, last_turn=k + 1, reason="extra pulse dropped"))
+    return tuple(flaws), tuple(repairs)
+
+
+def _turns(train: PulseTrain, steps: NDArray[np.bool_], per_turn: int, reason: str) -> list[Flaw]:
+    begin, end = train.number[:-1] // per_turn, -(-train.number[1:] // per_turn)
+    return [Flaw(first_turn=int(begin[i]), last_turn=int(end[i]), reason=reason) for i in np.flatnonzero(steps)]

@@ -8,7 +8,7 @@ from the scatter of neighbouring rows.
 import csv
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from rotorrig.processing import slow_roll
 from rotorrig.processing.response import OrderTrackedResponse, Run
+from rotorrig.processing.slow_roll_checks import FirstOrder, validity
+from rotorrig.processing.slow_roll_finding import chosen_rows
 from rotorrig.processing.table_mapping import (
     DIRECTIONS,
     StatedSlowRoll,
@@ -57,7 +59,7 @@ def read_table(csv_path: Path, mapping_path: Path, rig: RigConfig) -> OrderTrack
     except DataError as error:
         raise DataError(f"{csv_path}: {error}") from error
     slow = _slow_roll(z, covariance, omega, run, mapping, rig, orders)
-    return OrderTrackedResponse(
+    response = OrderTrackedResponse(
         rig=rig,
         probes=tuple(probe.name for probe in rig.probes),
         orders=orders,
@@ -83,6 +85,8 @@ def read_table(csv_path: Path, mapping_path: Path, rig: RigConfig) -> OrderTrack
             source_hash=file_hash(csv_path),
         ),
     )
+    first = FirstOrder.of(response, chosen_rows(response))
+    return replace(response, slow_roll_remarks=slow.remarks + (validity(first, slow) if first else ()))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -321,7 +325,7 @@ def _stated(
     z = nothing.z.copy()
     for vector in stated.vectors:
         z[names.index(vector.probe), orders.index(vector.order)] = vector.amplitude * np.exp(1j * vector.phase)
-    return slow_roll.SlowRoll(z=z, covariance=np.median(covariance, axis=0), omega=stated.speed, remarks=())
+    return replace(nothing, z=z, covariance=np.median(covariance, axis=0), omega=stated.speed)
 
 
 def _run(described: TableRun) -> Run:

@@ -1,13 +1,16 @@
 """The samples of a recording by time: raw counts kept as they are, volts and metres made for the stretch asked for."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.recording import RawRecording
+from rotorrig.acquisition.recording import Recorded
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.calibration import ProbeScale, channels_used
+
+PIECE = 2**16  # samples of one channel at a time
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,9 +23,9 @@ class Stretch:
 
 
 class Waveforms:
-    """A recording's samples; time is the sample index over the sample rate."""
+    """A recording's samples, read when they are asked for; time is the sample index over the sample rate."""
 
-    def __init__(self, recording: RawRecording) -> None:
+    def __init__(self, recording: Recorded) -> None:
         """Take the samples of a recording. Raises DataError if there are none or too few channels."""
         rig, daq = recording.rig, recording.daq
         self.where = recording.source.source or rig.name
@@ -57,11 +60,13 @@ class Waveforms:
         starts = [first / self.rate for first, _ in self.segments[1:]]
         return list(zip(ends, starts, strict=True))
 
-    def keyphasor_volts(self) -> list[tuple[int, NDArray[np.float64]]]:
-        """Return the keyphasor's gap-free stretches as (first sample, volts (sample,))."""
+    def keyphasor_pieces(self) -> Iterator[tuple[int, NDArray[np.float64]]]:
+        """Yield the keyphasor's samples piece by piece as (first sample, volts (sample,)), no gap within a piece."""
         channel = self.keyphasor.channel
         scale = np.float64(self._volts_per_count[channel])
-        return [(first, counts[:, channel] * scale) for first, counts in self.segments]
+        for first, counts in self.segments:
+            for start in range(0, len(counts), PIECE):
+                yield first + start, counts[start : start + PIECE][:, channel] * scale
 
     def between(self, begin: float, end: float) -> Stretch | None:
         """Return the samples with begin <= t < end, or None if any of them is missing."""

@@ -6,6 +6,7 @@ Axes: z along the shaft from the coupling, x and y across it, angles from +x tow
 
 import itertools
 import json
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -39,6 +40,8 @@ from rotorrig.rig.provenance import short_hash
 from rotorrig.rig.sweep_plans import Plan, TrialMassRuns
 from rotorrig.rig.toml_file import parsed_toml, read_toml
 
+SAMPLES_PER_PULSE = 5  # of the keyphasor: two on either level and one to spare
+
 
 def _as_groups(value: object) -> object:
     """Return `["a", "b"]`, bearings that share one set, as the one group it is."""
@@ -63,16 +66,18 @@ class Identify(Part):
 
     bearings: Annotated[
         tuple[Annotated[tuple[str, ...], Field(min_length=1)], ...], BeforeValidator(_as_groups), Field(min_length=1)
-    ]
+    ]  # those sought; of one group alike
     coefficients: Literal["direct", "all"] = "direct"  # kxx kyy cxx cyy, or the four cross ones too
     unbalance: Annotated[tuple[str, ...], BeforeValidator(_as_list), Field(min_length=1)]  # disks or planes
     also: tuple[Literal["youngs_modulus", "density"], ...] = ()  # of the shaft: sought instead of known by a prior
-    k_bounds: tuple[Stiffness, Stiffness] = (1e2, 1e6)
-    c_bounds: tuple[Damping, Damping] = (1.0, 1e3)
+    k_bounds: tuple[Stiffness, Stiffness] = (1e2, 1e6)  # of kxx and kyy
+    c_bounds: tuple[Damping, Damping] = (1.0, 1e3)  # of cxx and cyy
+    # of kxy and kyx; left out: of either sign, as large as the upper bound of the direct ones
     kxy_bounds: tuple[CrossStiffness, CrossStiffness] = Field(default_factory=_symmetric("k_bounds"))
+    # of cxy and cyx; left out: likewise
     cxy_bounds: tuple[CrossDamping, CrossDamping] = Field(default_factory=_symmetric("c_bounds"))
-    u_bounds: tuple[UnbalanceAmount, UnbalanceAmount] = (1e-7, 1e-3)
-    bands: dict[str, tuple[Speed, Speed]] = Field(default_factory=dict)
+    u_bounds: tuple[UnbalanceAmount, UnbalanceAmount] = (1e-7, 1e-3)  # of the global search
+    bands: dict[str, tuple[Speed, Speed]] = Field(default_factory=dict)  # speeds to fit besides the whole sweep
 
     @property
     def coefficient_names(self) -> tuple[str, ...]:
@@ -121,32 +126,32 @@ class Prior(Part):
     bearing: float = Field(0.05, gt=0)  # relative, stiffness of the bearings that are not identified
     probe_gain: float = Field(0.01, gt=0)  # relative
     probe_linearity: float = Field(0.003, ge=0)  # of the reading: what calibration leaves, and no parameter removes
-    probe_angle: Annotated[Angle, Field(gt=0)] = 0.01745329  # 1 degree
+    probe_angle: Annotated[Angle, Field(gt=0)] = 0.01745329  # 1 degree, of every probe
     runout: Length = 10e-6  # per probe, 0-peak; only its slow-roll vector says more
     keyphasor_angle: Annotated[Angle, Field(gt=0)] = 0.034906585  # 2 degrees, of the mark; trial masses show it
-    rotating_damping: Time = 5e-6  # s, of steel: stress by strain rate
+    rotating_damping: Time = 5e-6  # of steel: stress by strain rate
     line_hum: Length = 0.2e-6  # 0-peak, what the mains may leave in a probe
 
 
 class RigConfig(Part):
     """The rig as its nameplate tells it, in SI units; `load` makes one from a TOML file."""
 
-    name: str
-    notes: str = ""
-    shaft: Shaft
-    disks: tuple[Disk, ...] = Field(min_length=1)
-    planes: tuple[Plane, ...] = ()
-    bearings: tuple[Bearing, ...] = Field(min_length=1)
-    probes: tuple[Probe, ...] = Field(min_length=1)
-    keyphasor: Keyphasor | None = None
-    motor: Motor | None = None
-    daq: Daq | None = None
-    limits: Limits | None = None
-    rotation: Literal["x-to-y", "y-to-x"] = "x-to-y"
-    gravity: Literal["-x", "-y", "none"] = "-y"
-    plans: dict[str, Plan] = Field(default_factory=dict)
-    identify: Identify | None = None
-    prior: Prior = Prior()
+    name: str  # for people
+    notes: str = ""  # for people
+    shaft: Shaft  # what turns
+    disks: tuple[Disk, ...] = Field(min_length=1)  # on the shaft
+    planes: tuple[Plane, ...] = ()  # more places for unbalance or forces
+    bearings: tuple[Bearing, ...] = Field(min_length=1)  # what holds the shaft; two at least, with a span between
+    probes: tuple[Probe, ...] = Field(min_length=1)  # what looks at it
+    keyphasor: Keyphasor | None = None  # for a sweep and for tracking
+    motor: Motor | None = None  # for a sweep
+    daq: Daq | None = None  # for a sweep
+    limits: Limits | None = None  # what stops a sweep
+    rotation: Literal["x-to-y", "y-to-x"] = "x-to-y"  # the sense in which the shaft turns
+    gravity: Literal["-x", "-y", "none"] = "-y"  # where down is
+    plans: dict[str, Plan] = Field(default_factory=dict)  # `default` is run unless `--plan` names another
+    identify: Identify | None = None  # what to look for
+    prior: Prior = Prior()  # how well the nameplate is known
     effects: tuple[Extension, ...] = ()  # what extends the model beyond the nameplate
     _text: str = PrivateAttr(default="")
 
@@ -200,6 +205,7 @@ class RigConfig(Part):
         self._all_on_the_shaft()
         self._bearings_span()
         self._channels_differ()
+        self._pulses_are_sampled()
         self._identify_names_exist()
         self._limits_name_probes()
         self._trial_masses_fit()
@@ -228,6 +234,17 @@ class RigConfig(Part):
         for (a, first), (b, second) in itertools.combinations(owners, 2):
             if a == b:
                 raise ValueError(f"channel {a}: used by {first} and {second}, want one each")
+
+    def _pulses_are_sampled(self) -> None:
+        if not (self.keyphasor and self.motor and self.daq):
+            return
+        rate = self.keyphasor.pulses_per_revolution * self.motor.max_speed / math.tau
+        if rate * SAMPLES_PER_PULSE > self.daq.sample_rate:
+            raise ValueError(
+                f"keyphasor.pulses_per_revolution: {self.keyphasor.pulses_per_revolution} make {rate:.0f} pulses a "
+                f"second at motor.max_speed, want at most daq.sample_rate / {SAMPLES_PER_PULSE} = "
+                f"{self.daq.sample_rate / SAMPLES_PER_PULSE:.0f}"
+            )
 
     def _identify_names_exist(self) -> None:
         if not self.identify:

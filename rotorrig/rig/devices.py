@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, field_validator, model_validator
 
-from rotorrig.rig.nameplate import Length, Part, RampRate, Rate, Speed, Time, Voltage
+from rotorrig.rig.nameplate import Length, Part, RampRate, Rate, Speed, Time, Voltage, is_none
 from rotorrig.rig.units import RPM, reads
 
 _LARGEST_TARGET = 32767  # 6042h is an INTEGER16
@@ -24,25 +24,27 @@ RAMP_AT_REST: frozenset[ModbusProfile] = frozenset({"m-max"})  # is told another
 class Keyphasor(Part):
     """The once-per-turn pulse; shaft angle is zero at the chosen edge."""
 
-    channel: int = Field(ge=0)
-    edge: Literal["falling", "rising"] = "falling"
-    pulses_per_revolution: Literal[1] = 1
-    threshold: Voltage | None = None  # None: midway between the levels found in the data
+    channel: int = Field(ge=0)  # input of the DAQ, from 0
+    edge: Literal["falling", "rising"] = "falling"  # the one at which the mark's leading side arrives
+    pulses_per_revolution: int = Field(1, ge=1, le=1024)  # several: angle zero is the one after the widest spacing
+    threshold: Voltage | None = None  # left out: midway between the levels found in the data
+    #: width of the band about the threshold that a pulse has to leave on both sides; left out: by the levels
+    hysteresis: Annotated[Voltage, Field(gt=0)] | None = Field(None, exclude_if=is_none)
 
 
 class _Controller(Part):
     """What every motor controller is told."""
 
     max_speed: Speed  # of the shaft
-    watchdog: Time = 2.0  # s of silence after which the drive is to stop by itself, where it can
+    watchdog: Time = 2.0  # silence after which the drive is to stop by itself, where it can
 
 
 class _Inverter(_Controller):
     """A variable-frequency drive."""
 
-    profile: ModbusProfile = "powerflex400"
+    profile: ModbusProfile = "powerflex400"  # the family of drives
     rpm_per_hz: float = Field(60.0, gt=0)  # shaft speed over output frequency: 60 / pole pairs, times the gear
-    # s of silence after which the drive is to stop by itself, where it can; not shorter, for a lost reply is asked for
+    # silence after which the drive is to stop by itself, where it can; not shorter, for a lost reply is asked for
     # again, nor longer than all families know
     watchdog: Annotated[Time, Field(ge=0.5, le=60.0)] = 2.0
     ramp: RampRate | None = None  # the one set at the drive, for a profile that cannot be told its ramp
@@ -64,18 +66,18 @@ class _Inverter(_Controller):
 class ModbusRtu(_Inverter):
     """A drive on a serial line."""
 
-    driver: Literal["modbus-rtu"]
-    port: str
-    baudrate: int = Field(19200, ge=1200)
-    address: int = Field(100, ge=1, le=247)
+    driver: Literal["modbus-rtu"]  # chooses this table
+    port: str  # "/dev/ttyUSB0"; better, "/dev/serial/by-id/..."
+    baudrate: int = Field(19200, ge=1200)  # as set at the drive; 8 data bits, no parity
+    address: int = Field(100, ge=1, le=247)  # of the drive on the line
 
 
 class ModbusTcp(_Inverter):
     """A drive behind an Ethernet port."""
 
-    driver: Literal["modbus-tcp"]
-    host: str
-    tcp_port: int = Field(502, ge=1, le=65535)
+    driver: Literal["modbus-tcp"]  # chooses this table
+    host: str  # name or address: "192.168.1.10"
+    tcp_port: int = Field(502, ge=1, le=65535)  # of the drive
     address: int = Field(1, ge=0, le=255)  # unit identifier; many drives ignore it
 
 
@@ -86,20 +88,20 @@ SentWatchdog = Annotated[float, reads("time"), Field(ge=0.5, le=65.0)]
 class LineController(_Controller):
     """A home-built controller that speaks the line protocol of docs/motor-line.md."""
 
-    driver: Literal["serial-line"]
-    port: str
-    baudrate: int = Field(115200, ge=1200)
+    driver: Literal["serial-line"]  # chooses this table
+    port: str  # "/dev/ttyACM0"; better, "/dev/serial/by-id/..."
+    baudrate: int = Field(115200, ge=1200)  # as set at the controller
     watchdog: SentWatchdog = 2.0
 
 
 class CanOpen(_Controller):
     """A CiA 402 drive in velocity mode."""
 
-    driver: Literal["canopen"]
+    driver: Literal["canopen"]  # chooses this table
     interface: str = "socketcan"  # any of python-can: socketcan, slcan, pcan, kvaser, ...
     channel: str  # "can0", or the adapter's serial port
-    bitrate: int = Field(500_000, ge=10_000)
-    node: int = Field(1, ge=1, le=127)
+    bitrate: int = Field(500_000, ge=10_000)  # of the bus
+    node: int = Field(1, ge=1, le=127)  # of the drive
     rpm_per_unit: float = Field(1.0, gt=0)  # shaft speed per unit of the drive's velocity (vl), gear included
     watchdog: SentWatchdog = 2.0
 
@@ -122,10 +124,10 @@ Motor = Annotated[ModbusRtu | ModbusTcp | LineController | CanOpen, Discriminato
 class StreamDaq(Part):
     """A board that speaks the framed serial stream of docs/daq-stream.md."""
 
-    driver: Literal["stream"]
-    port: str
+    driver: Literal["stream"]  # chooses this table
+    port: str  # "/dev/ttyACM0"; better, "/dev/serial/by-id/..."
     baudrate: int = Field(115200, ge=1200)  # of a UART; USB takes no notice
-    sample_rate: Rate
+    sample_rate: Rate  # what the board samples at; another is refused
 
 
 Setting = bool | int | float | str
@@ -134,9 +136,9 @@ Setting = bool | int | float | str
 class OpenDaq(Part):
     """A device of the openDAQ SDK; its channels are numbered in the order it lists them."""
 
-    driver: Literal["opendaq"]
+    driver: Literal["opendaq"]  # chooses this table
     connection: str  # "daqref://device0", "daq.nd://192.168.1.5"
-    sample_rate: Rate
+    sample_rate: Rate  # asked of the device, which must then say the same
     device_settings: dict[str, Setting] = Field(default_factory=dict)  # the device's properties, by their own names
     channel_settings: dict[str, Setting] = Field(default_factory=dict)  # those of every channel: range, coupling
 
@@ -152,12 +154,12 @@ class OpenDaq(Part):
 class NiDaqmx(Part):
     """An analog input device of National Instruments, through its own driver; channel n is input ai<n>."""
 
-    driver: Literal["nidaqmx"]
+    driver: Literal["nidaqmx"]  # chooses this table
     device: str  # "Dev1", "cDAQ1Mod1"
-    sample_rate: Rate
-    terminals: Literal["default", "rse", "nrse", "diff", "pseudo-diff"] = "default"
-    low: Voltage = -24.0  # V, the range asked for; an eddy-current probe's output is negative
-    high: Voltage = 24.0
+    sample_rate: Rate  # one the device's clock can be divided to
+    terminals: Literal["default", "rse", "nrse", "diff", "pseudo-diff"] = "default"  # how the inputs are wired
+    low: Voltage = -24.0  # the range asked for; an eddy-current probe's output is negative
+    high: Voltage = 24.0  # the other end of that range
 
     @field_validator("device")
     @classmethod
@@ -181,8 +183,8 @@ Daq = Annotated[StreamDaq | OpenDaq | NiDaqmx, Discriminator("driver")]
 class CriticalBand(Part):
     """Speeds around a critical one, where more vibration is let pass and nothing dwells."""
 
-    low: Speed
-    high: Speed
+    low: Speed  # lower end
+    high: Speed  # upper end
     vibration: Length  # 0-peak about the mean, any probe; instead of the limits outside
     probes: dict[str, Length] = Field(default_factory=dict)  # the same for one probe
 
@@ -196,12 +198,12 @@ class CriticalBand(Part):
 class Limits(Part):
     """Interlocks, beyond any of which the rotor is stopped; and how critical speeds are passed."""
 
-    overspeed: Speed
+    overspeed: Speed  # by the keyphasor or the drive; not above motor.max_speed
     vibration: Length  # 0-peak about the mean, any probe
     probes: dict[str, Length] = Field(default_factory=dict)  # the same for one probe
-    critical_bands: tuple[CriticalBand, ...] = ()
-    critical_ramp: RampRate | None = None  # ramps pass critical speeds at this rate at least; None: as they are
-    run_down: Time = 180.0  # s after a stop to watch and record the rotor until it is at rest
+    critical_bands: tuple[CriticalBand, ...] = ()  # speeds where more is let pass
+    critical_ramp: RampRate | None = None  # ramps pass critical speeds at this rate at least; left out: as they are
+    run_down: Time = 180.0  # after a stop, to watch and record the rotor until it is at rest
 
     @model_validator(mode="after")
     def _bands_are_apart(self) -> Self:

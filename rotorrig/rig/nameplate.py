@@ -68,19 +68,19 @@ class Tube:
 class Rayleigh(Part):
     """Proportional damping of the bare shaft, C = mass * M + stiffness * K, which does not turn with it."""
 
-    mass: Annotated[float, reads("damping rate"), Field(ge=0)] = 0.0  # 1/s
-    stiffness: Annotated[float, reads("time"), Field(ge=0)] = 0.0  # s
+    mass: Annotated[float, reads("damping rate"), Field(ge=0)] = 0.0  # share of the mass matrix
+    stiffness: Annotated[float, reads("time"), Field(ge=0)] = 0.0  # share of the stiffness matrix
 
 
 class Section(Part):
     """A piece of a stepped shaft; its material is the shaft's where it names none."""
 
-    length: Length
-    diameter: Length
-    inner_diameter: Position = 0.0
-    density: Density | None = None
-    youngs_modulus: Modulus | None = None
-    poisson_ratio: PoissonRatio | None = None
+    length: Length  # along the shaft
+    diameter: Length  # outer
+    inner_diameter: Position = 0.0  # of a bore; 0: solid
+    density: Density | None = None  # left out: the shaft's
+    youngs_modulus: Modulus | None = None  # left out: the shaft's
+    poisson_ratio: PoissonRatio | None = None  # left out: the shaft's
 
     @model_validator(mode="after")
     def _is_a_tube(self) -> Self:
@@ -101,14 +101,14 @@ def _largest_diameter(given: dict[str, Any]) -> float:
 class Shaft(Part):
     """The shaft: uniform, or `sections` one after the other from the coupling, which then say length and diameter."""
 
-    sections: tuple[Section, ...] = ()
-    length: Length = Field(default_factory=_total_length)
-    diameter: Length = Field(default_factory=_largest_diameter)  # of a stepped shaft: the largest
-    inner_diameter: Position = 0.0
+    sections: tuple[Section, ...] = ()  # pieces of a stepped shaft, from the coupling
+    length: Length = Field(default_factory=_total_length)  # from end to end; of a stepped shaft: the sum
+    diameter: Length = Field(default_factory=_largest_diameter)  # outer; of a stepped shaft: the largest
+    inner_diameter: Position = 0.0  # of a bore; 0: solid
     density: Density
     youngs_modulus: Modulus
-    poisson_ratio: PoissonRatio = 0.3
-    rayleigh: Rayleigh = Rayleigh()
+    poisson_ratio: PoissonRatio = 0.3  # for the shear deflection
+    rayleigh: Rayleigh = Rayleigh()  # damping of the bare shaft
     structural_damping: float = Field(0.0, ge=0, lt=1)  # loss factor eta: K (1 + j eta), does not turn with the shaft
 
     @property
@@ -161,35 +161,35 @@ def _check_bore(inner: float, outer: float) -> None:
 class Unbalance(Part):
     """An unbalance [kg m] and where it sits: degrees from the keyphasor mark, in the sense of rotation."""
 
-    amount: UnbalanceAmount
-    angle: Angle = 0.0
+    amount: UnbalanceAmount  # mass times radius
+    angle: Angle = 0.0  # from the keyphasor mark, in the sense of rotation
 
 
 class Disk(Part):
     """A rigid disk; `unbalance` is what the nameplate expects, if it says."""
 
-    name: str
-    position: Position
+    name: str  # of your choice, one of a kind
+    position: Position  # of its middle, from the coupling's end of the shaft
     mass: Mass
-    polar_inertia: Inertia
-    transverse_inertia: Inertia
-    width: Length = 0.025
-    diameter: Length = 0.075
-    unbalance: Unbalance | None = None
+    polar_inertia: Inertia  # about the shaft
+    transverse_inertia: Inertia  # about a diameter, through its middle
+    width: Length = 0.025  # for the drawing only
+    diameter: Length = 0.075  # for the drawing only
+    unbalance: Unbalance | None = None  # as expected: where a fit begins, what a simulated rig has
 
 
 class Plane(Part):
     """A massless place on the shaft that unbalance or a force may be put on: a coupling, a balance ring, a journal."""
 
-    name: str
-    position: Position
+    name: str  # of your choice, no disk's
+    position: Position  # from the coupling's end of the shaft
 
 
 class OverSpeed(Part):
     """A bearing coefficient over shaft speed: straight lines between the speeds, the end values held outside them."""
 
-    speed: tuple[TableSpeed, ...] = Field(min_length=2)  # rad/s, rising
-    value: tuple[float, ...]
+    speed: tuple[TableSpeed, ...] = Field(min_length=2)  # rising
+    value: tuple[float, ...]  # of the coefficient, one for every speed
 
     @model_validator(mode="after")
     def _is_a_table(self) -> Self:
@@ -203,25 +203,25 @@ class OverSpeed(Part):
 class StiffnessOverSpeed(OverSpeed):
     """A direct stiffness over shaft speed."""
 
-    value: tuple[Stiffness, ...]
+    value: tuple[Stiffness, ...]  # one for every speed
 
 
 class CrossStiffnessOverSpeed(OverSpeed):
     """A cross stiffness over shaft speed."""
 
-    value: tuple[CrossStiffness, ...]
+    value: tuple[CrossStiffness, ...]  # one for every speed
 
 
 class DampingOverSpeed(OverSpeed):
     """A direct damping over shaft speed."""
 
-    value: tuple[Damping, ...]
+    value: tuple[Damping, ...]  # one for every speed
 
 
 class CrossDampingOverSpeed(OverSpeed):
     """A cross damping over shaft speed."""
 
-    value: tuple[CrossDamping, ...]
+    value: tuple[CrossDamping, ...]  # one for every speed
 
 
 def _form(value: object) -> str:
@@ -235,23 +235,29 @@ DirectC = Annotated[Annotated[Damping, Tag(NUMBER)] | Annotated[DampingOverSpeed
 CrossC = Annotated[Annotated[CrossDamping, Tag(NUMBER)] | Annotated[CrossDampingOverSpeed, Tag(TABLE)], _EITHER]
 
 
+def is_none(value: float | None) -> bool:
+    """Return whether a value is left out of what is hashed: a config without the key keeps the hash it had before."""
+    return value is None
+
+
 class Bearing(Part):
     """Eight linear coefficients between shaft and ground, [N/m] and [N s/m], each constant or over speed.
 
     A `rigid` one has none and holds the shaft at x = y = 0, free to tilt. x and y are the probes' axes.
     """
 
-    name: str
-    position: Position
-    rigid: bool = False
-    kxx: DirectK | None = None
-    kyy: DirectK | None = None
-    kxy: CrossK = 0.0
-    kyx: CrossK = 0.0
-    cxx: DirectC = 0.0
-    cyy: DirectC = 0.0
-    cxy: CrossC = 0.0
-    cyx: CrossC = 0.0
+    name: str  # of your choice, one of a kind
+    position: Position  # from the coupling's end of the shaft
+    rigid: bool = False  # x = y = 0 exactly, free to tilt
+    kxx: DirectK | None = None  # force along x per deflection along x
+    kyy: DirectK | None = None  # force along y per deflection along y
+    kxy: CrossK = 0.0  # force along x per deflection along y
+    kyx: CrossK = 0.0  # force along y per deflection along x
+    cxx: DirectC = 0.0  # force along x per velocity along x
+    cyy: DirectC = 0.0  # force along y per velocity along y
+    cxy: CrossC = 0.0  # force along x per velocity along y
+    cyx: CrossC = 0.0  # force along y per velocity along x
+    clearance: Length | None = Field(None, exclude_if=is_none)  # diametral; drawn as a circle about the centreline
 
     @property
     def over_speed(self) -> bool:
@@ -283,10 +289,10 @@ class Bearing(Part):
 class Probe(Part):
     """A proximity probe: volts rise as the shaft comes nearer; `angle` is where it sits, from +x towards +y."""
 
-    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")
-    position: Position
-    angle: Angle
-    channel: int = Field(ge=0)
-    sensitivity: Sensitivity = 7874.0  # V/m: 200 mV/mil
-    gap_voltage: Voltage = -10.0
+    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")  # of your choice: letters, digits, _ . -
+    position: Position  # from the coupling's end of the shaft
+    angle: Angle  # where it sits about the shaft, from +x towards +y
+    channel: int = Field(ge=0)  # input of the DAQ, from 0
+    sensitivity: Sensitivity = 7874.0  # 200 mV/mil; divided down if a divider is in the way
+    gap_voltage: Voltage = -10.0  # of its driver with the shaft at rest: displacement 0
     linear_range: tuple[Voltage, Voltage] = (-18.0, -2.0)  # an 8 mm probe's 80 mil about -10 V

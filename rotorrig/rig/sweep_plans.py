@@ -13,11 +13,11 @@ MOST_SPEEDS = 1000  # of a stepped plan
 class _RunUp(Part):
     """A slow roll, and a ramp from `start` to `end`."""
 
-    slow_roll: Speed
-    slow_roll_time: Time
-    start: Speed
-    end: Speed
-    ramp: RampRate
+    slow_roll: Speed  # below start
+    slow_roll_time: Time  # how long the slow roll is recorded
+    start: Speed  # where the run begins
+    end: Speed  # the highest speed
+    ramp: RampRate  # of the run; of settling and slow roll too, on a drive with one ramp
 
     @property
     def fastest(self) -> float:
@@ -34,13 +34,13 @@ class _RunUp(Part):
 class RunUpCoastDown(_RunUp):
     """Slow roll, a ramp from `start` to `end`, then power off and coast."""
 
-    kind: Literal["run-up-coast-down"]
+    kind: Literal["run-up-coast-down"]  # chooses this table
 
 
 class RunUpRampDown(_RunUp):
     """Slow roll, a ramp from `start` to `end` and one back, under power both ways."""
 
-    kind: Literal["run-up-ramp-down"]
+    kind: Literal["run-up-ramp-down"]  # chooses this table
 
 
 class Stepped(Part):
@@ -49,17 +49,17 @@ class Stepped(Part):
     The speeds are a list, or `start` to `end` every `step`; of those, the ones inside a critical band are left out.
     """
 
-    kind: Literal["stepped"]
-    slow_roll: Speed
-    slow_roll_time: Time
-    speeds: tuple[Speed, ...] = ()
-    start: Speed | None = None
-    end: Speed | None = None
-    step: Speed | None = None
-    ramp: RampRate
-    settle: Time = 2.0  # s at a speed before it counts
-    dwell: Time
-    direction: Literal["up", "down", "up-down"] = "up"
+    kind: Literal["stepped"]  # chooses this table
+    slow_roll: Speed  # before the steps
+    slow_roll_time: Time  # how long the slow roll is recorded
+    speeds: tuple[Speed, ...] = ()  # instead of start, end and step
+    start: Speed | None = None  # the lowest speed
+    end: Speed | None = None  # the highest speed
+    step: Speed | None = None  # between neighbours
+    ramp: RampRate  # from one speed to the next
+    settle: Time = 2.0  # at a speed before it counts
+    dwell: Time  # how long each speed is recorded
+    direction: Literal["up", "down", "up-down"] = "up"  # in which the speeds are gone through
 
     @property
     def listed(self) -> bool:
@@ -101,11 +101,11 @@ class Stepped(Part):
 class DwellAt(Part):
     """One speed, held for `time` once it has settled."""
 
-    kind: Literal["dwell"]
-    speed: Speed
-    time: Time
-    ramp: RampRate
-    settle: Time = 2.0  # s
+    kind: Literal["dwell"]  # chooses this table
+    speed: Speed  # to hold
+    time: Time  # how long it is recorded
+    ramp: RampRate  # up to it
+    settle: Time = 2.0  # at the speed before it counts
 
     @property
     def fastest(self) -> float:
@@ -119,9 +119,9 @@ class TrialMassRuns(Part):
     A mass is written as for `rotor sweep --trial`; each is taken off before the next one is mounted.
     """
 
-    kind: Literal["trial-mass"]
-    plan: str = "default"
-    masses: tuple[str, ...] = Field(min_length=1)
+    kind: Literal["trial-mass"]  # chooses this table
+    plan: str = "default"  # another plan of the config
+    masses: tuple[str, ...] = Field(min_length=1)  # "disk: 12 g mm at 90 deg", one after the other
 
     @property
     def fastest(self) -> float:

@@ -8,6 +8,7 @@ import pytest
 
 from rotorrig.acquisition.plans import Ask, Dwell, Mark, Ramp, Rest, Step, Trial
 from rotorrig.processing.pipeline import track
+from rotorrig.processing.settings import Tracking
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError, DataError, LinkLost
 from rotorrig.rig.motor.base import MotorState, Stop
@@ -82,7 +83,7 @@ def test_baseline_and_trial_runs_of_one_recording_are_told_apart(bench: MakeBenc
     rig = bench()
     rig.daq.vibration = lambda speed: 50e-6 * (speed / 100) ** 2
     rig.sweep(MOUNTING, operator=Watching())
-    response = track(rig.recorded(), orders=(1.0,))
+    response = track(rig.recorded(), Tracking(orders=(1.0,)))
     assert [(run.name, run.trial_unbalance) for run in response.runs] == [
         ("slow roll", {}),
         ("up", {}),

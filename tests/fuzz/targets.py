@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from rotorrig.acquisition.importers.channel_mapping import load_channels
-from rotorrig.acquisition.mcap_file import read_recording, salvage
+from rotorrig.acquisition.mcap_file import open_recording, read_recording, salvage
 from rotorrig.app.exporting import write_out
 from rotorrig.app.importing import bring_in
 from rotorrig.processing.vector_table import read_table
@@ -24,9 +24,12 @@ R = TypeVar("R")
 
 
 def _run(data: bytes, folder: Path) -> None:
-    """Read a recording and export it, and salvage it whatever came of that."""
+    """Read a recording, whole and piece by piece, and export it, and salvage it whatever came of that."""
     path = _placed(data, folder / "in.mcap")
     try:
+        with open_recording(path) as recording:
+            for _, counts in recording.segments():
+                counts[:]
         for suffix in (".csv", ".uff"):
             write_out(path, folder / f"out{suffix}")
     finally:

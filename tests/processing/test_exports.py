@@ -72,6 +72,73 @@ def test_the_convention_stands_in_the_csv(response: OrderTrackedResponse, tmp_pa
     vector_export.write_csv(tmp_path / "out.csv", response)
     head = (tmp_path / "out.csv").read_text().splitlines()
     assert head[0] == "# order vectors, raw; amplitude um 0-peak; phase lag deg = -arg z, z = 2 mean(x exp(-j theta)),"
-    assert head[3].split(",")[4:6] == ["1x 1X amplitude [um]", "1x 1X phase lag [deg]"]
-    assert head[4].split(",")[4:6] == ["10", "30"]
-    assert head[4].split(",")[9:] == [""] * 15
+    assert "rotation from x to y" in head[3] and "forward" in head[4]
+    assert head[5].endswith("mean of its vector over unknown turns under the weights 'rectangular'; method unknown")
+    names, cells = head[6].split(","), head[7].split(",")
+    assert names[4:6] == ["1x 1X amplitude [um]", "1x 1X phase lag [deg]"]
+    assert cells[4:6] == ["10", "30"]
+    assert cells[9:-2] == [""] * (15 + 12)
+
+
+@pytest.fixture
+def whirling(response: OrderTrackedResponse) -> OrderTrackedResponse:
+    """The same with 1y: an orbit of 3 um forward at a lag of 20 deg and 1 um backward at one of 50."""
+    forward, backward = 3e-6 * np.exp(-1j * np.radians(20)), 1e-6 * np.exp(-1j * np.radians(50))
+    z = response.z.copy()
+    z[:, 0, 0], z[:, 1, 0] = forward + backward, -1j * (forward - backward)  # x and y of f e^{jt} + b* e^{-jt}
+    covariance = np.tile((0.1e-6) ** 2 * np.eye(8), (2, 1, 1, 1))
+    usable = np.array([[True, True, False, False]] * 2)
+    slow = np.full_like(response.slow_roll, np.nan)
+    slow[:2, 0] = 1e-6, -1e-6j  # forward alone
+    return replace(
+        response,
+        z=z,
+        covariance=covariance,
+        usable=usable,
+        slow_roll=slow,
+        reasons=(("2x: clipped",), ()),
+        remarks=((), ("hum", "bridged")),
+        slow_roll_remarks=("too fast",),
+    )
+
+
+def test_forward_and_backward_whirl_stand_in_the_csv(whirling: OrderTrackedResponse, tmp_path: Path) -> None:
+    vector_export.write_csv(tmp_path / "out.csv", whirling)
+    lines = (tmp_path / "out.csv").read_text().splitlines()
+    assert lines[6] == "# slow roll: too fast"
+    rows = [dict(zip(lines[7].split(","), line.split(","), strict=True)) for line in lines[8:]]
+    for name, amplitude, lag in (("+1X", 3, 20), ("-1X", 1, 50)):
+        assert float(rows[0][f"1x/1y {name} amplitude [um]"]) == pytest.approx(amplitude)
+        assert float(rows[0][f"1x/1y {name} phase lag [deg]"]) == pytest.approx(lag)
+        # f = (x + jy) / 2 of independent x and y: a variance of (s^2 + s^2) / 4
+        assert float(rows[0][f"1x/1y {name} sigma [um]"]) == pytest.approx(0.1 / np.sqrt(2))
+        assert rows[0][f"2x/2y {name} amplitude [um]"] == ""
+    assert [(row["reasons"], row["remarks"]) for row in rows] == [("2x: clipped", ""), ("", "hum; bridged")]
+
+
+@pytest.mark.parametrize(
+    ("turns", "csv", "uff"),
+    [((8.0, 8.0), "8 turns", "hann 8 turns"), ((4.0, 31.4159), "4 to 31.4159 turns", "hann 4 turns")],
+)
+def test_the_window_that_a_model_has_to_apply_is_told(
+    whirling: OrderTrackedResponse, tmp_path: Path, turns: tuple[float, float], csv: str, uff: str
+) -> None:
+    windowed = replace(whirling, window="hann", method="resampling", revolutions=np.array(turns))
+    vector_export.write_csv(tmp_path / "out.csv", windowed)
+    said = f"# a row is the mean of its vector over {csv} under the weights 'hann'; method resampling"
+    assert said in (tmp_path / "out.csv").read_text().splitlines()
+    order_functions.write_uff(tmp_path / "out.uff", windowed)
+    _, vectors, *_ = pyuff.UFF(str(tmp_path / "out.uff")).read_sets()
+    assert vectors["id4"] == f"theta = 0 at keyphasor edge; rotor x-to-y; x to probe; {uff}"
+
+
+def test_pyuff_reads_forward_and_backward_whirl(whirling: OrderTrackedResponse, tmp_path: Path) -> None:
+    assert order_functions.write_uff(tmp_path / "out.uff", whirling) == 4
+    *_, forward, backward = pyuff.UFF(str(tmp_path / "out.uff")).read_sets()
+    assert (forward["z_axis_value"], backward["z_axis_value"]) == (1.0, -1.0)
+    assert (forward["id1"], backward["id1"]) == ("1x/1y +1X forward, run up", "1x/1y -1X backward, run up")
+    assert forward["id2"] == "m radius, x + jy = f e^jn theta + b* e^-jn theta; phase lag = -arg"
+    assert forward["id3"].startswith("raw; slow roll 1.000000e-06 ")
+    assert backward["id3"].startswith("raw; slow roll 0.000000e+00 ")
+    np.testing.assert_allclose(forward["data"], 3e-6 * np.exp(-1j * np.radians(20)))
+    np.testing.assert_allclose(backward["data"], 1e-6 * np.exp(-1j * np.radians(50)))

@@ -5,9 +5,9 @@ import pytest
 from scipy.signal import lfilter
 
 from rotorrig.processing.noise import NoiseSpectrum, row_covariance
-from rotorrig.processing.orders import Rows
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.rows import Rows
 from tests.processing.synthetic import chirp, falling_notch
 
 RPM = np.pi / 30
@@ -22,7 +22,7 @@ def rows_at(frequency: list[float], *, turns: int = 8) -> Rows:
     return Rows(
         turns=turns,
         run=nothing.astype(np.intp),
-        first_turn=nothing.astype(np.int64),
+        first_turn=nothing,
         begin=nothing,
         end=turns / f,
         t=nothing,
@@ -123,7 +123,8 @@ def test_a_large_resonance_does_not_leak_into_the_noise(record, rng: np.random.G
 
 def test_keyphasor_jitter_raises_the_covariance_across_the_vector_only(record, rng: np.random.Generator) -> None:
     t = np.arange(int(60 * RATE)) / RATE
-    theta = chirp(t, start=1200 * RPM, rate=20 * RPM, theta_0=-0.3)
+    swing = 0.05 * np.sin(2 * np.pi * t)  # rad; without it hundreds of turns would average the jitter away
+    theta = chirp(t, start=1200 * RPM, rate=20 * RPM, theta_0=-0.3) + swing
     x = np.tile(100e-6 * np.cos(theta)[:, None], 4) + 0.01e-6 * rng.standard_normal((len(t), 4))
     notch = falling_notch(theta, slope=np.radians(10)) + 0.3 * rng.standard_normal(len(t))
     response = track(record(theta, x, rate=RATE, marks=[(0.0, "up")], notch=notch))

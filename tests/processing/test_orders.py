@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rotorrig.processing.orders import hann_in_angle, order_vectors
 from rotorrig.processing.pipeline import track
+from rotorrig.processing.resampling import hann_in_angle, order_vectors
 from tests.processing.synthetic import chirp
 
 RPM = np.pi / 30

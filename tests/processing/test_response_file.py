@@ -46,6 +46,13 @@ def response(rk4: RigConfig, rng: np.random.Generator) -> OrderTrackedResponse:
         reasons=tuple(("gap in the samples",) if i == 7 else () for i in range(ROWS)),
         keyphasor_t=np.arange(300) / 9.7,
         source=Provenance(config_hash=rk4.hash, code_version="0.1.0", source="run.mcap", source_hash="ab" * 8),
+        method="resampling",
+        omega_sigma=np.full(ROWS, 0.01),
+        alpha_sigma=np.full(ROWS, 0.02),
+        jitter=np.full(ROWS, 1e-6),
+        remarks=tuple(("missed pulse, bridged",) if i == 3 else () for i in range(ROWS)),
+        slow_roll_remarks=("the speed varies by 3.0% during the slow roll, want less than 2%",),
+        slow_roll_waveform=rng.standard_normal((PROBES, 64)) * 1e-6,
     )
 
 

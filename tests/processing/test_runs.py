@@ -1,6 +1,7 @@
 """Runs from marks, and from the speed alone."""
 
 import numpy as np
+import pytest
 
 from rotorrig.acquisition.recording import Event
 from rotorrig.processing.runs import find_runs
@@ -56,6 +57,49 @@ def test_without_marks_the_speed_says_what_the_runs_are() -> None:
     for span, begin, end in zip(spans, (0, 12, 82, 90), (12, 82, 90, 130), strict=True):
         assert abs(span.begin - begin) < 2.0
         assert abs(span.end - end) < 2.0
+
+
+@pytest.mark.parametrize(
+    ("profile", "names"),
+    [
+        pytest.param(
+            [(0, 300), (10, 300), (40, 2400), (75, 400), (85, 400), (115, 2400), (150, 400)],
+            ["slow roll", "up", "down", "dwell 400 rpm", "up 2", "down 2"],
+            id="several ups and downs",
+        ),
+        pytest.param(
+            [(0, 800), (10, 800), (14, 1000), (24, 1000), (28, 1400), (38, 1400)],
+            ["dwell 800 rpm", "up", "dwell 1000 rpm", "up 2", "dwell 1400 rpm"],
+            id="a staircase",
+        ),
+        pytest.param(
+            [(0, 600), (5, 600), (15, 1800), (25, 0), (40, 0), (50, 1800), (60, 0)],
+            ["dwell 600 rpm", "up", "down", "up 2", "down 2"],
+            id="stop and start",
+        ),
+        pytest.param(
+            [(t, 3000 * np.exp(-t / 20)) for t in np.arange(0, 60, 0.5)], ["down"], id="a coast-down that grows slower"
+        ),
+        pytest.param([(0, 600), (300, 1200)], ["up"], id="a ramp of 2 rpm/s"),
+        pytest.param([(0, 600), (40, 3000), (43, 500), (50, 400)], ["up", "down"], id="a trip"),
+    ],
+)
+def test_hard_cases_are_split_where_the_speed_turns(profile: list[tuple[float, float]], names: list[str]) -> None:
+    assert [span.run.name for span in find_runs([], shaft_with(profile))] == names
+
+
+@pytest.mark.parametrize(("share", "hertz"), [(0.003, 0.5), (0.01, 1.0), (0.01, 0.3)])
+def test_a_drive_that_hunts_makes_no_runs_of_its_own(share: float, hertz: float) -> None:
+    at = np.arange(0, 140, 0.02)
+    rpm = np.interp(at, [0, 10, 70, 80, 140], [300, 300, 3000, 3000, 300])
+    hunting = rpm * (1 + share * np.sin(2 * np.pi * hertz * at))
+    names = [span.run.name.split()[0] for span in find_runs([], shaft_with([*zip(at, hunting, strict=True)]))]
+    assert names == ["slow", "up", "dwell", "down"]
+
+
+def test_pulses_out_of_time_make_no_runs(rng: np.random.Generator) -> None:
+    jittered = shaft_angle(SWEEP.t + 50e-6 * rng.standard_normal(len(SWEEP.t)))
+    assert [span.run.name for span in find_runs([], jittered)] == ["slow roll", "up", "dwell 2280 rpm", "down"]
 
 
 def test_hunting_is_no_run(rng: np.random.Generator) -> None:

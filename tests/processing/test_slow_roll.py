@@ -37,13 +37,32 @@ def test_a_speed_that_does_not_dwell_is_said(rng: np.random.Generator) -> None:
     assert found.remarks == ("the speed varies by 7.7% during the slow roll, want less than 2%",)
 
 
+def test_rows_of_a_ramp_scatter_about_what_grows_with_the_square_of_speed(rng: np.random.Generator) -> None:
+    z, covariance = dwell(rng, 40)
+    omega = np.linspace(20, 60, 40)
+    usable = np.ones((40, 2), dtype=bool)
+    ramp = z + 2e-6 * (omega[:, None, None] / 60) ** 2
+    found = slow_roll.estimate(ramp, covariance, omega, usable=usable, dwell=False)
+    assert found.remarks == ()
+    assert np.sqrt(found.covariance[0, 0, 0]) == pytest.approx(SIGMA / np.sqrt(40), rel=0.3)
+    assert "scatter" in slow_roll.estimate(ramp, covariance, omega, usable=usable).remarks[1]
+
+
+def test_its_speed_is_where_a_response_to_unbalance_has_its_mean() -> None:
+    omega = np.array([20.0, 30.0, 60.0])
+    z = np.tile(1e-9 * omega[:, None, None] ** 2, (1, 2, 2)).astype(complex)
+    covariance = np.tile(SIGMA**2 * np.eye(4), (3, 2, 1, 1))
+    found = slow_roll.estimate(z, covariance, omega, usable=np.ones((3, 2), dtype=bool), dwell=False)
+    np.testing.assert_allclose(found.z, 1e-9 * found.omega**2)
+
+
 def test_unusable_rows_are_left_out(rng: np.random.Generator) -> None:
     z, covariance = dwell(rng, 25)
     usable = np.ones((25, 2), dtype=bool)
     z[3], usable[3] = 1.0, (True, False)
-    np.testing.assert_allclose(
-        slow_roll.estimate(z, covariance, np.full(25, 25.0), usable=usable).z, TRUE, atol=5 * SIGMA
-    )
+    found = slow_roll.estimate(z, covariance, np.full(25, 25.0), usable=usable)
+    np.testing.assert_allclose(found.z, TRUE, atol=5 * SIGMA)
+    assert found.used.tolist() == [row != 3 for row in range(25)]
     assert np.isnan(slow_roll.estimate(z, covariance, np.full(25, 25.0), usable=np.zeros((25, 2), dtype=bool)).omega)
 
 

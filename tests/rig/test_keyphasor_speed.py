@@ -137,3 +137,73 @@ def test_an_empty_block_changes_nothing(rk4: RigConfig, info: DaqInfo) -> None:
 def test_a_config_without_keyphasor_is_said(rk4: RigConfig, info: DaqInfo) -> None:
     with pytest.raises(ConfigError, match="keyphasor: is missing"):
         KeyphasorSpeed(rk4.model_copy(update={"keyphasor": None}), info)
+
+
+WHEELS = {
+    "even": np.arange(8) / 8,
+    "displaced": np.arange(8) / 8 - 0.03 * (np.arange(8) == 7),
+    "missing": np.arange(11) / 12,
+    "pair": np.array([0.0, 0.4]),
+}
+
+
+def wheel(turns: np.ndarray, teeth: np.ndarray) -> np.ndarray:
+    """Return the volts of a wheel whose pulses fall through -6 V at `teeth` of every turn."""
+    place = np.mod(turns, 1.0)
+    ahead = np.min([np.mod(tooth - place, 1.0) for tooth in teeth], axis=0)  # turns until the next falling edge
+    return np.where(ahead < 0.3 / len(teeth), -2.0, -10.0)
+
+
+@pytest.mark.parametrize("teeth", WHEELS.values(), ids=WHEELS.keys())
+def test_several_pulses_per_turn_give_the_speed_of_the_shaft(rk4: RigConfig, info: DaqInfo, teeth: np.ndarray) -> None:
+    """The interlock goes by it: a speed as many times too high or too low as there are teeth would be dangerous."""
+    rig = fixed_threshold(rk4, pulses_per_revolution=len(teeth))
+    blocks = cut(block(wheel(20.0 * T + 0.1, teeth)), list(range(200, 20_000, 200)))
+    keyphasor = KeyphasorSpeed(rig, info)
+    for piece in blocks:
+        keyphasor.update(piece)
+        assert keyphasor.steady_speed == 0.0 or keyphasor.steady_speed == pytest.approx(2 * math.pi * 20, rel=0.005)
+        assert keyphasor.speed < 2 * math.pi * 20 * 1.005
+    assert keyphasor.steady_speed > 0
+    assert keyphasor.pulses == pytest.approx(40 * len(teeth), abs=1)
+
+
+@pytest.mark.parametrize("spoilt", ["stray", "missing"])
+def test_one_stray_or_missing_pulse_of_several_leaves_the_steady_speed(
+    rk4: RigConfig, info: DaqInfo, spoilt: str
+) -> None:
+    teeth = WHEELS["even"]
+    volts = wheel(20.0 * T[:19_900], teeth)
+    falling = np.flatnonzero((volts[:-1] > -6) & (volts[1:] < -6))
+    at = int(falling[-4])
+    volts[slice(at - 40, at + 1) if spoilt == "missing" else slice(at + 20, at + 25)] = (
+        -10.0 if spoilt == "missing" else -2.0
+    )
+    _, keyphasor = edges_of(fixed_threshold(rk4, pulses_per_revolution=8), info, [block(volts)])
+    assert keyphasor.steady_speed == pytest.approx(2 * math.pi * 20, rel=0.01)
+
+
+def test_a_wheel_that_stops_is_seen_to_after_one_spacing(rk4: RigConfig, info: DaqInfo) -> None:
+    turns = np.minimum(20.0 * T, 20.06)  # stands still half a spacing after its last edge
+    rig = fixed_threshold(rk4, pulses_per_revolution=8)
+    _, keyphasor = edges_of(rig, info, [block(wheel(turns, WHEELS["even"]))])
+    assert keyphasor.speed == pytest.approx(2 * math.pi / 8 / keyphasor.age, rel=0.01)
+    assert keyphasor.steady_speed == pytest.approx(2 * math.pi / 8 / keyphasor.age, rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["displaced", "missing", "pair"])
+def test_turns_begin_at_the_tooth_after_the_widest_spacing(rk4: RigConfig, info: DaqInfo, name: str) -> None:
+    teeth = WHEELS[name]
+    rig = fixed_threshold(rk4, pulses_per_revolution=len(teeth))
+    edges, _ = edges_of(rig, info, [block(wheel(20.0 * T + 0.37, teeth))])
+    late = edges[1:] / RATE * 20.0 + 0.37  # turns; the first may be counted before a whole turn has been seen
+    np.testing.assert_allclose(late, np.round(late), atol=0.003)
+    np.testing.assert_allclose(np.diff(late), 1.0, atol=0.003)
+
+
+def test_the_hysteresis_of_the_config_is_the_band_a_pulse_has_to_leave(rk4: RigConfig, info: DaqInfo) -> None:
+    ripple = block(pulse_volts(4 * T - 0.25) + np.tile([1.5, 1.5, -1.5, -1.5], 5_000))  # on flanks of 14 samples
+    narrow, _ = edges_of(fixed_threshold(rk4, hysteresis=0.5), info, [ripple])
+    wide, _ = edges_of(fixed_threshold(rk4, hysteresis=7.0), info, [ripple])
+    assert len(wide) == 8
+    assert len(narrow) > 8

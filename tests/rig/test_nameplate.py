@@ -203,7 +203,8 @@ def test_asking_for_a_constant_that_is_none_is_one_sentence() -> None:
 
 def test_the_examples_of_the_manual_are_valid() -> None:
     manual = (Path(__file__).parents[2] / "docs" / "your-rig.md").read_text()
-    shaft, bearings = [block.split("```")[0] for block in manual.split("```toml\n")[1:3]]
+    blocks = [block.split("```")[0] for block in manual.split("```toml\n")[1:]]
+    shaft, bearings = (next(b for b in blocks if b.startswith(table)) for table in ("[shaft]", "[[bearings]]"))
     parts = (
         RK4[RK4.index("[[disks]]") : RK4.index("[[bearings]]")] + RK4[RK4.index("[[probes]]") : RK4.index("[motor]")]
     )

@@ -39,7 +39,9 @@ class ProbeScale:
 
     def displacement(self, counts: NDArray[np.int32]) -> NDArray[np.float64]:
         """Return metres towards each probe, (sample, probe), from counts (sample, channel)."""
-        return counts[:, self.channels] * self.gain + self.offset
+        metres = counts[:, self.channels] * self.gain
+        metres += self.offset
+        return metres
 
 
 def channel_volts(counts: NDArray[np.int32], *, channel: int, info: DaqInfo) -> NDArray[np.float64]:

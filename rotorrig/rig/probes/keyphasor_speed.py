@@ -1,13 +1,17 @@
 """Shaft speed while the samples arrive, from the keyphasor's pulses; for the interlock, the engine and live views.
 
 A pulse edge is where the signal crosses the threshold, to a fraction of a sample by a straight line between the two
-samples around it. After an edge the signal must go back past the threshold by the hysteresis before the next one
-counts. Results do not depend on how the stream is cut into blocks, with one exception: the automatic threshold is
-midway between the extremes of the last seconds *so far*, hence known a block earlier or later.
+samples around it. After an edge the signal must go back past the threshold by half of the hysteresis, the width of the
+band about the threshold, before the next one counts. Where there are several pulses per turn, a period is the time of
+as many intervals, so uneven ones do no harm.
+
+Results do not depend on how the stream is cut into blocks, with one exception: the automatic threshold is midway
+between the extremes of the last seconds *so far*, hence known a block earlier or later.
 """
 
 import math
 from collections import deque
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +23,9 @@ from rotorrig.rig.probes.calibration import channel_volts, check_channels
 
 LEVELS_SECONDS = 2.0  # the extremes are looked for in this much signal: one pulse at least above 30 rpm
 SMALLEST_PULSE = 2.0  # V between the extremes; less is noise (a proximity probe's notch gives 5 V and more)
-HYSTERESIS = 0.2  # of the distance between the extremes
+HYSTERESIS = 0.4  # of the distance between the extremes
 MEDIAN_TURNS = 5  # one stray or one missing pulse spoils two of them, the median none
+MARK = 1.1  # times the next wider of a turn's intervals is the one before the pulse at angle zero
 
 
 class KeyphasorSpeed:
@@ -34,6 +39,8 @@ class KeyphasorSpeed:
         self._channel = rig.keyphasor.channel
         self._sign = 1.0 if rig.keyphasor.edge == "falling" else -1.0  # a rising edge falls when turned over
         self._threshold = rig.keyphasor.threshold
+        self._hysteresis = rig.keyphasor.hysteresis
+        self._per_turn = rig.keyphasor.pulses_per_revolution
         self._info = info
         self._rate = info.sample_rate
         self._extremes: deque[tuple[int, float, float]] = deque()  # (last sample, lowest, highest) of each block
@@ -41,7 +48,9 @@ class KeyphasorSpeed:
         self._start = 0  # first sample of the stretch without gaps
         self._last_value: float | None = None  # the sample before the next block
         self._armed = False
-        self._edges: deque[float] = deque(maxlen=MEDIAN_TURNS + 1)  # in samples, of the stretch without gaps
+        #: in samples, of the stretch without gaps
+        self._edges: deque[float] = deque(maxlen=MEDIAN_TURNS * self._per_turn + 1)
+        self._since_zero = 0  # edges since the one at angle zero
         self._period_before = math.inf  # s, of the last turns before the last gap; infinite: not known
 
     @property
@@ -56,9 +65,9 @@ class KeyphasorSpeed:
 
     @property
     def speed(self) -> float:
-        """Speed [rad/s] over the last turn, or what the wait for the next edge still allows; 0 before two edges.
+        """Speed [rad/s] over the last turn, or what the wait for the next edge still allows; 0 before a whole turn.
 
-        After a gap it is that of before the gap until there have been two edges.
+        After a gap it is that of before the gap until there has been a whole turn.
         """
         return self._over(1)
 
@@ -68,7 +77,11 @@ class KeyphasorSpeed:
         return self._over(MEDIAN_TURNS)
 
     def update(self, block: Block) -> NDArray[np.float64]:
-        """Take the next block; return its edges as sample indices with a fraction, (edge,)."""
+        """Take the next block; return its edges at angle zero as sample indices with a fraction, (turn,).
+
+        With several pulses per turn angle zero is at the one after the widest interval, if that stands out, else at
+        every n-th, which a stray or missing pulse shifts.
+        """
         if block.first_sample != self._next_sample:
             self._forget(block.first_sample)
         signal = self._sign * channel_volts(block.counts, channel=self._channel, info=self._info)
@@ -78,18 +91,41 @@ class KeyphasorSpeed:
         self._note_extremes(signal)
         edges = self._find_edges(signal, block.first_sample)
         self._last_value = float(signal[-1])
-        self._edges.extend(edges.tolist())
         self.pulses += len(edges)
-        return edges
+        return np.array([edge for edge in edges.tolist() if self._is_zero(edge)])
+
+    def _is_zero(self, edge: float) -> bool:
+        """Note an edge; return whether it is the one at angle zero."""
+        self._edges.append(edge)
+        self._since_zero = (self._since_zero + 1) % self._per_turn
+        if 1 < self._per_turn < len(self._edges):
+            *others, last = self._last_intervals()
+            if last > MARK * max(others):
+                self._since_zero = 0
+        return self._since_zero == 0
 
     def _over(self, turns: int) -> float:
-        return 2 * math.pi / max(self._period(turns), self.age)
+        return 2 * math.pi / max(self._period(turns), self.age * self._waits_per_turn())
 
     def _period(self, turns: int) -> float:
-        """Return the median time of the last turns [s]."""
-        if len(self._edges) < 2:
+        """Return the median time of the last turns [s], each of as many intervals as there are pulses in a turn."""
+        n = self._per_turn
+        if len(self._edges) <= n:
             return self._period_before
-        return float(np.median(np.diff(self._edges)[-turns:])) / self._rate
+        edges = np.array(self._edges)[-turns * n - 1 :]
+        return float(np.median(edges[n:] - edges[:-n])) / self._rate
+
+    def _waits_per_turn(self) -> float:
+        """Return how often the longest wait for an edge goes into a turn, by the last one."""
+        if len(self._edges) <= self._per_turn:
+            return 1.0
+        intervals = self._last_intervals()
+        return sum(intervals) / max(intervals)
+
+    def _last_intervals(self) -> list[float]:
+        """Return the intervals [sample] of the last turn."""
+        edges = list(self._edges)[-self._per_turn - 1 :]
+        return [after - before for before, after in pairwise(edges)]
 
     def _forget(self, first_sample: int) -> None:
         """Start afresh after a gap: a period across it would be a guess. Levels and speed are still good."""
@@ -113,7 +149,8 @@ class KeyphasorSpeed:
             signal, first_sample = np.concatenate([[self._last_value], signal]), first_sample - 1
         above = signal >= threshold
         crossings = np.flatnonzero(above[:-1] & ~above[1:])
-        arming = np.flatnonzero(signal > threshold + HYSTERESIS * (high - low))
+        band = HYSTERESIS * (high - low) if self._hysteresis is None else self._hysteresis
+        arming = np.flatnonzero(signal > threshold + band / 2)
         return first_sample + _interpolated(signal, self._armed_only(crossings, arming), threshold)
 
     def _armed_only(self, crossings: NDArray[np.intp], arming: NDArray[np.intp]) -> NDArray[np.intp]:

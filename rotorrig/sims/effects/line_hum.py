@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Complex, Effect, Seen, Theta, pair, phasor
 from rotorrig.sims.rotor.timeline import TURN, Timeline
+from rotorrig.sims.rotor.tracking import window_weights
 
 MAINS = (50.0, 60.0)  # Hz
 HARMONICS = (1, 2)  # of the mains
@@ -57,7 +58,7 @@ def leak(view: Seen, rows: NDArray[np.intp], frequency: float) -> Complex:
     timeline = Timeline(view.keyphasor_t)
     count = int(np.ceil(POINTS * view.revolutions[rows].max(initial=1.0)))
     x = (np.arange(count) + 0.5) / count - 0.5  # of the window, in shaft angle
-    weight = 1 + np.cos(2 * np.pi * x) if view.window == "hann" else np.ones(count)
+    weight = window_weights(2 * x, view.window)
     turn = timeline.theta(view.t[rows])[:, None] / TURN + view.revolutions[rows, None] * x
     t = CubicSpline(np.arange(len(timeline.t)), timeline.t)(turn)
     signal = 2 * np.cos(TURN * frequency * t)

@@ -115,7 +115,8 @@ class Plant:
         at_probes = self._shaft.run(s * angle, s * speed, s * alpha, rattle)
         self._samples += samples
         last = slice(self._substeps - 1, None, self._substeps)
-        return self._sensors.counts(at_probes[last], angle[last])
+        # in one piece, as an empty stretch is: else the first samples would be kept waiting for another compilation
+        return self._sensors.counts(np.ascontiguousarray(at_probes[last]), np.ascontiguousarray(angle[last]))
 
 
 def _check_fits(rig: RigConfig, truth: Truth) -> None:

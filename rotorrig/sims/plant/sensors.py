@@ -19,6 +19,8 @@ BENT_AT = 3e-4  # m from the gap voltage, where the scale factor's curvature is 
 IDLE_NOISE = 5e-4  # V rms of a channel with a shorting plug
 
 NOTCH = math.radians(20.0)  # angle of the keyphasor notch
+NOTCH_SHARE = 0.4  # of the spacing of several notches, at most
+DISPLACED = 0.25  # of their spacing: how much too early the last of several is, so that the first can be told
 NOTCH_EDGE = math.radians(2.0)  # the probe tip's width against the notch's edge
 SURFACE_VOLTS, NOTCH_VOLTS = -10.0, -16.0  # over the shaft, over the bottom of the notch
 
@@ -67,15 +69,31 @@ def bent(displacement: float, quadratic: float, cubic: float) -> float:
 
 
 @njit(cache=True)
-def notch(angle: float) -> float:
-    """Return the keyphasor's volts at shaft `angle` [rad] past the middle of the notch's leading (falling) edge.
+def notch(angle: float, notches: int) -> float:
+    """Return the keyphasor's volts at shaft `angle` [rad] past the middle of the first notch's leading (falling) edge.
 
-    >>> [round(notch(math.radians(degrees)), 9) for degrees in (-180.0, 0.0, 10.0, 20.0)]
+    Several notches are evenly spaced, but for the last, which comes a quarter of a spacing early: the widest spacing
+    is that before the first.
+
+    >>> [round(notch(math.radians(degrees), 1), 9) for degrees in (-180.0, 0.0, 10.0, 20.0)]
     [-10.0, -13.0, -16.0, -13.0]
+    >>> [round(notch(math.radians(degrees), 4), 9) for degrees in (0.0, 90.0, 180.0, 247.5, 270.0)]
+    [-13.0, -13.0, -13.0, -13.0, -10.0]
     """
-    from_centre = abs((angle - NOTCH / 2 + math.pi) % math.tau - math.pi)
-    depth = min(max(0.5 + (NOTCH / 2 - from_centre) / NOTCH_EDGE, 0.0), 1.0)
-    return SURFACE_VOLTS + (NOTCH_VOLTS - SURFACE_VOLTS) * depth
+    spacing = math.tau / notches
+    width = notch_width(notches)
+    depth = 0.0
+    nearest = round((angle - width / 2) / spacing)
+    for k in range(nearest - 1, nearest + 2):
+        start = spacing * (k - (DISPLACED if notches > 1 and k % notches == notches - 1 else 0.0))
+        depth = max(depth, 0.5 + (width / 2 - abs(angle - start - width / 2)) / NOTCH_EDGE)
+    return SURFACE_VOLTS + (NOTCH_VOLTS - SURFACE_VOLTS) * min(depth, 1.0)
+
+
+@njit(cache=True)
+def notch_width(notches: int) -> float:
+    """Return the angle [rad] that each of so many notches takes."""
+    return min(NOTCH, NOTCH_SHARE * math.tau / notches)
 
 
 @njit(cache=True)
@@ -132,17 +150,18 @@ def _add_probes(near: NDArray, chain: Chain, volts: NDArray) -> None:
 
 
 @njit(cache=True)
-def _add_keyphasor(theta: NDArray, keyphasor: tuple[int, float], volts: NDArray) -> None:
-    channel, edge = keyphasor
+def _add_keyphasor(theta: NDArray, keyphasor: tuple[int, float, int], volts: NDArray) -> None:
+    channel, edge, notches = keyphasor
     if channel >= 0:
         for i in range(len(theta)):
-            volts[i, channel] += notch(theta[i] - edge)
+            volts[i, channel] += notch(theta[i] - edge, notches)
 
 
-def _make_keyphasor(rig: RigConfig, truth: Truth) -> tuple[int, float]:
-    """Return channel (-1: none) and the shaft angle [rad] of the notch's falling edge."""
+def _make_keyphasor(rig: RigConfig, truth: Truth) -> tuple[int, float, int]:
+    """Return channel (-1: none), the shaft angle [rad] of the first notch's falling edge, and how many there are."""
     if rig.keyphasor is None:
-        return -1, 0.0
+        return -1, 0.0, 1
+    notches = rig.keyphasor.pulses_per_revolution
     # the rising edge follows the falling one by the notch's width
-    late = 0.0 if rig.keyphasor.edge == "falling" else NOTCH
-    return rig.keyphasor.channel, truth.keyphasor_offset - late
+    late = 0.0 if rig.keyphasor.edge == "falling" else notch_width(notches)
+    return rig.keyphasor.channel, truth.keyphasor_offset - late, notches

@@ -5,7 +5,7 @@ turns. All of its turns, speeds and powers are that phase's.
 """
 
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numba import njit
@@ -16,9 +16,10 @@ from rotorrig.sims.rotor.timeline import TURN, SpeedRange, Timeline, Turns
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-Window = Literal["hann", "rectangular"]
+Window = Literal["hann", "rectangular", "vold-kalman"]
 
-POINTS = 16  # Gauss points per window; enough for two beats of a free vibration within it
+POINTS = 16  # Gauss points per window, or half of a long one; enough for two beats of a free vibration within it
+KALMAN_END = 2.5 * np.pi  # u at the ends of a Vold-Kalman window: what lies beyond weighs nothing in the mean
 SPILL = 0.5  # turns a window may reach over either end of the pulses: rounding of the row's time
 
 
@@ -75,9 +76,8 @@ def tracked_rows(
 ) -> TrackedRows:
     """Return the rows around the times `t` [s], each an average over `revolutions` turns, weighted by `window`.
 
-    A window is centred, in shaft angle, on its row's time; it weighs evenly ("rectangular") or by 1 + cos(psi / turns),
-    |psi| <= pi turns ("hann"). Raises DataError on a row that is not within the pulses, ValueError on another window
-    or an order that is not above zero.
+    A window is centred, in shaft angle, on its row's time, and weighs by `window_weights`. Raises DataError on a row
+    that is not within the pulses, ValueError on another window or an order that is not above zero.
     """
     if not order > 0:
         raise ValueError(f"order is {order:g}, want one above zero")
@@ -106,17 +106,33 @@ def tracked_rows(
     )
 
 
+def window_weights(x: Reals, window: str) -> Reals:
+    """Return what a window weighs at x, -1 to 1 from its begin to its end, in shaft angle; not normalised.
+
+    Evenly ("rectangular"), by 1 + cos(pi x) ("hann"), or as a Vold-Kalman filter of two poles does, by e^{-u} (cos u +
+    sin u), u = 5 pi |x| / 2 ("vold-kalman"). Raises ValueError on another window.
+    """
+    match window:
+        case "rectangular":
+            return np.ones_like(x)
+        case "hann":
+            return 1 + np.cos(np.pi * x)
+        case "vold-kalman":
+            u = KALMAN_END * np.abs(x)
+            return np.exp(-u) * (np.cos(u) + np.sin(u))
+    raise ValueError(f"window is {window!r}, want one of {', '.join(map(repr, get_args(Window)))}")
+
+
 def _points(timeline: Timeline, t: Reals, revolutions: Reals, window: Window) -> tuple[Reals, Reals, Reals]:
     """Return where each row looks, in turns since the first pulse, and the weights (point,).
 
     The points (row, point) stand for the turns between edges (row, point + 1).
     """
     x, weight = np.polynomial.legendre.leggauss(POINTS)
+    if window == "vold-kalman":  # whose third derivative jumps in the middle: each half on its own
+        x, weight = np.append(x - 1, x + 1) / 2, np.append(weight, weight) / 2
     edge = np.append(-1.0, np.cumsum(weight) - 1)
-    if window == "hann":
-        weight = weight * (1 + np.cos(np.pi * x))
-    elif window != "rectangular":
-        raise ValueError(f"window is {window!r}, want 'hann' or 'rectangular'")
+    weight = weight * window_weights(x, window)
     half = revolutions / 2
     middle = timeline.theta(t) / TURN
     last = len(timeline.t) - 1

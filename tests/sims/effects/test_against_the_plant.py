@@ -16,6 +16,7 @@ from rotorrig.identify import base_fit
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.pipeline import track
+from rotorrig.processing.settings import Tracking
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
 from rotorrig.sims.effects.base import find
@@ -37,7 +38,7 @@ def base(rig: RigConfig) -> base_fit.Assessed:
 
 def measured(rig: RigConfig, *faults: FaultSpec) -> Recording:
     quiet = Noise(bearing_force=0.0)
-    return Recording(track(record(rig, seed=SEED, faults=faults, noise=quiet), orders=(0.0, 1.0, 2.0, 3.0)))
+    return Recording(track(record(rig, seed=SEED, faults=faults, noise=quiet), Tracking(orders=(0.0, 1.0, 2.0, 3.0))))
 
 
 def off(base: base_fit.Assessed, fault: FaultSpec, label: str, theta: Mapping[str, float]) -> NDArray[np.float64]:

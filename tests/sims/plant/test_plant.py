@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.description import RigConfig, parse
 from rotorrig.rig.errors import DataError
+from rotorrig.sims.plant import sensors
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.plant.truth import FaultSpec, Noise, draw, nameplate
 
@@ -48,6 +49,15 @@ def test_counts_do_not_depend_on_the_size_of_the_blocks(rk4: RigConfig) -> None:
     assert whole.shape == (30_000, 5)
     assert np.array_equal(run(sizes), whole)
     assert np.array_equal(run(np.full(20_000, 1)), whole)
+
+
+@pytest.mark.parametrize("rate", ["10 kHz", "4 kHz"])  # of one step per sample, and of several
+def test_no_sample_waits_for_a_compilation(rate: str, rk4: RigConfig) -> None:
+    plant = Plant(parse(rk4.text.replace('"10 kHz"', f'"{rate}"'), where="rk4.toml"), nameplate(rk4))
+    kernels = (sensors._approach, sensors._add_probes, sensors._add_keyphasor)
+    compiled = [len(kernel.signatures) for kernel in kernels]
+    plant.advance(0.01)
+    assert [len(kernel.signatures) for kernel in kernels] == compiled
 
 
 def test_a_seed_repeats_its_counts_and_another_seed_does_not(rk4: RigConfig) -> None:

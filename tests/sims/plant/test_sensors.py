@@ -56,6 +56,17 @@ def test_the_falling_edge_s_middle_is_at_the_keyphasor_s_offset(rk4: RigConfig, 
     assert theta[rising] - 4 * np.pi == pytest.approx([offset + math.radians(20.0)], abs=math.radians(0.02))
 
 
+def test_the_last_of_several_notches_comes_a_quarter_of_a_spacing_early(rk4: RigConfig) -> None:
+    """So the first, at the keyphasor's offset, is the one after the widest spacing."""
+    theta = 4 * np.pi + np.radians(np.arange(-5.0, 355.0, 0.01))
+    rig = rk4.model_copy(update={"keyphasor": rk4.keyphasor.model_copy(update={"pulses_per_revolution": 6})})
+    wave = volts(rig, nameplate(rig), np.zeros((len(theta), 4, 2)), theta)[:, rig.keyphasor.channel]
+    falling = np.degrees(theta[np.flatnonzero((wave[:-1] > -13.0) & (wave[1:] <= -13.0))]) - 720
+    assert falling == pytest.approx([0.0, 60.0, 120.0, 180.0, 240.0, 285.0], abs=0.02)
+    assert wave.min() == pytest.approx(-16.0, abs=0.01)
+    assert wave.max() == pytest.approx(-10.0, abs=0.01)
+
+
 def test_a_keyphasor_on_its_rising_edge_has_that_one_at_angle_zero(rk4: RigConfig) -> None:
     rig = rk4.model_copy(update={"keyphasor": rk4.keyphasor.model_copy(update={"edge": "rising"})})
     theta = np.radians(np.arange(-180.0, 180.0, 0.01))

@@ -25,11 +25,29 @@ def test_a_constant_is_its_own_average():
     np.testing.assert_allclose(averaged(lambda t: 0 * t + 2 - 1j, lambda t: 0 * t), 2 - 1j, rtol=1e-12)
 
 
-@pytest.mark.parametrize(("window", "variance"), [("rectangular", 1 / 12), ("hann", 1 / 12 - 1 / (2 * np.pi**2))])
+#: of a Vold-Kalman window: u is 5 pi times the distance from the middle, and integral u^2 e^-u (cos u + sin u) du from
+#: 0 to 5 pi / 2 = (1 + 5 pi / 2) e^(-5 pi / 2), by parts
+KALMAN = (1 + 2.5 * np.pi) * np.exp(-2.5 * np.pi) / (5 * np.pi) ** 2
+
+
+@pytest.mark.parametrize(
+    ("window", "variance"),
+    [("rectangular", 1 / 12), ("hann", 1 / 12 - 1 / (2 * np.pi**2)), ("vold-kalman", KALMAN)],
+)
 def test_a_parabola_averages_to_its_middle_and_the_variance_of_the_window(window, variance):
     got = averaged(lambda t: 1j * (t - MIDDLE) ** 2, lambda t: 2j * (t - MIDDLE), window=window)
     length = 2 * np.pi / OMEGA * np.array([8.0, 3.0, 21.5])
     np.testing.assert_allclose(got, 1j * length**2 * variance, rtol=1e-6)
+
+
+def test_a_slow_beat_passes_a_vold_kalman_window_as_the_filter_has_it_pass():
+    """The filter's response is 1 / (1 + (f / f0)^4), f0 = 2 sqrt(2) / (pi turns) orders, and its window 5 pi / 4 turns."""
+    beat = OMEGA / 11.9
+    turns = np.array([8.0, 3.0, 21.5]) * 4 / (5 * np.pi)
+    want = 1 / (1 + (turns * np.pi / (2 * np.sqrt(2)) / 11.9) ** 4)
+    wave = lambda t: np.exp(1j * beat * (t - MIDDLE))  # noqa: E731
+    got = averaged(wave, lambda t: 1j * beat * wave(t), window="vold-kalman")
+    np.testing.assert_allclose(got, want, atol=4e-4)  # what the window leaves out of the filter, and a cubic per turn
 
 
 def test_a_whole_number_of_beats_is_lost_in_a_rectangular_window():

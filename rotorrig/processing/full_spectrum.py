@@ -1,0 +1,145 @@
+"""The full spectrum of a plane of probes: what of a motion goes with the rotor's rotation, and what against it.
+
+Two probes give the orbit x + jy, whose spectrum has two sides: a component c e^{jn theta} is a circle of radius |c|
+that is run through forward, in the rotor's own sense, for n > 0 and backward for n < 0. Amplitudes are these radii, so
+0-peak; a line of amplitude r is r/2 at +n and r/2 at -n. Whichever way the rotor turns, forward is positive.
+
+Two kinds: the order vectors of a response as forward and backward vectors with their covariance (`whirl_vectors`), and
+the amplitudes over all orders between -N and N, row by row, for a cascade (`full_spectra`).
+
+Goldman and Muszynska, Application of full spectrum to rotating machinery diagnostics, Orbit 20 (1999), first quarter.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.processing.probe_planes import Plane, measured_planes, whirl
+from rotorrig.processing.resampling import hann_in_angle
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.row_waveform import row_waveform
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.tacho import TURN, ShaftAngle
+from rotorrig.processing.waveform import Waveforms
+from rotorrig.rig.description import RigConfig
+
+HIGHEST = 4.0  # order of a cascade on either side
+_FEWEST_POINTS = 16  # per turn
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WhirlVectors:
+    """+nX and -nX of one plane over the rows of a response: orbit = f e^{jn theta} + b* e^{-jn theta} for x to y."""
+
+    plane: Plane
+    order: float
+    forward: NDArray[np.complex128]  # (row,) m, radius of the circle
+    backward: NDArray[np.complex128]  # (row,) m
+    covariance: NDArray[np.float64]  # (row, 4, 4) m^2 of (re f, im f, re b, im b)
+    usable: NDArray[np.bool_]  # (row,) both probes are
+
+    @property
+    def sigma(self) -> NDArray[np.float64]:
+        """One standard deviation of the real or imaginary part, (row, 2) [m]: forward, backward."""
+        variance = np.diagonal(self.covariance, axis1=1, axis2=2)
+        return np.sqrt((variance[:, 0::2] + variance[:, 1::2]) / 2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FullSpectra:
+    """The full spectrum of one plane in every row: a cascade."""
+
+    plane: Plane
+    order: NDArray[np.float64]  # (bin,) from -N to N, 1 / turns apart
+    amplitude: NDArray[np.float64]  # (row, bin) m 0-peak, radius of the circle; NaN where samples are missing
+
+
+def whirl_vectors(
+    response: OrderTrackedResponse, *, order: float = 1.0, compensated: bool = False
+) -> tuple[WhirlVectors, ...]:
+    """Return +nX and -nX of every plane with both probes in the response; order 0 has none.
+
+    `compensated`: less the slow-roll vector, NaN without one; its covariance is not added, since it is the same in
+    all rows.
+    """
+    z = response.compensated(order) if compensated else response.order(order)
+    covariance = response.covariance[:, response.orders.index(order)]
+    found = []
+    for plane, places in measured_planes(response.rig, response.probes):
+        forward, backward = whirl(plane, z[:, places], rotation=response.rig.rotation)
+        turn = _real_map(plane, response.rig.rotation)
+        pairs = np.array([2 * place + part for place in places for part in (0, 1)])
+        found.append(
+            WhirlVectors(
+                plane=plane,
+                order=order,
+                forward=forward,
+                backward=backward,
+                covariance=turn @ covariance[:, pairs[:, None], pairs] @ turn.T,
+                usable=np.asarray(response.usable[:, places].all(axis=1)),
+            )
+        )
+    return tuple(found)
+
+
+def full_spectra(
+    waveforms: Waveforms,
+    shaft: ShaftAngle,
+    rows: Rows,
+    *,
+    rig: RigConfig,
+    highest: float = HIGHEST,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[FullSpectra, ...]:
+    """Return the full spectrum of every row and plane up to order `highest`; `progress` is told the fraction done."""
+    found = list(measured_planes(rig, tuple(probe.name for probe in rig.probes)))
+    points = points_for(highest)
+    order = _orders(rows.turns, highest)
+    amplitude = np.full((len(found), len(rows.t), len(order)), np.nan)
+    for row in range(len(rows.t)):
+        x = row_waveform(waveforms, shaft, rows, row, points=points)
+        if x is not None:
+            for n, (plane, places) in enumerate(found):
+                _, amplitude[n, row] = full_spectrum(
+                    x[:, places], plane=plane, rotation=rig.rotation, turns=rows.turns, highest=highest
+                )
+        if progress:
+            progress((row + 1) / len(rows.t))
+    return tuple(FullSpectra(plane=plane, order=order, amplitude=amplitude[n]) for n, (plane, _) in enumerate(found))
+
+
+def full_spectrum(
+    x: NDArray[np.float64], *, plane: Plane, rotation: str, turns: int, highest: float = HIGHEST
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the orders (bin,), rising from -N to N, and the amplitude (bin,) at each in the unit of `x`, 0-peak.
+
+    `x` (point, 2) are the readings of the plane's two probes at equal steps of angle over `turns` turns; `rotation` is
+    "x-to-y" or "y-to-x", as in the config. Under a Hann window: a line at a whole order also shows half of itself at
+    either neighbour, 1 / turns away. The mean under the window is taken out first, so order 0 is zero.
+    """
+    orbit = (x @ plane.to_xy.T) @ np.array([1.0, 1j if rotation == "x-to-y" else -1j])
+    psi = TURN * turns * (np.arange(len(orbit)) / len(orbit) - 0.5)
+    weight = hann_in_angle(psi, turns=turns)
+    weight = weight / weight.sum()
+    spectrum = np.fft.fft(weight * (orbit - weight @ orbit))
+    order = _orders(turns, highest)
+    return order, np.abs(spectrum[np.round(order * turns).astype(int)])
+
+
+def points_for(highest: float) -> int:
+    """Return how many points per turn hold the orders up to `highest`: resampling is exact to 0.35 of them."""
+    return max(_FEWEST_POINTS, 2 ** int(np.ceil(np.log2(highest / 0.35))))
+
+
+def _orders(turns: int, highest: float) -> NDArray[np.float64]:
+    top = int(highest * turns)
+    return np.arange(-top, top + 1) / turns
+
+
+def _real_map(plane: Plane, rotation: str) -> NDArray[np.float64]:
+    """Return the (4, 4) matrix from (re z_1, im z_1, re z_2, im z_2) to (re f, im f, re b, im b)."""
+    basis = np.array([[1, 0], [1j, 0], [0, 1], [0, 1j]])
+    forward, backward = whirl(plane, basis, rotation=rotation)
+    return np.stack([forward.real, forward.imag, backward.real, backward.imag])

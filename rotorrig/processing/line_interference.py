@@ -1,0 +1,198 @@
+"""Lines in the waveforms that stand at a fixed frequency while the shaft's speed changes: mains hum and its like.
+
+A line is told from noise, and from a natural frequency that noise excites, by its phase: from one segment of the
+recording to the next it advances by exactly 2 pi f hop, again and again, where a resonance has forgotten its phase
+(down to a damping of 0.3 % at 40 Hz; one of 0.1 % that is excited all the time is taken for a line). Every pair of
+segments has one vote, so that a knock or a passing resonance decides nothing. Segments in which an order of the shaft
+came near the frequency do not count, and a line counts only if the speed changed meanwhile.
+
+What a line adds to a row's vectors is a remark and masks nothing: a model may know the hum (sims/effects/line_hum),
+and for that it needs the rows it falls into. The covariance of these rows has it in it already (noise).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.processing.resampling import hann_in_angle
+from rotorrig.processing.response import OrderTrackedResponse, Window
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.tacho import TURN
+from rotorrig.processing.vold_kalman import support
+from rotorrig.rig.units import micrometres
+
+MAINS = (50.0, 60.0)  # Hz
+MAINS_WITHIN = 0.005  # of the frequency: a grid holds 0.2 %, a diesel generator 0.5 %
+LOWEST = 5.0  # Hz: below, drift and the lines' own width leave no floor to stand above
+FLOOR_REACH = 15.0  # Hz on either side, for the noise a line must stand above
+LOBE = 3.0  # Hz: of that, what the segments' window spreads the line over
+STANDS_OUT = 10.0  # times the noise in power
+COHERENT = 0.8  # of 1: mean unit phasor of the phase's advance; white noise has 1 / sqrt(pairs)
+FALSE_ALARM = 1e-4  # chance that noise in a bin is as coherent: exp(-pairs coherence^2), Rayleigh
+FEWEST = 10  # pairs of segments, and bins of noise about a line
+SPEED_CHANGE = 1.2  # highest to lowest speed over the segments that count
+FALLS_IN = 0.1  # of its amplitude: what a row's window must let through to be told
+NOTICED = 0.5  # of a vector's sigma, and
+SHARE = 0.002  # of the vector itself: what adds less is no matter
+POINTS = 24  # per turn, of a row's window
+_BINS = 3.0  # from a line on either window passes less than FALLS_IN
+
+Remarks = tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Line:
+    """A line at a fixed frequency."""
+
+    frequency: float  # Hz
+    amplitude: NDArray[np.float64]  # (probe,) m 0-peak; 0 where that probe has none that can be told from noise
+
+    @property
+    def name(self) -> str:
+        """What it is, in words: "mains hum at 50.0 Hz" or "a fixed line at 37.2 Hz"."""
+        for mains in MAINS:
+            harmonic = round(self.frequency / mains)
+            if harmonic and abs(self.frequency - harmonic * mains) <= MAINS_WITHIN * harmonic * mains:
+                return f"mains hum at {self.frequency:.1f} Hz"
+        return f"a fixed line at {self.frequency:.1f} Hz"
+
+
+class LineSearch:
+    """Looks for lines in the spectra of segments of a recording, one after another; keeps a few figures per bin."""
+
+    def __init__(
+        self, frequency: NDArray[np.float64], *, taper: NDArray[np.float64], rate: float, hop: int, probes: int
+    ) -> None:
+        """Take `frequency` (bin,) [Hz], the segments' window, the sample rate [Hz] and their distance in samples."""
+        self._frequency, self._taper, self._rate, self._hop = frequency, taper, rate, hop
+        self._cross = np.zeros((len(frequency), probes), dtype=complex)
+        self._pairs = np.zeros(len(frequency), dtype=np.int64)
+        self._log_power = np.zeros((len(frequency), probes))
+        self._seen = np.zeros(len(frequency), dtype=np.int64)
+        self._slowest = np.full(len(frequency), np.inf)
+        self._fastest = np.zeros(len(frequency))
+        self._last: tuple[int, NDArray[np.complex128], NDArray[np.bool_]] | None = None
+
+    def take(
+        self, begin: int, spectrum: NDArray[np.complex128], clear: NDArray[np.bool_], *, speeds: tuple[float, float]
+    ) -> None:
+        """Take the Fourier transform (bin, probe) [m] of the tapered segment that begins at sample `begin`.
+
+        `clear` (bin,) are the bins that no order came near; `speeds` the shaft's lowest and highest in it [rad/s].
+        """
+        power = np.abs(spectrum) ** 2
+        unit = spectrum / np.sqrt(np.maximum(power, np.finfo(float).tiny))
+        self._log_power[clear] += np.log(np.maximum(power[clear], np.finfo(float).tiny))
+        self._seen += clear
+        self._slowest[clear] = np.minimum(self._slowest[clear], speeds[0])
+        self._fastest[clear] = np.maximum(self._fastest[clear], speeds[1])
+        if self._last is not None and begin - self._last[0] == self._hop:
+            both = clear & self._last[2]
+            self._cross[both] += unit[both] * self._last[1][both].conj()
+            self._pairs += both
+        self._last = (begin, unit, clear)
+
+    def found(self) -> tuple[Line, ...]:
+        """Return the lines found, by rising frequency."""
+        pairs = np.maximum(self._pairs, 1)[:, None]
+        least = np.maximum(COHERENT, np.sqrt(-np.log(FALSE_ALARM) / pairs))
+        moved = self._fastest >= SPEED_CHANGE * self._slowest
+        judged = (self._frequency >= LOWEST) & (self._pairs >= FEWEST) & moved
+        told = (np.abs(self._cross) / pairs > least) & judged[:, None]
+        power = np.exp(self._log_power / np.maximum(self._seen, 1)[:, None])
+        above = np.zeros(len(power))
+        for k in np.flatnonzero(told.any(axis=1)):
+            ratio = power[k] / self._floor(int(k), power, judged)
+            told[k] &= ratio > STANDS_OUT
+            above[k] = np.max(ratio, where=told[k], initial=0.0)
+        lines = []
+        while above.max(initial=0.0) > 0:
+            peak = int(above.argmax())
+            lines.append(self._line(peak, power[peak], told[peak]))
+            above[np.abs(self._frequency - self._frequency[peak]) <= LOBE] = 0
+        return tuple(sorted(lines, key=lambda line: line.frequency))
+
+    def _floor(self, k: int, power: NDArray[np.float64], judged: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """Return the noise (probe,) about bin `k`: the median of what lies near, but not within a line's width.
+
+        Infinite where too little is known of it: no line stands above that.
+        """
+        apart = np.abs(self._frequency - self._frequency[k])
+        near = judged & (apart > LOBE) & (apart <= FLOOR_REACH)
+        if near.sum() < FEWEST:
+            return np.full(power.shape[1], np.inf)
+        return np.maximum(np.median(power[near], axis=0), np.finfo(float).tiny)
+
+    def _line(self, peak: int, power: NDArray[np.float64], told: NDArray[np.bool_]) -> Line:
+        """Return the line in bin `peak`: its frequency by the phase's advance, its amplitude by the window's transform.
+
+        `power` (probe,) is the geometric mean over the segments, which of a line in weaker noise is the line's own.
+        """
+        strongest = int(np.where(told, power, 0).argmax())
+        advance = np.angle(self._cross[peak, strongest]) / TURN  # turns per hop, whole ones unknown
+        cycles = self._frequency[peak] * self._hop / self._rate
+        frequency = (advance + np.round(cycles - advance)) * self._rate / self._hop
+        offset = TURN * (frequency - self._frequency[peak]) / self._rate
+        passed = np.abs(self._taper @ np.exp(1j * offset * np.arange(len(self._taper))))
+        amplitude = 2 * np.sqrt(power) / passed
+        return Line(frequency=float(frequency), amplitude=np.where(told, amplitude, 0.0))
+
+
+def line_remarks(lines: tuple[Line, ...], response: OrderTrackedResponse, rows: Rows) -> Remarks:
+    """Return per row (row,) which lines fall into which of its vectors, and how much they add at the most.
+
+    What is lost in the noise of a vector, or adds less than 0.2 % to it, is not told.
+    """
+    words: list[list[str]] = [[] for _ in rows.t]
+    variance = np.diagonal(response.covariance, axis1=2, axis2=3)
+    sigma = np.sqrt((variance[..., 0::2] + variance[..., 1::2]) / 2)  # (row, order, probe)
+    for line in lines:
+        p = int(line.amplitude.argmax())
+        for n, order in enumerate(response.orders):
+            if not order:
+                continue  # a line is no gap
+            passed = passed_by(rows, order=order, frequency=line.frequency, window=response.window)
+            added, z = passed * line.amplitude[p], np.abs(response.z[:, p, n])
+            told = (passed > FALLS_IN) & (added > NOTICED * sigma[:, n, p]) & (added > SHARE * z)
+            for i in np.flatnonzero(told):
+                share = f", {added[i] / z[i]:.1%} of it" if z[i] > added[i] else ""
+                words[i].append(
+                    f"{line.name}, {_um(line.amplitude[p])} at {response.probes[p]}, falls into {order:g}X: "
+                    f"adds up to {_um(added[i])}{share}"
+                )
+    return tuple(tuple(row) for row in words)
+
+
+def passed_by(rows: Rows, *, order: float, frequency: float, window: Window = "hann") -> NDArray[np.float64]:
+    """Return the share (row,) of a line's amplitude that the window of each row lets into the vector of an order.
+
+    |mean of e^{j (2 pi f t - n psi)} under the window|, with t(psi) of a steady acceleration: a quickly rising speed
+    spends little time at the line.
+    """
+    psi, weight = _weights(window, rows.turns)
+    passed = np.zeros(len(rows.t))
+    duration = rows.end - rows.begin
+    sweep = np.abs(order * rows.alpha) / TURN * duration**2  # how far the order moves in a row, in its bins
+    near = np.abs(frequency * duration - abs(order) * rows.turns) < _BINS + _BINS * sweep
+    omega, alpha = rows.omega[near, None], rows.alpha[near, None]
+    t = psi / omega - alpha * psi**2 / (2 * omega**3)
+    passed[near] = np.abs(np.exp(1j * (TURN * frequency * t - abs(order) * psi)) @ weight)
+    return passed
+
+
+def _weights(window: Window, turns: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return angles psi [rad] about a row's middle and the weights there, of sum 1: see resampling, vold_kalman."""
+    length = support(turns) if window == "vold-kalman" else float(turns)
+    count = int(np.ceil(POINTS * length))
+    psi = TURN * length * ((np.arange(count) + 0.5) / count - 0.5)
+    if window == "vold-kalman":
+        u = 4 * np.abs(psi) / (TURN * turns)
+        weight = np.exp(-u) * (np.cos(u) + np.sin(u))
+    else:
+        weight = hann_in_angle(psi, turns=turns) if window == "hann" else np.ones(count)
+    return psi, weight / weight.sum()
+
+
+def _um(metres: float) -> str:
+    return f"{micrometres(metres)} um"

@@ -1,0 +1,123 @@
+"""`Tracking`: what a recording is tracked for, checked when it is made, and how its parts are written as text."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, Self, get_args
+
+from rotorrig.processing.response import Method
+from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.units import to_si
+
+ORDERS = (0.0, 0.5, 1.0, 2.0, 3.0)  # the gap, half and whole multiples of the speed that faults are known by
+#: orders apart times turns that a method wants between an order and the next, or a whole one: a Hann window is zero
+#: from 2 on; a fit tells them apart from 1 on, where the noise of either rises by a seventh
+APART: dict[Method, float] = {"resampling": 2.0, "least-squares": 1.0, "vold-kalman": 1.0}
+LONGEST = 10_000  # turns
+HIGHEST = 100.0  # order
+
+
+class SpeedWindow(NamedTuple):
+    """Speeds from `low` to `high` [rad/s]."""
+
+    low: float
+    high: float
+
+    @classmethod
+    def read(cls, text: str, *, where: str) -> Self:
+        """Return the window "200 to 400 rpm" says. Raises ConfigError."""
+        first, to, last = (part.strip() for part in text.partition(" to "))
+        if not to:
+            raise ConfigError(f"{where}: got '{text}', want two speeds such as '200 to 400 rpm'")
+        unit = last.lstrip("+-.0123456789eE ")
+        try:
+            low, high = (to_si(t, "speed") for t in (first if first.endswith(unit) else f"{first} {unit}", last))
+        except ValueError as error:
+            raise ConfigError(f"{where}: {error}") from error
+        if not 0 <= low < high:
+            raise ConfigError(f"{where}: got '{text}', want a lower speed and a higher one such as '200 to 400 rpm'")
+        return cls(low, high)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spacing:
+    """How far rows are apart: in speed [rad/s] or in time [s]."""
+
+    of: Literal["speed", "time"]
+    step: float
+
+    @classmethod
+    def read(cls, text: str, *, where: str) -> Self:
+        """Return the spacing "10 rpm" or "0.5 s" says. Raises ConfigError."""
+        of: Literal["speed", "time"] = "speed" if "rpm" in text or "rad" in text else "time"
+        try:
+            step = to_si(text, of)
+        except ValueError:
+            step = math.nan
+        if not step > 0:
+            raise ConfigError(f"{where}: got '{text}', want a step of speed or time such as '10 rpm' or '0.5 s'")
+        return cls(of=of, step=step)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tracking:
+    """How a recording is tracked. Raises ConfigError for what no recording can be tracked with."""
+
+    turns: int = 8  # of a row's window
+    orders: tuple[float, ...] = ORDERS
+    method: Method = "resampling"
+    every: Spacing | None = None  # between the middles of rows; None: one after another
+    slow_roll: SpeedWindow | None = None  # where the slow-roll vector is taken; None: in the run of that name
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "orders", tuple(float(order) for order in self.orders))
+        if self.method not in APART:
+            known = ", ".join(name for name in get_args(Method) if name in APART)
+            raise ConfigError(f"method: got '{self.method}', want one of {known}")
+        if not 1 <= self.turns <= LONGEST or self.turns != int(self.turns):
+            raise ConfigError(f"turns: got {self.turns}, want a whole number from 1 to {LONGEST}")
+        if not self.orders or len(set(self.orders)) < len(self.orders):
+            raise ConfigError(f"orders: got {_listed(self.orders)}, want one or more, each once, such as 0, 0.5, 1, 2")
+        for order in self.orders:
+            if not abs(order) <= HIGHEST:  # NaN too
+                raise ConfigError(f"orders: got {order:g}, want none above {HIGHEST:g}")
+            self._check_apart(order)
+
+    def _check_apart(self, order: float) -> None:
+        """Check that an order leaks neither into the others nor into the whole ones, asked for or not."""
+        beside = [abs(order - other) for other in (*self.orders, math.floor(order), math.ceil(order)) if other != order]
+        apart = min([1.0, *beside])
+        if self.turns * apart < APART[self.method] * (1 - 1e-9) or not self._fits(order, self.turns):
+            enough = math.ceil(APART[self.method] / apart - 1e-9)
+            while not self._fits(order, enough) and enough < LONGEST:
+                enough += 1
+            raise ConfigError(
+                f"orders: rows of {self.turns} turns cannot tell order {order:g} from its neighbours"
+                + (f", want turns = {enough} or a multiple of it" if enough < LONGEST else "")
+                + (", or the method least-squares" if self._fitted_can(apart) else "")
+            )
+
+    def _fits(self, order: float, turns: int) -> bool:
+        """Return whether the method can look at the order through so many turns: a sum wants whole periods of it."""
+        return self.method != "resampling" or abs(turns * order - round(turns * order)) < 1e-9
+
+    def _fitted_can(self, apart: float) -> bool:
+        return self.method == "resampling" and self.turns * apart >= APART["least-squares"]
+
+
+USUAL = Tracking()
+
+
+def read_orders(text: str, *, where: str) -> tuple[float, ...]:
+    """Return the orders "0, 0.5, 1" says. Raises ConfigError.
+
+    >>> read_orders("0,0.5, 1X", where="--orders")
+    (0.0, 0.5, 1.0)
+    """
+    try:
+        return tuple(float(part.strip().rstrip("Xx")) for part in text.split(","))
+    except ValueError as error:
+        raise ConfigError(f"{where}: got '{text}', want numbers such as '0, 0.5, 1, 2, 3'") from error
+
+
+def _listed(orders: tuple[float, ...]) -> str:
+    return ", ".join(f"{order:g}" for order in orders) or "none"
