@@ -1,5 +1,8 @@
 """`rotor check`: what a config describes, and what answers at its ports."""
 
+from dataclasses import asdict
+from typing import Any
+
 import numpy as np
 from threadpoolctl import threadpool_limits
 
@@ -12,18 +15,34 @@ from rotorrig.rig.errors import DataError, LinkLost
 from rotorrig.rig.units import RPM
 
 
-@threadpool_limits.wrap(limits=1, user_api="blas")  # many small eigenvalue problems: threads only slow them down
 def show_rig(rig: RigConfig) -> None:
     """Print the parts, and the critical speeds of the nameplate model. Raises ConfigError on an unknown effect."""
-    from rotorrig.sims.rotor.assembly import assemble
-    from rotorrig.sims.rotor.modes import critical_speeds
-
     check_effects(rig)
     out.print(tables.rig_parts(rig))
-    ceiling = _ceiling(rig)
-    speeds = np.asarray(critical_speeds(assemble(rig), up_to=ceiling)) * RPM
-    listed = ", ".join(f"{s:.0f}" for s in speeds) or "none"
-    out.print(f"critical speeds of the nameplate up to {ceiling * RPM:.0f} rpm: {listed}", highlight=False)
+    listed = ", ".join(f"{s:.0f}" for s in _critical_rpm(rig)) or "none"
+    out.print(f"critical speeds of the nameplate up to {_ceiling(rig) * RPM:.0f} rpm: {listed}", highlight=False)
+
+
+def rig_facts(rig: RigConfig) -> dict[str, Any]:
+    """Return what a config describes as plain values. Raises ConfigError on an unknown effect."""
+    check_effects(rig)
+    return {
+        "rig": rig.name,
+        "config_hash": rig.hash,
+        "critical_speeds_rpm": _critical_rpm(rig),
+        "searched_up_to_rpm": _ceiling(rig) * RPM,
+        "plans": list(rig.plans),
+    }
+
+
+def device_facts(rig: RigConfig) -> dict[str, Any]:
+    """Open motor and DAQ in turn and return what they say of themselves, speeds in rpm. Raises LinkLost."""
+    with connect.motor(rig) as motor:
+        found, state = motor.open(), motor.read()
+    with connect.daq(rig) as daq:
+        info = daq.open()
+    now = {"speed_rpm": state.speed * RPM, "running": state.running, "fault": state.fault}
+    return {"motor": {**asdict(found), **now}, "daq": asdict(info)}
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
@@ -94,6 +113,14 @@ def _show_daq(rig: RigConfig) -> None:
     )
     for remark in info.remarks:
         out.print(f"  {remark}", highlight=False)
+
+
+@threadpool_limits.wrap(limits=1, user_api="blas")  # many small eigenvalue problems: threads only slow them down
+def _critical_rpm(rig: RigConfig) -> list[float]:
+    from rotorrig.sims.rotor.assembly import assemble
+    from rotorrig.sims.rotor.modes import critical_speeds
+
+    return (np.asarray(critical_speeds(assemble(rig), up_to=_ceiling(rig))) * RPM).tolist()
 
 
 def _ceiling(rig: RigConfig) -> float:

@@ -1,26 +1,90 @@
 """What the terminal shows: one console for results, one for errors, progress bars that keep quiet when piped."""
 
-from collections.abc import Iterator
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from datetime import timedelta
+from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    Task,
+    TextColumn,
+    TimeElapsedColumn,
+)
+from rich.text import Text
 
 out = Console()
 err = Console(stderr=True)
 
 
+def tell(words: str, facts: Mapping[str, Any], *, as_json: bool) -> None:
+    """Print what came of a verb: `words` for a person or, `as_json`, the `facts` as one JSON object on one line."""
+    if as_json:
+        print(json.dumps(_plain(facts)))
+    else:
+        out.print(words, highlight=False, markup=False, soft_wrap=True)
+
+
 @contextmanager
 def progress_bars() -> Iterator[Progress]:
-    """Show progress bars on standard error while the block runs; nothing where that is no terminal."""
+    """Show progress bars on standard error while the block runs; nothing where that is no terminal.
+
+    A task's field `unit` names what it counts, `scale` how many of it are one of its total's; its rate is shown in it.
+    """
     columns = (
         SpinnerColumn(),
         TextColumn("{task.description}"),
-        BarColumn(),
+        BarColumn(bar_width=24),
         TextColumn("{task.percentage:>3.0f} %"),
         TimeElapsedColumn(),
-        TimeRemainingColumn(),
+        _TimeLeft(),
+        _Rate(),
         TextColumn("{task.fields[note]}"),
     )
     with Progress(*columns, console=err, disable=not err.is_terminal) as bars:
         yield bars
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """Show that something is under way whose length nobody knows, and for how long; nothing when piped."""
+    with progress_bars() as bars:
+        bars.add_task(what, total=None, note="")
+        yield
+
+
+class _TimeLeft(ProgressColumn):
+    max_refresh = 0.5
+
+    def render(self, task: Task) -> Text:
+        left = task.time_remaining
+        if task.finished or task.total is None or left is None:
+            return Text("")
+        return Text(f"{timedelta(seconds=math.ceil(left))} left", style="progress.remaining")
+
+
+class _Rate(ProgressColumn):
+    max_refresh = 0.5
+
+    def render(self, task: Task) -> Text:
+        speed, unit = task.finished_speed or task.speed, task.fields.get("unit")
+        if not speed or not unit:
+            return Text("")
+        return Text(f"{speed * task.fields.get('scale', 1.0):.3g} {unit}", style="progress.data.speed")
+
+
+def _plain(value: object) -> object:
+    """Return a value as JSON can hold it: what is not a finite number is null."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    if isinstance(value, str) or value is None:
+        return value
+    if isinstance(value, Sequence):
+        return [_plain(inner) for inner in value]
+    return value if not isinstance(value, float) or math.isfinite(value) else None

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from rich import box
 from rich.table import Table
@@ -11,7 +12,7 @@ from rich.text import Text
 from rotorrig.acquisition import critical_speeds, plans
 from rotorrig.acquisition.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Trial
 from rotorrig.acquisition.timeline import COAST_SECONDS, Timed, timeline
-from rotorrig.app.console import out
+from rotorrig.app.console import out, tell
 from rotorrig.app.model_criticals import criticals_of
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError
@@ -53,16 +54,45 @@ def preview(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> Preview:
     )
 
 
-def show(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> None:
+def show(rig: RigConfig, plan: str, *, trial: Sequence[str] = (), as_json: bool = False) -> None:
     """Print the preview. Raises ConfigError with the first objection, when everything has been shown."""
     seen = preview(rig, plan, trial=trial)
+    if as_json:
+        tell("", preview_facts(rig, plan, seen), as_json=True)
+    else:
+        _print(rig, plan, seen)
+    for objection in seen.objections:
+        raise ConfigError(f"plans.{plan}: {objection}")
+
+
+def preview_facts(rig: RigConfig, plan: str, seen: Preview) -> dict[str, Any]:
+    """Return the preview as plain values: s, rpm, bytes."""
+    return {
+        "plan": plan,
+        "seconds": seen.seconds,
+        "bytes": expected_bytes(rig, seen.seconds),
+        "critical_speeds_rpm": [speed * RPM for speed in seen.criticals],
+        "objections": list(seen.objections),
+        "steps": [
+            {
+                "begin_s": timed.begin,
+                "end_s": timed.end,
+                "step": _described(timed)[0],
+                "from_rpm": timed.speed * RPM,
+                "to_rpm": timed.to * RPM,
+                "remarks": _remarks(timed, seen),
+            }
+            for timed in seen.steps
+        ],
+    }
+
+
+def _print(rig: RigConfig, plan: str, seen: Preview) -> None:
     out.print(steps_table(seen, title=f"plan '{plan}' on {rig.name}"))
     plain = out.options.ascii_only or not out.is_terminal
     out.print(chart(seen.steps, criticals=seen.criticals, width=min(out.width, 100), plain=plain))
     for line in (*facts(rig, seen), *(f"refused: {objection}" for objection in seen.objections)):
         out.print(line, highlight=False, markup=False, soft_wrap=True)
-    for objection in seen.objections:
-        raise ConfigError(f"plans.{plan}: {objection}")
 
 
 def steps_table(seen: Preview, *, title: str) -> Table:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rotorrig.acquisition import plans
 from rotorrig.acquisition.engine import SweepResult, run_sweep
@@ -68,6 +68,19 @@ def sweep(
         return record_sweep(
             rig, out=out, plan=plan, trial=trial, ports=ports, view=view, progress=show, operator=operator
         )
+
+
+def sweep_facts(result: SweepResult) -> dict[str, Any]:
+    """Return how a sweep went as plain values."""
+    return {
+        "seconds": result.seconds,
+        "samples": result.samples,
+        "gaps": result.gaps,
+        "ending": result.ending,
+        "trip": result.trip,
+        "at_rest": result.at_rest,
+        "events": [{"t_s": event.t_ns / 1e9, "kind": event.kind, "text": event.text} for event in result.events],
+    }
 
 
 def steps_of(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> tuple[plans.Step, ...]:

@@ -1,0 +1,113 @@
+"""Verbs that are about a rig: check, sweep, simulate, demo."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rotorrig.app.arguments import AsJson, Config, Faults, Hidden, Plan, Rate, Seed, Trial, View
+from rotorrig.app.console import err, tell
+from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.errors import ConfigError, RigError
+
+
+def check(
+    config: Config,
+    connect: Annotated[bool, typer.Option("--connect", help="talk to motor and DAQ and say what answered")] = False,
+    clear: Annotated[
+        bool, typer.Option("--clear-fault", help="clear what the motor controller has tripped with")
+    ] = False,
+    model: Annotated[bool, typer.Option("--model", help="draw the rotor; masses, sag, critical speeds")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Check a config, say what it describes; with --connect, talk to its devices."""
+    from rotorrig.app import checking
+
+    rig = load(config)
+    if as_json:
+        if model or clear:
+            raise ConfigError("--json: goes with --connect alone, want it without --model and --clear-fault")
+        tell("", {**checking.rig_facts(rig), **(checking.device_facts(rig) if connect else {})}, as_json=True)
+        return
+    checking.show_rig(rig)
+    if model:
+        checking.show_model(rig)
+    if clear:
+        checking.clear_fault(rig)
+    if connect:
+        checking.show_devices(rig)
+
+
+def sweep(
+    config: Config,
+    out_file: Annotated[Path | None, typer.Option("--out", "-o", help="the file to write", show_default=False)] = None,
+    plan: Plan = "default",
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="say what it would do, and open nothing")] = False,
+    simulate: Annotated[bool, typer.Option("--simulate", help="on a simulated rig instead of the devices")] = False,
+    trial: Trial = None,
+    view: View = False,
+    yes: Annotated[bool, typer.Option("--yes", help="do not wait for masses to be mounted: a rehearsal")] = False,
+    seed: Seed = 1,
+    hidden: Hidden = None,
+    rate: Rate = 20.0,
+    faults: Faults = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run a sweep and record it; with --dry-run, show its steps, its limits and what speaks against it."""
+    if faults and not simulate:
+        raise ConfigError("--faults: wants --simulate, only a simulated rig has faults to order")
+    rig = load(config)
+    if dry_run:
+        from rotorrig.app import dry_run as previewing
+
+        previewing.show(rig, plan, trial=trial or (), as_json=as_json)
+        return
+    if out_file is None:
+        raise ConfigError("--out: is missing, want the file to write, or --dry-run")
+    from rotorrig.app import simulating, sweeping
+
+    stand_in = simulating.StandIn(seed=seed, hidden=hidden, rate=rate, faults=faults) if simulate else None
+    try:
+        result = sweeping.sweep(rig, out=out_file, plan=plan, trial=trial or (), stand_in=stand_in, view=view, yes=yes)
+    except KeyboardInterrupt as interrupt:  # or SIGTERM, or the terminal was closed
+        err.print(f"interrupted: the rotor was stopped and {out_file} holds the sweep up to there", highlight=False)
+        raise typer.Exit(130) from interrupt
+    words = f"{out_file}: {result.seconds:.1f} s, {result.samples} scans, {result.gaps} gaps recorded"
+    tell(words, {"file": str(out_file), **sweeping.sweep_facts(result)}, as_json=as_json)
+    if not result.at_rest:
+        err.print(f"warning: {result.events[-1].text}", highlight=False, markup=False, soft_wrap=True)
+    if result.trip:
+        raise RigError(f"{result.trip}; the rotor was stopped and {out_file} holds the sweep up to there")
+
+
+def simulate(
+    config: Config,
+    seed: Seed = 1,
+    hidden: Hidden = None,
+    rate: Rate = 1.0,
+    faults: Faults = None,
+) -> None:
+    """Keep a simulated rig running on real ports until Ctrl-C, for another terminal to sweep."""
+    from rotorrig.app import simulating
+
+    simulation = simulating.StandIn(seed=seed, hidden=hidden, rate=rate, faults=faults)
+    simulating.stand_in(load(config), simulation)
+
+
+def demo(
+    folder: Annotated[Path, typer.Option("--out", help="the folder to write into")] = Path("demo"),
+    config: Annotated[
+        Path | None, typer.Option("--config", help="another rig", show_default="configs/rk4.toml")
+    ] = None,
+    seed: Seed = 1,
+) -> None:
+    """Show the whole path on a simulated RK4, from sweep to report: a healthy rig and one with a bent shaft."""
+    from rotorrig.app.demo import run_demo
+
+    run_demo(load(config) if config else bundled("rk4"), out=folder, seed=seed)
+
+
+def bundled(name: str) -> RigConfig:
+    """Return a config that comes with the program: from the checkout, or from the installed package."""
+    places = [Path(__file__).parents[3] / "configs", Path(__file__).parents[2] / "configs"]
+    return load(next((p for d in places if (p := d / f"{name}.toml").exists()), places[0] / f"{name}.toml"))
