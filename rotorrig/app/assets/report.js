@@ -1,30 +1,90 @@
-// Draws every figure of the page from the data beside it, keeps it as wide as its place, and offers a log amplitude.
+// Unpacks plotly.js, draws every figure of the page from the data beside it, and fits them to window and paper.
 "use strict";
 // the buttons are listed one by one: the default set has one that would send the figure to a server
 const buttons = [["zoom2d", "pan2d", "resetScale2d"], ["toImage"]];
 const config = { responsive: true, displaylogo: false, displayModeBar: "hover", modeBarButtons: buttons };
+// CSS pixels within the margins of A4 (182 mm) and Letter (188 mm); plots are lower than on the screen by these factors
+const PAPER = { width: 680, whole: 0.72, beside: 0.84, lowest: 170 };
 
-function canvases() {
-  return document.querySelectorAll(".canvas");
+const canvases = () => [...document.querySelectorAll(".canvas")];
+const waiting = () => canvases().filter((canvas) => !canvas.data);
+
+async function unpack() {
+  const packed = Uint8Array.from(atob(document.getElementById("plotly").textContent), (c) => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const script = document.createElement("script");
+  script.textContent = await new Response(stream).text();
+  document.head.append(script);
 }
 
-for (const source of document.querySelectorAll("script[data-figure]")) {
+function draw(canvas) {
+  const source = document.querySelector(`script[data-figure="${canvas.id}"]`);
   const figure = JSON.parse(source.textContent);
-  const canvas = document.getElementById(source.dataset.figure);
-  const height = figure.layout.height;
-  canvas.style.height = height + "px";
+  canvas.style.height = figure.layout.height + "px";
   Plotly.newPlot(canvas, figure.data, figure.layout, config);
+  // the words above the plot say what it shows; its letters one by one say nothing
+  canvas.querySelectorAll("svg").forEach((svg) => svg.setAttribute("aria-hidden", "true"));
 }
 
-document.getElementById("log-amplitude")?.addEventListener("change", (event) => {
-  const type = event.target.checked ? "log" : "linear";
-  const range = { "yaxis.type": type, "yaxis.autorange": true, "yaxis.rangemode": type === "log" ? "normal" : "tozero" };
-  document.querySelectorAll("#bode .canvas").forEach((canvas) => Plotly.relayout(canvas, range));
+// One after the other with a pause between, so that the page can be read and scrolled meanwhile.
+async function drawAll() {
+  for (const canvas of canvases()) {
+    if (!canvas.data) draw(canvas);
+    await new Promise((done) => setTimeout(done));
+  }
+}
+
+async function main() {
+  try {
+    await unpack();
+  } catch (error) {
+    document.getElementById("no-plots").hidden = false; // a browser without DecompressionStream
+    throw error;
+  }
+  await drawAll();
+  if (logarithmic) logarithmic.disabled = false;
+}
+
+const logarithmic = document.getElementById("log-amplitude");
+globalThis.rotorReport = { drawn: main() };
+
+logarithmic?.addEventListener("change", () => {
+  const type = logarithmic.checked ? "log" : "linear";
+  const range = { "yaxis.type": type, "yaxis.autorange": true, "yaxis.rangemode": logarithmic.checked ? "normal" : "tozero" };
+  document.querySelectorAll(".canvas[id^=bode-]").forEach((canvas) => Plotly.relayout(canvas, range));
 });
 
-// On paper nothing can be unfolded, and the page is narrower than the screen.
+// A plot in a folded part is drawn as wide as nothing; it gets its width when it is unfolded.
+document.addEventListener("toggle", (event) => {
+  event.target.querySelectorAll?.(".canvas").forEach((canvas) => canvas.data && Plotly.Plots.resize(canvas));
+}, true);
+
+// On paper nothing can be unfolded, and the page is narrower than the screen. The browser lays out the paper only after
+// this, so the width is not measured but given.
+let unfolded = [];
+
+function forPaper(canvas) {
+  const share = Number(canvas.dataset.share);
+  canvas.dataset.height = canvas.layout.height;
+  const height = Math.max(PAPER.lowest, (share < 1 ? PAPER.beside : PAPER.whole) * canvas.layout.height);
+  canvas.style.height = canvas.style.minHeight = height + "px";
+  Plotly.relayout(canvas, { autosize: false, width: share * PAPER.width, height });
+}
+
+function forScreen(canvas) {
+  const height = Number(canvas.dataset.height);
+  canvas.style.height = canvas.style.minHeight = height + "px";
+  Plotly.relayout(canvas, { autosize: true, width: null, height });
+}
+
 addEventListener("beforeprint", () => {
-  document.querySelectorAll("details").forEach((details) => (details.open = true));
-  canvases().forEach((canvas) => Plotly.Plots.resize(canvas));
+  unfolded = [...document.querySelectorAll("details:not([open]):not(.screen)")];
+  unfolded.forEach((details) => (details.open = true));
+  if (!globalThis.Plotly) return;
+  waiting().forEach(draw);
+  canvases().forEach(forPaper);
 });
-addEventListener("afterprint", () => canvases().forEach((canvas) => Plotly.Plots.resize(canvas)));
+addEventListener("afterprint", () => {
+  unfolded.forEach((details) => (details.open = false));
+  if (globalThis.Plotly) canvases().forEach(forScreen);
+});

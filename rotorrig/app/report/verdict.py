@@ -1,9 +1,11 @@
-"""The top of the report: is the model good enough for this run, and if not, where not."""
+"""The top of the page: is the model good enough for this run, and if not, where not."""
 
 import math
 from collections.abc import Sequence
 from html import escape
 
+from rotorrig.app import cause_words
+from rotorrig.app.report.html import Section, items, paragraph
 from rotorrig.app.wording import probability
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Identification
@@ -21,13 +23,14 @@ HEADLINES = {
 }
 
 
-def banner(identification: Identification | None, diagnosis: Diagnosis | None) -> str:
+def banner(identification: Identification | None, diagnosis: Diagnosis | None) -> Section:
     """Return the verdict as HTML: a headline, a sentence, and the figures behind them."""
     if diagnosis is not None:
         tone, headline = HEADLINES[diagnosis.verdict]
         if diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.causes:
             headline += ", and none of the causes tried explains it"
-        return _banner(tone, headline, diagnosis.sentence, _evidence(diagnosis), _worst(diagnosis))
+        words = [*_worst(diagnosis), *_next(diagnosis)]
+        return _banner(tone, headline, diagnosis.sentence, _evidence(diagnosis), words)
     if identification is not None and identification.fits:
         fit = identification.fits[0]
         ratio = fit.chi2 / fit.dof if fit.dof > 0 else float("nan")
@@ -40,14 +43,11 @@ def banner(identification: Identification | None, diagnosis: Diagnosis | None) -
     return _banner("plain", "Measurement only", "No model was fitted to this run.", [], [])
 
 
-def _banner(tone: str, headline: str, sentence: str, figures: list[str], worst: list[str]) -> str:
-    lines = f"<p>{escape(sentence)}</p>"
-    if worst:
-        lines += "<ul>" + "".join(f"<li>{escape(word)}</li>" for word in worst) + "</ul>"
-    if figures:
-        lines += f'<p class="figures">{" · ".join(escape(f) for f in figures)}</p>'
+def _banner(tone: str, headline: str, sentence: str, figures: list[str], words: list[str]) -> Section:
+    lines = [paragraph(sentence), items(words), paragraph(" · ".join(figures), kind="figures")]
     head = f'<h2 id="h-verdict">{escape(headline)}</h2>'
-    return f'<section id="verdict" class="banner {tone}" aria-labelledby="h-verdict">{head}{lines}</section>'
+    html = f'<section id="verdict" class="banner {tone}" aria-labelledby="h-verdict">{head}{"".join(lines)}</section>'
+    return Section("verdict", "Verdict", html)
 
 
 def _evidence(diagnosis: Diagnosis) -> list[str]:
@@ -78,3 +78,8 @@ def _worst(diagnosis: Diagnosis) -> list[str]:
     sentences = [cause.words for cause in diagnosis.causes if cause.chosen]
     sentences += [misfit.sentence for misfit in diagnosis.worst[:SHOWN_MISFITS]]
     return [sentence for sentence in sentences if sentence not in diagnosis.sentence]
+
+
+def _next(diagnosis: Diagnosis) -> list[str]:
+    words = cause_words.next_run(diagnosis)
+    return [f"Next: {words}"] if words else []

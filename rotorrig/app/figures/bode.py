@@ -1,0 +1,76 @@
+"""Amplitude over phase lag against speed, measured and modelled, of one probe."""
+
+from html import escape
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+from plotly.subplots import make_subplots
+
+from rotorrig.app.curves import Curve, curves
+from rotorrig.app.figures.look import base_line, dots, line, styled
+from rotorrig.app.thinning import thinned
+from rotorrig.processing.response import OrderTrackedResponse
+
+HEIGHT = 430  # px
+DOTS = 160  # of a run: more would hide the line of the model
+
+
+def bode(
+    response: OrderTrackedResponse,
+    probe: int,
+    *,
+    prediction: NDArray[np.complex128] | None = None,
+    before: NDArray[np.complex128] | None = None,
+) -> go.Figure:
+    """Return amplitude over phase lag against speed at 1X, measured (dots) and model (lines), a colour per direction.
+
+    `prediction` is (speed, probe) [m] as `Fit.prediction`; None draws the measurement alone. `before` is that of the
+    base model where `prediction` is an extended one's, a thin grey line.
+    """
+    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.06, row_heights=[0.62, 0.38])
+    for i, curve in enumerate(curves(response, probe, prediction=before) if before is not None else ()):
+        _draw_model(figure, curve, name="base model", legend=i == 0, look=base_line(curve.direction))
+    for curve in curves(response, probe, prediction=prediction):
+        name, few = escape(curve.run), thinned(curve, most=DOTS)
+        _draw(figure, few.rpm, few.amplitude, few.lag, name=name, legend=True, look=dots(curve.direction))
+        if prediction is not None:
+            _draw_model(figure, curve, name=f"{name}, model", legend=True, look=line(curve.direction))
+    figure.update_yaxes(title="µm 0-peak", rangemode="tozero", row=1, col=1)
+    quarters = np.arange(-360, 811, 90)  # an axis may begin anywhere; its labels stay within 0 .. 360
+    figure.update_yaxes(title="lag, °", tickvals=quarters, ticktext=quarters % 360, row=2, col=1)
+    figure.update_xaxes(title="speed, rpm", row=2, col=1)
+    return styled(figure, height=HEIGHT)
+
+
+def _draw_model(figure: go.Figure, curve: Curve, *, name: str, legend: bool, look: dict[str, Any]) -> None:
+    few = thinned(curve, modelled=True)
+    assert few.model_amplitude is not None and few.model_lag is not None
+    _draw(figure, few.rpm, few.model_amplitude, few.model_lag, name=name, legend=legend, look=look)
+
+
+def _draw(
+    figure: go.Figure,
+    rpm: NDArray[np.float64],
+    amplitude: NDArray[np.float64],
+    lag: NDArray[np.float64],
+    *,
+    name: str,
+    legend: bool,
+    look: dict[str, Any],
+) -> None:
+    """Draw one curve into both panels; a lag is read out within 0 .. 360."""
+    shared = {"x": np.round(rpm, 1), "name": name, "legendgroup": name, **look}
+    read = "%{x:.0f} rpm: %{y:.2f} µm<extra>" + name + "</extra>"
+    figure.add_scatter(y=np.round(amplitude, 3), showlegend=legend, hovertemplate=read, row=1, col=1, **shared)
+    read = "%{x:.0f} rpm: %{customdata:.1f}°<extra>" + name + "</extra>"
+    figure.add_scatter(
+        y=np.round(lag, 1),
+        customdata=np.round(lag % 360.0, 1),
+        showlegend=False,
+        hovertemplate=read,
+        row=2,
+        col=1,
+        **shared,
+    )

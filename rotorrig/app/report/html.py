@@ -1,0 +1,106 @@
+"""The pieces a page is made of: sections, tables, plots and folded parts. Every quoted word is escaped here."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+import plotly.graph_objects as go
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A part of the page that its list of contents leads to."""
+
+    name: str  # what a link goes to
+    heading: str
+    html: str
+
+
+def section(name: str, heading: str, *parts: str) -> Section:
+    """Return a section with its heading; empty parts are left out."""
+    inside = "\n".join(part for part in parts if part)
+    head = f'<h2 id="h-{name}">{escape(heading)}</h2>'
+    return Section(name, heading, f'<section id="{name}" aria-labelledby="h-{name}">{head}\n{inside}</section>')
+
+
+def paragraph(*sentences: str, kind: str = "") -> str:
+    """Return sentences as a paragraph of a class of report.css; nothing if all are empty."""
+    said = " ".join(sentence for sentence in sentences if sentence)
+    return f"<p{f' class={kind}' if kind else ''}>{escape(said)}</p>" if said else ""
+
+
+def items(words: Iterable[str]) -> str:
+    """Return a list with an item per text; nothing if there is none."""
+    inside = "".join(f"<li>{escape(word)}</li>" for word in words)
+    return f"<ul>{inside}</ul>" if inside else ""
+
+
+def folded(summary: str, *parts: str, on_paper: bool = True) -> str:
+    """Return parts that a click unfolds; on paper they are unfolded, or left out unless the reader unfolded them."""
+    kind = "" if on_paper else ' class="screen"'
+    return f"<details{kind}><summary>{escape(summary)}</summary>{''.join(parts)}</details>"
+
+
+def table(
+    caption: str,
+    header: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    *,
+    marked: Iterable[int] = (),
+    mark: str = "marked",
+) -> str:
+    """Return a table; the first cell of a row heads it.
+
+    Rows whose index is in `marked` stand out in the way of the class `mark` of report.css.
+    """
+    marks = set(marked)
+    head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in header)
+    body = ""
+    for i, (first, *rest) in enumerate(rows):
+        cells = "".join(f"<td>{escape(cell)}</td>" for cell in rest)
+        body += f'<tr{f" class={mark}" if i in marks else ""}><th scope="row">{escape(first)}</th>{cells}</tr>'
+    inside = f"{_caption(caption)}<thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
+    return _scrolling(caption, f"<table>{inside}</table>")
+
+
+def pairs(caption: str, values: Mapping[str, Any]) -> str:
+    """Return a table of names and values."""
+    rows = "".join(
+        f'<tr><th scope="row">{escape(name)}</th><td>{escape(str(value))}</td></tr>' for name, value in values.items()
+    )
+    inside = f"{_caption(caption)}<tbody>{rows}</tbody>"
+    return _scrolling(caption, f'<table class="pairs">{inside}</table>')
+
+
+def plot(name: str, figure: go.Figure, *, caption: str, label: str, share: float = 1.0) -> str:
+    """Return a plot's place on the page and its data; report.js draws it.
+
+    `label` is what a screen reader says, and what stands there without JavaScript. `share` of the width of the paper
+    is what it takes where others stand beside it.
+    """
+    data = figure.to_json().replace("<", "\\u003c")  # so that no text in the data can end the script element
+    return (
+        f'<figure class="plot" aria-labelledby="{name}-caption"><figcaption id="{name}-caption">{escape(caption)}'
+        f'</figcaption><p class="heard">{escape(label)}</p>'
+        f'<div id="{name}" class="canvas" data-share="{share:g}" style="min-height:{figure.layout.height}px"></div>'
+        f'<script type="application/json" data-figure="{name}">{data}</script></figure>'
+    )
+
+
+def _caption(words: str) -> str:
+    return f"<caption><span>{escape(words)}</span></caption>"  # the span keeps it in view where the table scrolls
+
+
+def _scrolling(caption: str, inside: str) -> str:
+    """Return a table in a box that scrolls sideways where the page is narrow, with the arrow keys too."""
+    return f'<div class="scroll" tabindex="0" role="group" aria-label="{escape(caption)}">{inside}</div>'
+
+
+def name_of_order(order: float) -> str:
+    """Return an order as part of an element's name.
+
+    >>> name_of_order(0.5), name_of_order(-1.0)
+    ('0_5', 'm1')
+    """
+    return f"{order:g}".replace(".", "_").replace("-", "m")

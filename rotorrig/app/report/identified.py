@@ -1,0 +1,81 @@
+"""Identified values ± their uncertainty beside the nameplate, and beside the truth where a simulated rig has one."""
+
+import math
+from collections.abc import Mapping
+
+from rotorrig.app.report.html import Section, folded, paragraph, section, table
+from rotorrig.app.wording import at_bound, change, determined, in_sigmas, interval, long, plus_minus, shown
+from rotorrig.identify.diagnosis import Diagnosis, Verdict
+from rotorrig.identify.identification import Estimate, Fit, Identification
+from rotorrig.rig.units import RPM
+
+
+def identified(
+    identification: Identification | None, diagnosis: Diagnosis | None, *, truth: Mapping[str, float] | None
+) -> Section | None:
+    """Return the section; None without a fit. `truth` maps names of estimates to values in SI."""
+    if identification is None:
+        return None
+    wrong = diagnosis is not None and diagnosis.verdict not in (Verdict.ADEQUATE, Verdict.CANNOT_TELL)
+    first = identification.fits[:1]
+    return section(
+        "identified",
+        "Identified values",
+        paragraph(_WRONG_MODEL, kind="warning") if wrong else "",
+        *(_estimates(fit, truth=truth) for fit in identification.fits),
+        paragraph(_PLUS_MINUS),
+        *(_limits(fit) for fit in first if fit.budget),
+        *(_nuisances(fit) for fit in first if fit.nuisances),
+    )
+
+
+def _estimates(fit: Fit, *, truth: Mapping[str, float] | None) -> str:
+    """Return the identified values of a fit beside the nameplate, and beside the simulated rig's own if given."""
+    header = ["parameter", "identified ± 1 σ", "95 %", "nameplate", "difference"]
+    header += ["simulated rig", "error", "error in σ"] if truth else []
+    rows = [_estimate_row(e, truth) for e in fit.estimates]
+    low, high = (speed * RPM for speed in fit.band)
+    caption = f"Fit, {fit.name}: {low:.0f} to {high:.0f} rpm"
+    marked = [i for i, e in enumerate(fit.estimates) if not determined(e)]
+    remarks = any(row[-1] for row in rows)  # a column of nothing is left out
+    return table(
+        caption,
+        [*header, "remark"] if remarks else header,
+        [row if remarks else row[:-1] for row in rows],
+        marked=marked,
+    )
+
+
+def _estimate_row(estimate: Estimate, truth: Mapping[str, float] | None) -> list[str]:
+    cells = [long(estimate.name), plus_minus(estimate), interval(estimate) or "–"]
+    cells += [shown(estimate.nameplate, estimate.unit), change(estimate, estimate.nameplate)]
+    if truth:
+        actual = truth.get(estimate.name, math.nan)
+        cells += [shown(actual, estimate.unit), change(estimate, actual), in_sigmas(estimate, actual)]
+    return [*cells, at_bound(estimate) or ("" if determined(estimate) else "hardly restricts the fit")]
+
+
+def _limits(fit: Fit) -> str:
+    """Return where the uncertainty of each estimate comes from."""
+    causes = list(next(iter(fit.budget.values())))
+    rows = [[name, *(f"{100 * shares[cause]:.0f} %" for cause in causes)] for name, shares in fit.budget.items()]
+    return folded(
+        "What limits each value, noise or the nameplate's tolerances",
+        table("Shares of each variance", ["parameter", *causes], rows),
+    )
+
+
+def _nuisances(fit: Fit) -> str:
+    """Return what the fit may adjust within the nameplate's tolerance: never a discovery."""
+    rows = [[long(e.name), plus_minus(e)] for e in fit.nuisances]
+    caption = "Deviations from the nameplate, adjusted within its tolerance"
+    return folded(
+        f"Nameplate deviations adjusted by the fit ({len(rows)})", table(caption, ["quantity", "deviation ± 1 σ"], rows)
+    )
+
+
+_WRONG_MODEL = (
+    "These are the values with which a model that does not describe the run comes nearest to it: "
+    "they may be off by far more than their standard deviations say."
+)
+_PLUS_MINUS = "± is one standard deviation of this data and this model; it says nothing of what the model leaves out."

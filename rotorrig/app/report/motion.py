@@ -1,0 +1,103 @@
+"""How the shaft moves in its planes of probes: orbits at a few speeds, and where its mean position goes."""
+
+from html import escape
+
+import numpy as np
+
+from rotorrig.app.centreline_paths import (
+    REFERENCE,
+    CentrelinePath,
+    ClearanceCircle,
+    centreline_paths,
+    centreline_words,
+    clearance_circle,
+)
+from rotorrig.app.figures.centreline import centreline as centreline_figure
+from rotorrig.app.orbit_drawing import orbit_pictures
+from rotorrig.app.report.html import Section, paragraph, plot, section, table
+from rotorrig.app.report.synchronous import compensation
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.units import UM, micrometres
+
+
+def orbits(response: OrderTrackedResponse) -> Section | None:
+    """Return the 1X orbits at a few speeds of the first sweep; None without a plane of two probes."""
+    lines = [
+        f'<h3>{escape(plane.name)}</h3><div class="orbits">{"".join(pictures)}</div>'
+        for plane, pictures in orbit_pictures(response)
+        if pictures
+    ]
+    if not lines:
+        return None
+    said = paragraph(compensation(response), "The dot is the shaft at the keyphasor edge, the arrow its way round.")
+    return section("orbits", "Orbits at 1X", said, *lines)
+
+
+def centreline(response: OrderTrackedResponse) -> Section | None:
+    """Return where the mean position goes, plane by plane, and the gap voltages; None if the gap was not tracked."""
+    gaps = _gaps(response)
+    if not gaps:
+        return None
+    paths = centreline_paths(response)
+    plots, rows = [], []
+    for i, (plane, mine) in enumerate(_by_plane(paths).items()):
+        circle = clearance_circle(response.rig, mine[0].position)
+        plots.append(
+            plot(
+                f"mean-position-{i}",
+                centreline_figure(mine, circle),
+                caption=plane,
+                label=f"Mean position of the shaft at {plane}. {centreline_words(tuple(mine))}",
+                share=0.5,
+            )
+        )
+        rows += [_path_row(path, circle) for path in mine]
+    header = ["plane, run", "moves by up to", "from rpm", "to rpm", "of the bearing's radial clearance"]
+    clear = any(row[-1] for row in rows)  # a column of nothing is left out
+    moves = table("Mean position", header if clear else header[:-1], [row if clear else row[:-1] for row in rows])
+    said = paragraph(_NOTE, _CIRCLE if clear else "")
+    shown = [said, f'<div class="pair">{"".join(plots)}</div>', moves] if paths else []
+    return section("centreline", "Shaft centreline and gap", *shown, gaps)
+
+
+def _by_plane(paths: tuple[CentrelinePath, ...]) -> dict[str, list[CentrelinePath]]:
+    found: dict[str, list[CentrelinePath]] = {}
+    for path in paths:
+        found.setdefault(path.plane, []).append(path)
+    return found
+
+
+def _path_row(path: CentrelinePath, circle: ClearanceCircle | None) -> list[str]:
+    cells = [f"{micrometres(path.reach)} µm", f"{path.rpm.min():.0f}", f"{path.rpm.max():.0f}"]
+    of_it = f"{path.reach * UM / circle.radius:.1%} ({circle.bearing})" if circle else ""
+    return [f"{path.plane}, {path.run}", *cells, of_it]
+
+
+def _gaps(response: OrderTrackedResponse) -> str:
+    """Return the probes' gap voltages over the slowest and the fastest rows; nothing if the gap was not tracked."""
+    if 0.0 not in response.orders:
+        return ""
+    gap, order = response.order(0.0).real, np.argsort(response.omega)
+    rows = []
+    for p, name in enumerate(response.probes):
+        told = order[response.usable[order, p] & np.isfinite(gap[order, p])]
+        probe = next(probe for probe in response.rig.probes if probe.name == name)
+        if told.size:
+            ends = [float(gap[some, p].mean()) for some in (told[:REFERENCE], told[-REFERENCE:])]
+            volts = [f"{probe.gap_voltage + probe.sensitivity * x:.3f}" for x in ends]
+            linear = "{:g} to {:g}".format(*probe.linear_range)
+            rows.append([name, *volts, f"{(ends[1] - ends[0]) * UM:+.2f}", linear])
+    header = ["probe", "V, slowest rows", "V, fastest rows", "moves, µm (+ towards the probe)", "linear range, V"]
+    return table(f"Gap voltage, mean of {REFERENCE} rows", header, rows) if rows else ""
+
+
+_CIRCLE = (
+    "The circle is the clearance of the nearest bearing, as if the shaft lay at its bottom while the run is slowest; "
+    "it is left out where the path would be a dot in it."
+)
+_NOTE = (
+    "The mean position of the shaft, counted from that of the slowest rows of the run. A linear rotor vibrates about "
+    "one place at every speed. Where its mean position follows the speed, a support gives way on one side or the "
+    "stiffness turns with the shaft; where it drifts with time, a probe warms up. Part of it may be the probes': they "
+    "see a round shaft recede as it moves aside."
+)

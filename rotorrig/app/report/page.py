@@ -1,0 +1,107 @@
+"""One self-contained HTML file that says what a run shows: the verdict first, then the evidence.
+
+Everything is inside the file (plots included), nothing is fetched, and every quoted word is escaped.
+"""
+
+import base64
+import gzip
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from functools import cache
+from html import escape
+from importlib import resources
+from pathlib import Path
+from string import Template
+
+from plotly.offline import get_plotlyjs
+
+from rotorrig.app.diagnosis_part import part_of
+from rotorrig.app.report.causes import causes, untold
+from rotorrig.app.report.html import Section
+from rotorrig.app.report.identified import identified
+from rotorrig.app.report.motion import centreline, orbits
+from rotorrig.app.report.orders import full_spectrum, other_orders
+from rotorrig.app.report.residuals import residuals
+from rotorrig.app.report.rig import rig
+from rotorrig.app.report.source import conventions, provenance
+from rotorrig.app.report.synchronous import synchronous
+from rotorrig.app.report.tracking import tracking
+from rotorrig.app.report.verdict import banner
+from rotorrig.identify.diagnosis import Diagnosis
+from rotorrig.identify.identification import Identification
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.errors import DataError
+
+
+def write_report(
+    path: Path,
+    *,
+    response: OrderTrackedResponse,
+    identification: Identification | None = None,
+    diagnosis: Diagnosis | None = None,
+    truth: Mapping[str, float] | None = None,
+) -> None:
+    """Write the report of a response, with the fit and the verdict on it where there are any.
+
+    `truth` maps names of estimates to the simulated rig's own values in SI, for a column beside the estimates.
+    Raises DataError where the parts are not of one run, or the file cannot be written.
+    """
+    _check(response, identification)
+    diagnosis = part_of(diagnosis, response) if diagnosis else None
+    verdict = banner(identification, diagnosis)
+    parts = (
+        residuals(response, diagnosis),
+        synchronous(response, identification, diagnosis),
+        causes(diagnosis),
+        identified(identification, diagnosis, truth=truth),
+        full_spectrum(response),
+        other_orders(response),
+        orbits(response),
+        centreline(response),
+        untold(identification, diagnosis),
+        tracking(response),
+        rig(response.rig),
+        provenance(response, identification, diagnosis),
+        conventions(response),
+    )
+    page = _page(response, verdict, [part for part in parts if part])
+    try:
+        path.write_text(page, encoding="utf-8")
+    except OSError as error:
+        raise DataError(f"{path}: the report cannot be written ({error.strerror})") from error
+
+
+def _check(response: OrderTrackedResponse, identification: Identification | None) -> None:
+    rows = response.z.shape[:2]
+    for fit in identification.fits if identification else ():
+        if fit.prediction.shape != rows:
+            raise DataError(
+                f"fit '{fit.name}': predicts (speed, probe) = {fit.prediction.shape}, the response has {rows}; "
+                "want the fit of this very response"
+            )
+
+
+def _page(response: OrderTrackedResponse, verdict: Section, sections: Sequence[Section]) -> str:
+    links = "".join(f'<li><a href="#{part.name}">{escape(part.heading)}</a></li>' for part in sections)
+    return Template(_asset("report.html")).substitute(
+        title=escape(f"{response.rig.name}: rotor report"),
+        heading=escape(response.rig.name),
+        source=escape(response.source.source or "a live rig"),
+        contents=links,
+        style=_asset("report.css"),
+        plotly=_packed_plotly(),
+        script=_asset("report.js"),
+        verdict=verdict.html,
+        body="\n".join(part.html for part in sections),
+        written=f"{datetime.now().astimezone():%Y-%m-%d %H:%M %Z}",
+    )
+
+
+def _asset(name: str) -> str:
+    return resources.files("rotorrig.app").joinpath("assets", name).read_text(encoding="utf-8")
+
+
+@cache
+def _packed_plotly() -> str:
+    """Return plotly.js as gzip in base64, 2 MB instead of 4.8; report.js unpacks it."""
+    return base64.b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode()

@@ -1,0 +1,34 @@
+"""The rig: its drawing to scale, its end view and its nameplate."""
+
+import math
+
+from rotorrig.app.report.html import Section, folded, paragraph, section, table
+from rotorrig.app.rig_drawing import end_view, side_view
+from rotorrig.app.wording import bearing_coefficients
+from rotorrig.rig.description import RigConfig
+
+
+def rig(config: RigConfig) -> Section:
+    """Return the section on the rig that the config describes."""
+    side = f'<figure class="wide">{side_view(config)}<figcaption>Side view, to scale</figcaption></figure>'
+    end = f'<figure class="end">{end_view(config)}<figcaption>End view, axes and probes</figcaption></figure>'
+    drawing = f'<div class="rig">{side}{end}</div>'
+    return section("rig", "The rig", paragraph(config.notes), drawing, _nameplate(config))
+
+
+def _nameplate(config: RigConfig) -> str:
+    """Return disks, bearings and probes as the config has them."""
+    rows = [
+        [
+            f"disk {d.name}",
+            f"{d.position * 1e3:g}",
+            f"{d.mass:.4g} kg, Ip {d.polar_inertia:.4g}, It {d.transverse_inertia:.4g} kg m²",
+        ]
+        for d in config.disks
+    ]
+    rows += [[f"bearing {b.name}", f"{b.position * 1e3:g}", bearing_coefficients(b)] for b in config.bearings]
+    rows += [
+        [f"probe {p.name}", f"{p.position * 1e3:g}", f"at {math.degrees(p.angle):g}°, {p.sensitivity / 1e3:.4g} mV/µm"]
+        for p in config.probes
+    ]
+    return folded("Nameplate values", table("Nameplate", ["part", "mm from the coupling", "values"], rows))

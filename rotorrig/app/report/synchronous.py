@@ -1,0 +1,173 @@
+"""The synchronous response (1X): per probe a Bode plot, a polar plot and their numbers; the peaks in one table."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from rotorrig.app.curves import Curve, curves, model_vectors, slow_roll_known, sweeps, vectors
+from rotorrig.app.diagnosis_part import Vectors, predictions
+from rotorrig.app.figures.bode import bode
+from rotorrig.app.figures.polar import polar
+from rotorrig.app.report.html import Section, folded, paragraph, plot, section, table
+from rotorrig.identify.diagnosis import Diagnosis
+from rotorrig.identify.identification import Fit, Identification
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.units import RPM, UM
+
+NUMBERS = 24  # speeds of a run in the table beside a plot
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Models:
+    """1X as models predict it, (speed, probe) [m]; None where there is none."""
+
+    fit: Fit | None
+    base: Vectors | None
+    extended: Vectors | None
+
+    @property
+    def best(self) -> Vectors | None:
+        """The extended model's where there is one."""
+        return self.base if self.extended is None else self.extended
+
+    @property
+    def before(self) -> Vectors | None:
+        """The base model's where an extended one stands beside it."""
+        return None if self.extended is None else self.base
+
+
+def synchronous(
+    response: OrderTrackedResponse, identification: Identification | None, diagnosis: Diagnosis | None
+) -> Section:
+    """Return the section; `diagnosis` is the part of it that is about `response`."""
+    fit = identification.fits[0] if identification and identification.fits else None
+    base, extended = predictions(response, fit, diagnosis)
+    models = Models(fit=fit, base=base, extended=extended)
+    return section(
+        "bode",
+        "Synchronous response (1X) against speed",
+        paragraph(compensation(response), _drawn(models), _COLOURS),
+        '<label class="toggle"><input type="checkbox" id="log-amplitude" disabled> logarithmic amplitude</label>',
+        *(_probe(response, p, models) for p in range(len(response.probes))),
+        _peaks(response, models),
+    )
+
+
+def compensation(response: OrderTrackedResponse) -> str:
+    """Return whether the slow-roll vector is taken out of what is shown."""
+    if not slow_roll_known(response):
+        return "No slow roll was measured: the vectors are raw, runout and bow included."
+    rpm = response.slow_roll_omega * RPM
+    return f"Slow-roll compensated: the vector at {rpm:.0f} rpm is subtracted from measurement and model alike."
+
+
+def _drawn(models: Models) -> str:
+    if models.extended is not None:
+        return "Dots are measured, lines the extended model, thin grey lines the base model."
+    if models.base is None:
+        return "Dots are measured."
+    return f"Dots are measured, lines the model fitted{f' to the {models.fit.name}' if models.fit else ''}."
+
+
+def _probe(response: OrderTrackedResponse, probe: int, models: Models) -> str:
+    """Return the plots of one probe and, folded, their numbers."""
+    name = response.probes[probe]
+    drawn = {"prediction": models.best, "before": models.before}
+    said = peak_words(response, probe, models)
+    left = plot(
+        f"bode-{probe}",
+        bode(response, probe, **drawn),
+        caption=f"Probe {name}",
+        label=f"Bode plot of probe {name}, 1X amplitude and phase lag against speed. {said}",
+        share=0.57,
+    )
+    right = plot(
+        f"polar-{probe}",
+        polar(response, probe, **drawn),
+        caption=f"Probe {name}, polar",
+        label=f"Polar plot of probe {name}, 1X vectors over speed. {said}",
+        share=0.43,
+    )
+    return f'<div class="probe">{left}{right}{_numbers(response, probe, models)}</div>'
+
+
+def _numbers(response: OrderTrackedResponse, probe: int, models: Models) -> str:
+    found = curves(response, probe, prediction=models.best)
+    before = curves(response, probe, prediction=models.before) if models.before is not None else found
+    rows = [cells for one, base in zip(found, before, strict=True) for cells in _number_rows(one, base, models)]
+    header = ["run", "rpm", "µm 0-peak", "± 1 σ", "phase lag"]
+    header += ["model, µm 0-peak", "phase lag"] if models.best is not None else []
+    header += ["base model, µm 0-peak", "phase lag"] if models.before is not None else []
+    caption = f"Probe {response.probes[probe]}, 1X at {NUMBERS} speeds of each run, the peak among them"
+    return folded(f"Probe {response.probes[probe]} in numbers", table(caption, header, rows), on_paper=False)
+
+
+def _number_rows(curve: Curve, base: Curve, models: Models) -> Iterator[list[str]]:
+    for row in _spread(curve):
+        cells = [curve.run, f"{curve.rpm[row]:.0f}", f"{curve.amplitude[row]:.2f}"]
+        cells += [f"{curve.sigma[row]:.2f}", f"{curve.lag[row] % 360:.1f}°"]
+        for model in (curve if models.best is not None else None, base if models.before is not None else None):
+            if model is not None and model.model_amplitude is not None and model.model_lag is not None:
+                lag = model.model_lag[row] % 360
+                cells += [f"{model.model_amplitude[row]:.2f}", "–" if math.isnan(lag) else f"{lag:.1f}°"]
+        yield cells
+
+
+def _spread(curve: Curve) -> list[int]:
+    """Return rows evenly spread in speed, the row of the largest amplitude among them."""
+    told = np.flatnonzero(np.isfinite(curve.amplitude))
+    if not told.size:
+        return []
+    wanted = np.linspace(curve.rpm[told].min(), curve.rpm[told].max(), NUMBERS)
+    rows = {int(told[np.argmin(np.abs(curve.rpm[told] - speed))]) for speed in wanted}
+    rows.add(int(told[np.argmax(curve.amplitude[told])]))
+    return sorted(rows, key=lambda row: float(curve.rpm[row]))
+
+
+def _peaks(response: OrderTrackedResponse, models: Models) -> str:
+    """Return the 1X peaks per probe and run, measured and modelled: the Bode plots in numbers."""
+    predicted = {"model": models.best, "base model": models.before}
+    shown = {name: prediction for name, prediction in predicted.items() if prediction is not None}
+    rows = []
+    for p, name in enumerate(response.probes):
+        for run in sweeps(response):
+            found = [_peak(response, p, run), *(_peak(response, p, run, model) for model in shown.values())]
+            cells = [cell for peak in found for cell in (peak or ("–",) * 3)]
+            rows.append([f"{name}, {response.runs[run].name}", *cells])
+    header = ["probe, run", "peak, µm 0-peak", "at rpm", "phase lag"]
+    for name in shown:
+        header += [f"{name}, µm 0-peak", "at rpm", "phase lag"]
+    return table("1X peaks, measured" + (" and model" if shown else ""), header, rows) if rows else ""
+
+
+def _peak(
+    response: OrderTrackedResponse, probe: int, run: int, prediction: Vectors | None = None
+) -> tuple[str, str, str] | None:
+    """Return amplitude, speed and phase lag of the largest usable vector of a run as text; of a model if given."""
+    z = vectors(response) if prediction is None else model_vectors(response, prediction)
+    chosen = (response.run == run) & response.usable[:, probe] & np.isfinite(z[:, probe])
+    if not chosen.any():
+        return None
+    rows = np.flatnonzero(chosen)
+    row = rows[np.argmax(np.abs(z[rows, probe]))]
+    lag = -math.degrees(np.angle(z[row, probe])) % 360
+    return f"{abs(z[row, probe]) * UM:.1f}", f"{response.omega[row] * RPM:.0f}", f"{lag:.0f}°"
+
+
+def peak_words(response: OrderTrackedResponse, probe: int, models: Models) -> str:
+    """Return what the plots of a probe show, for those who hear it."""
+    said = []
+    for run in sweeps(response):
+        if found := _peak(response, probe, run):
+            said.append(f"Run {response.runs[run].name}: peak {found[0]} µm 0-peak at {found[1]} rpm, lag {found[2]}.")
+        if models.best is not None and (found := _peak(response, probe, run, models.best)):
+            said.append(f"Model: {found[0]} µm at {found[1]} rpm.")
+    return " ".join(said)
+
+
+_COLOURS = (
+    "Blue: speed rises; orange: it falls. Of a long run the plots show the smallest and the largest of every stretch. "
+    "Polar plots are in µm 0-peak, phase lag from 0° at the probe against the rotation, speeds in rpm beside the path."
+)

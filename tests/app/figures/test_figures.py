@@ -1,0 +1,97 @@
+"""The figures show what they are given; the responses are closed forms with known peaks, see tests/app/conftest.py."""
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rotorrig.app.centreline_paths import CentrelinePath, ClearanceCircle
+from rotorrig.app.curves import curves
+from rotorrig.app.diagnosis_part import predictions
+from rotorrig.app.figures.amplitudes import order_amplitudes
+from rotorrig.app.figures.bode import bode
+from rotorrig.app.figures.centreline import centreline
+from rotorrig.app.figures.maps import full_spectrum_map
+from rotorrig.app.figures.polar import labelled, polar
+from rotorrig.app.order_spectrum import order_spectra
+from rotorrig.identify.diagnosis import Diagnosis
+from rotorrig.identify.identification import Identification
+from rotorrig.processing.response import OrderTrackedResponse
+
+
+def test_the_extended_model_is_drawn_over_the_base_model(
+    response: OrderTrackedResponse, poorly_fitted: Identification, named: Diagnosis
+) -> None:
+    base, extended = predictions(response, poorly_fitted.fits[0], named)
+    figure = bode(response, 0, prediction=extended, before=base)
+    peak = {
+        trace.name: float(np.nanmax(trace.y))
+        for trace in figure.data
+        if trace.yaxis == "y" and trace.name in ("base model", "up, model")
+    }
+    assert peak["up, model"] == pytest.approx(187.5, rel=0.01)  # e / (2 zeta)
+    assert peak["base model"] == pytest.approx(187.5 * 0.04 / 0.055, rel=0.01)
+
+
+def test_second_order_peaks_at_half_the_critical_speed(response: OrderTrackedResponse) -> None:
+    figure = order_amplitudes(response, 2.0)
+    trace = figure.data[0]
+    assert np.asarray(trace.x)[np.argmax(trace.y)] == pytest.approx(1115, abs=15)
+    assert np.max(trace.y) == pytest.approx(0.05 * 187.5, abs=1.5)
+
+
+def test_a_polar_plot_puts_the_peak_where_its_lag_is(
+    response: OrderTrackedResponse, closed_form: Callable[[NDArray[np.float64]], NDArray[np.complex128]]
+) -> None:
+    (up, *_) = [trace for trace in polar(response, 0).data if trace.name == "up"]
+    peak = int(np.argmax(up.r))
+    assert up.r[peak] == pytest.approx(187.5, abs=1.5)  # e / (2 zeta)
+    at_peak = closed_form(np.array([up.customdata[peak] * np.pi / 30]))  # the row nearest to resonance
+    assert up.theta[peak] == pytest.approx(-np.degrees(np.angle(at_peak[0])), abs=0.5)
+
+
+def test_lag_grows_against_the_rotation_from_the_probe_on(response: OrderTrackedResponse) -> None:
+    y = response.probes.index("1y")
+    axis = polar(response, y).layout.polar.angularaxis
+    assert (axis.direction, axis.rotation) == ("clockwise", pytest.approx(90))  # x to y is anticlockwise on paper
+    turned = dataclasses.replace(response, rig=response.rig.model_copy(update={"rotation": "y-to-x"}))
+    assert polar(turned, y).layout.polar.angularaxis.direction == "counterclockwise"
+
+
+def test_speeds_are_written_along_the_polar_path_the_peak_among_them(response: OrderTrackedResponse) -> None:
+    up = curves(response, 0)[0]
+    rows = labelled(up)
+    assert up.rpm[rows[0]] == pytest.approx(2230, abs=10)
+    assert len(rows) >= 4
+    z = up.amplitude[rows] * np.exp(-1j * np.radians(up.lag[rows]))
+    apart = np.abs(z[:, None] - z) + np.eye(len(rows)) * 1e9
+    assert apart.min() > 0.16 * 187.5 * 0.98
+
+
+def test_the_full_spectrum_is_drawn_forward_above_backward(response: OrderTrackedResponse) -> None:
+    figure = full_spectrum_map(next(iter(order_spectra(response))))
+    assert list(figure.data[0].y) == ["+2X", "+1X", "-1X", "-2X"]
+    colours = np.asarray(figure.data[0].z)
+    assert np.nanmax(colours[1]) == pytest.approx(np.log10(187.5), abs=0.02)
+
+
+def path_of(reach: float) -> CentrelinePath:
+    x = np.linspace(0.0, reach, 50)
+    return CentrelinePath(plane="here", position=0.1, run="up", direction=1, rpm=100 * x, x=x, y=0 * x)
+
+
+def test_the_clearance_circle_is_drawn_where_the_path_can_be_seen_in_it() -> None:
+    circle = ClearanceCircle(bearing="left", radius=100.0, x=0.0, y=100.0)
+    with_circle = centreline([path_of(20.0)], circle).data[0]
+    assert with_circle.name == "clearance of left"
+    assert (min(with_circle.y), max(with_circle.y)) == (0.0, 200.0)  # it stands on where the path begins
+    assert [trace.name for trace in centreline([path_of(1.0)], circle).data] == ["up"]
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_every_probe_has_a_panel_whatever_their_number(response: OrderTrackedResponse, count: int) -> None:
+    few = dataclasses.replace(response, probes=response.probes[:count], usable=response.usable[:, :count])
+    titles = [note.text for note in order_amplitudes(few, 2.0).layout.annotations]
+    assert titles == list(response.probes[:count])
