@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from rotorrig.app.curves import sweeps
 from rotorrig.processing.probe_planes import measured_planes
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM, UM, micrometres
 
 REFERENCE = 8  # rows, the slowest of a run: where its path begins
@@ -18,6 +19,7 @@ class CentrelinePath:
     """One run in one plane of probes."""
 
     plane: str
+    position: float  # m, of the plane
     run: str
     direction: int  # +1 speed rises, -1 falls
     rpm: NDArray[np.float64]  # (row,)
@@ -48,6 +50,7 @@ def centreline_paths(response: OrderTrackedResponse) -> tuple[CentrelinePath, ..
             found.append(
                 CentrelinePath(
                     plane=plane.name,
+                    position=plane.position,
                     run=response.runs[i].name,
                     direction=response.runs[i].direction,
                     rpm=response.omega[rows] * RPM,
@@ -56,6 +59,29 @@ def centreline_paths(response: OrderTrackedResponse) -> tuple[CentrelinePath, ..
                 )
             )
     return tuple(found)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClearanceCircle:
+    """Where the centre of a journal can be, if at its slowest it lies at the bottom of its bearing.
+
+    Bently and Hatch, Fundamentals of Rotating Machinery Diagnostics (2002), ch. 6.
+    """
+
+    bearing: str
+    radius: float  # µm
+    x: float  # µm, of its centre from where the path begins
+    y: float
+
+
+def clearance_circle(rig: RigConfig, position: float) -> ClearanceCircle | None:
+    """Return the circle of the bearing nearest to a plane of probes; None if its clearance is not known."""
+    bearing = min(rig.bearings, key=lambda bearing: abs(bearing.position - position))
+    if bearing.clearance is None:
+        return None
+    radius = bearing.clearance / 2 * UM
+    x, y = {"-y": (0.0, radius), "-x": (radius, 0.0), "none": (0.0, 0.0)}[rig.gravity]
+    return ClearanceCircle(bearing=bearing.name, radius=radius, x=x, y=y)
 
 
 def centreline_words(paths: tuple[CentrelinePath, ...]) -> str:

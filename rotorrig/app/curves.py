@@ -3,7 +3,7 @@
 Shared by the report and the viewer, so that both show the same numbers.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,18 @@ class Curve:
     sigma: NDArray[np.float64]  # (row,) µm, one standard deviation of a component
     model_amplitude: NDArray[np.float64] | None  # (row,) every row, usable or not; None without a model
     model_lag: NDArray[np.float64] | None
+
+    def at(self, rows: NDArray[np.intp]) -> "Curve":
+        """Return the curve of these rows alone."""
+        return replace(
+            self,
+            rpm=self.rpm[rows],
+            amplitude=self.amplitude[rows],
+            lag=self.lag[rows],
+            sigma=self.sigma[rows],
+            model_amplitude=None if self.model_amplitude is None else self.model_amplitude[rows],
+            model_lag=None if self.model_lag is None else self.model_lag[rows],
+        )
 
 
 def slow_roll_known(response: OrderTrackedResponse, order: float = 1.0) -> bool:
@@ -123,13 +135,13 @@ def residual_grid(
 
     `sigmas` is (speed, probe, order) as in `Diagnosis`; NaN where nothing usable falls into a bin.
     """
-    rpm, edges = response.omega * RPM, _speed_edges(response, bins)
+    rpm, edges = response.omega * RPM, speed_edges(response, bins)
     labels, grid = [], []
     for p, probe in enumerate(response.probes):
         for i in sweeps(response):
             rows = (response.run == i) & response.usable[:, p]
             labels.append(f"{probe} {response.runs[i].name}")
-            grid.append(_binned_rms(rpm[rows], sigmas[rows, p, response.orders.index(order)], edges))
+            grid.append(binned_rms(rpm[rows], sigmas[rows, p, response.orders.index(order)], edges))
     return labels, edges, np.array(grid).reshape(len(labels), len(edges) - 1)
 
 
@@ -142,25 +154,27 @@ def whirl_grid(
     """
     labels, grid = [], []
     z = residual[:, :, response.orders.index(order)]
-    edges = _speed_edges(response, bins)
+    edges = speed_edges(response, bins)
     for plane, pair in measured_planes(response.rig, response.probes):
         seen = whirl(plane, z[:, pair], rotation=response.rig.rotation)
         for i in sweeps(response):
             rows = (response.run == i) & response.usable[:, pair].all(axis=1)
             for vectors, way in zip(seen, ("forward", "backward"), strict=True):
                 labels.append(f"{'+'.join(plane.probes)} {response.runs[i].name}, {way}")
-                grid.append(_binned_rms(response.omega[rows] * RPM, np.abs(vectors[rows]) * UM, edges))
+                grid.append(binned_rms(response.omega[rows] * RPM, np.abs(vectors[rows]) * UM, edges))
     return labels, edges, np.array(grid).reshape(len(labels), len(edges) - 1)
 
 
-def _speed_edges(response: OrderTrackedResponse, bins: int) -> NDArray[np.float64]:
+def speed_edges(response: OrderTrackedResponse, bins: int) -> NDArray[np.float64]:
+    """Return the edges (bin + 1,) [rpm] of equal bins over the speeds of all sweeps."""
     rpm = response.omega[np.isin(response.run, sweeps(response))] * RPM
     return np.linspace(rpm.min(), rpm.max(), bins + 1) if rpm.size else np.array([0.0, 1.0])
 
 
-def _binned_rms(
+def binned_rms(
     rpm: NDArray[np.float64], values: NDArray[np.float64], edges: NDArray[np.float64]
 ) -> NDArray[np.float64]:
+    """Return the root mean square of `values` (row,) in bins of speed (bin,); NaN where none falls into one."""
     finite = np.isfinite(values)
     square, _ = np.histogram(rpm[finite], edges, weights=values[finite] ** 2)
     count, _ = np.histogram(rpm[finite], edges)

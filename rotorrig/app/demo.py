@@ -12,7 +12,7 @@ from rotorrig.acquisition.plans import Step
 from rotorrig.app import diagnosing, tables
 from rotorrig.app.console import out as console
 from rotorrig.app.console import progress_bars
-from rotorrig.app.report import write_report
+from rotorrig.app.report.page import write_report
 from rotorrig.app.sweeping import record_sweep
 from rotorrig.app.viewer import write_result_rrd
 from rotorrig.identify.diagnosis import Diagnosis
@@ -68,7 +68,7 @@ def run_demo(rig: RigConfig, *, out: Path, seed: int = 1, rate: float = 20.0) ->
     console.print(
         f"Done in {time.perf_counter() - began:.0f} s. "
         f"Open {out / 'report.html'} and {out / 'bowed/report.html'}; "
-        f"rotor view {out / 'demo.rrd'} shows orbits and Bode plots."
+        f"rotor view {out / 'demo.rrd'} shows everything in tabs, from the verdict to the rotor."
     )
 
 

@@ -55,3 +55,12 @@ def predictions(
     base = fit.prediction if fit else measured - found.residual[:, :, place] if found else None
     after = found.extended_residual if found else None
     return base, None if after is None else measured - after[:, :, place]
+
+
+def extended_sigmas(found: Diagnosis) -> NDArray[np.float64] | None:
+    """Return the residual of the extended model in the standard deviations of `sigmas`; None without such a model."""
+    if found.extended_residual is None:
+        return None
+    with np.errstate(divide="ignore", invalid="ignore"):
+        per_metre = found.sigmas / np.abs(found.residual)
+    return np.where(np.isfinite(per_metre), np.abs(found.extended_residual) * per_metre, np.nan)

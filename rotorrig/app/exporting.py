@@ -1,26 +1,37 @@
-"""`rotor export`: our files for programs that read CSV or universal files."""
+"""`rotor export`: our files for programs that read CSV or universal files, and a layout for Foxglove."""
 
 from pathlib import Path
 
 from rotorrig.acquisition.file_kind import file_kind
 from rotorrig.rig.errors import DataError
 
+LAYOUT = ".json"
+
 
 def write_out(file: Path, out: Path) -> str:
-    """Write a run's waveforms or a response's vectors to `out`, a .csv or .uff, and say what. Raises DataError."""
-    if out.suffix.lower() not in (".csv", ".uff", ".unv"):
-        raise DataError(f"{out}: ends in '{out.suffix}', want a name that ends in .csv or .uff")
+    """Write a run's waveforms or a response's vectors to `out`, a .csv or .uff, and say what. Raises DataError.
+
+    A .json is the layout that shows the response in Foxglove.
+    """
+    if out.suffix.lower() not in (".csv", ".uff", ".unv", LAYOUT):
+        want = f"a name that ends in .csv or .uff, or {LAYOUT} for Foxglove"
+        raise DataError(f"{out}: ends in '{out.suffix}', want {want}")
     if out.exists() and file.exists() and out.samefile(file):
         raise DataError(f"{out}: would be written over the file to export, want another name")
     write = _response if file_kind(file) == "response" else _run
+    if write is _run and out.suffix.lower() == LAYOUT:
+        raise DataError(f"{out}: a layout is made for a response.mcap, {file} is a run")
     return f"{out}: {write(file, out)}"
 
 
 def _response(file: Path, out: Path) -> str:
+    from rotorrig.app.foxglove_layout import write_foxglove_layout
     from rotorrig.processing import order_functions, vector_export
     from rotorrig.processing.response_file import read_response
 
     response = read_response(file)
+    if out.suffix.lower() == LAYOUT:
+        return f"{write_foxglove_layout(out, response)} panels for Foxglove: Import from file, in its layout menu"
     if out.suffix.lower() == ".csv":
         return f"{vector_export.write_csv(out, response)} rows"
     return f"{order_functions.write_uff(out, response)} order functions"

@@ -1,7 +1,7 @@
 """The bytes that go to the process of a live view.
 
-One line of JSON (rig, DAQ, where pictures go), then blocks, each a header and its counts as int32, scan by scan. The
-end of the bytes is the end of the view.
+One line of JSON (rig, DAQ, where pictures go, the events of a recording that is played), then blocks, each a header and
+its counts as int32, scan by scan. The end of the bytes is the end of the view.
 """
 
 import json
@@ -10,12 +10,13 @@ import select
 import struct
 import time
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from rotorrig.acquisition.recording import Event
 from rotorrig.rig import description
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import RigError
@@ -27,11 +28,25 @@ _HEAD = struct.Struct("<qqII")  # first sample, t_ns, scans, channels
 _CHUNK = 1 << 20  # bytes read at a time; a pipe holds 64 KiB, sometimes a MiB
 
 
-def opening(rig: RigConfig, info: DaqInfo, targets: Sequence[str | Path]) -> bytes:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Opening:
+    """What the process is told first."""
+
+    rig: RigConfig
+    info: DaqInfo
+    targets: tuple[str | Path, ...]
+    events: tuple[Event, ...] | None  # of a recording that is played; None: the rig is live
+
+
+def opening(
+    rig: RigConfig, info: DaqInfo, targets: Sequence[str | Path], *, events: Sequence[Event] | None = None
+) -> bytes:
     """Return the first line: what is needed to draw. `targets` are addresses of viewers and names of files."""
     where = [["file", str(t.absolute())] if isinstance(t, Path) else ["viewer", t] for t in targets]
     si = rig.model_dump(mode="json")
-    return json.dumps({"rig": si, "text": rig.text, "daq": asdict(info), "targets": where}).encode() + b"\n"
+    said: dict[str, Any] = {"rig": si, "text": rig.text, "daq": asdict(info), "targets": where}
+    said["events"] = None if events is None else [asdict(event) for event in events]
+    return json.dumps(said).encode() + b"\n"
 
 
 def block_parts(block: Block) -> tuple[bytes, memoryview]:
@@ -49,7 +64,7 @@ class BlockReader:
         self._fd = fd
         self._buffer = bytearray()
 
-    def opening(self) -> tuple[RigConfig, DaqInfo, tuple[str | Path, ...]]:
+    def opening(self) -> Opening:
         """Wait for the first line and return what it says. Raises RigError if it does not come."""
         while (end := self._buffer.find(b"\n")) < 0:
             if self.ended:
@@ -59,7 +74,12 @@ class BlockReader:
         del self._buffer[: end + 1]
         daq: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in said["daq"].items()}
         targets = tuple(Path(where) if kind == "file" else where for kind, where in said["targets"])
-        return description.from_si(said["rig"], text=said["text"], where="live view"), DaqInfo(**daq), targets
+        return Opening(
+            rig=description.from_si(said["rig"], text=said["text"], where="live view"),
+            info=DaqInfo(**daq),
+            targets=targets,
+            events=None if said["events"] is None else tuple(Event(**event) for event in said["events"]),
+        )
 
     def blocks(self, seconds: float) -> list[Block]:
         """Return the whole blocks that come within so many seconds, sooner at the end or when there are many."""

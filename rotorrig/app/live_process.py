@@ -9,20 +9,26 @@ import os
 import sys
 import time
 from collections.abc import Sequence
+from datetime import timedelta
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import rerun as rr
 
-from rotorrig.app.blueprint import live_blueprint
+from rotorrig.app.live_blueprint import live_blueprint, replay_blueprint
+from rotorrig.app.live_history import STEP
 from rotorrig.app.live_pipe import READY, BlockReader
 from rotorrig.app.live_scene import LiveScene
+from rotorrig.app.pictures.words import displayable
 from rotorrig.app.sinks import Sink
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.probes.base import Block
 
 FRAME = 0.12  # s of wall time between pictures
+VIEWER_TICK = timedelta(milliseconds=20)  # what is drawn waits this long for more
+FILE_TICK = timedelta(seconds=15)  # in a file each such batch costs about two kilobytes per thing drawn
 _NICENESS = 5  # a picture is worth less than a sample
 
 
@@ -39,40 +45,51 @@ def main() -> int:
 
 
 def _draw_all(reader: BlockReader) -> None:
-    rig, info, targets = reader.opening()
-    stream = open_stream(rig, "live", targets)
-    scene = LiveScene(rig, info, stream)
+    told = reader.opening()
+    stream = open_stream(told.rig, "live" if told.events is None else "replay", told.targets)
+    scene = LiveScene(told.rig, told.info, stream, events=told.events or ())
+    most = max(1, round(STEP * told.info.sample_rate))
     os.write(sys.stdout.fileno(), READY)
     while not reader.ended:
         if blocks := reader.blocks(FRAME):
-            for block in joined(blocks):
+            for block in joined(blocks, most=most):
                 scene.take(block)
             scene.draw()
-    for block in joined(reader.blocks(0.0)):
+    for block in joined(reader.blocks(0.0), most=most):
         scene.take(block)
     scene.draw(last=True)
     stream.disconnect()
 
 
-def open_stream(rig: RigConfig, kind: str, targets: Sequence[str | Path]) -> rr.RecordingStream:
+def open_stream(rig: RigConfig, kind: Literal["live", "replay"], targets: Sequence[str | Path]) -> rr.RecordingStream:
     """Return a stream of pictures to viewers' addresses and files. Raises RigError if there are none."""
     if not targets:
         raise RigError("live view: the sink has nowhere to write to, want one of serve() or to_file()")
-    stream = rr.RecordingStream("rotorrig run", recording_id=f"{kind}-{time.time_ns():x}")
-    stream.set_sinks(*Sink(targets=tuple(targets)).opened(), default_blueprint=live_blueprint(rig))
-    stream.send_recording_name(f"{rig.name}, {kind}")
+    batches = rr.ChunkBatcherConfig.DEFAULT()
+    batches.flush_tick = FILE_TICK if all(isinstance(target, Path) for target in targets) else VIEWER_TICK
+    # a viewer keeps a layout per application from one day to the next: either kind is one, and its own is made active
+    stream = rr.RecordingStream(f"rotorrig {kind}", recording_id=f"{kind}-{time.time_ns():x}", batcher_config=batches)
+    stream.set_sinks(*Sink(targets=tuple(targets)).opened())
+    stream.send_blueprint(live_blueprint(rig) if kind == "live" else replay_blueprint(rig))
+    stream.send_recording_name(displayable(f"{rig.name}, {kind}"))
     return stream
 
 
-def joined(blocks: list[Block]) -> list[Block]:
-    """Return the blocks with those that follow on each other put together: tracking pays per call."""
+def joined(blocks: list[Block], *, most: int = sys.maxsize) -> list[Block]:
+    """Return the blocks with those that follow on each other put together, to about `most` scans.
+
+    Tracking pays per call; what is seen of a waveform is the last turns of each.
+    """
     runs: list[list[Block]] = []
+    scans = 0
     for block in blocks:
         last = runs[-1][-1] if runs else None
-        if last is not None and block.first_sample == last.first_sample + len(last.counts):
+        scans += len(block.counts)
+        if last is not None and scans <= most and block.first_sample == last.first_sample + len(last.counts):
             runs[-1].append(block)
         else:
             runs.append([block])
+            scans = len(block.counts)
     return [
         Block(counts=np.concatenate([b.counts for b in run]), first_sample=run[0].first_sample, t_ns=run[0].t_ns)
         for run in runs

@@ -11,9 +11,10 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from pathlib import Path
+from collections.abc import Sequence
 from typing import IO, Self
 
+from rotorrig.acquisition.recording import Event
 from rotorrig.app.live_pipe import READY, block_parts, opening
 from rotorrig.app.sinks import Sink, quiet_environment
 from rotorrig.rig.description import RigConfig
@@ -34,8 +35,11 @@ class LiveView:
     in `fault` and never reaches the sweep.
     """
 
-    def __init__(self, rig: RigConfig, info: DaqInfo, sink: Sink) -> None:
-        """Start the process and wait until it is ready to draw. Raises RigError if it does not get there."""
+    def __init__(self, rig: RigConfig, info: DaqInfo, sink: Sink, *, events: Sequence[Event] | None = None) -> None:
+        """Start the process and wait until it is ready to draw. Raises RigError if it does not get there.
+
+        `events` are those of a recording that is played, shown when their time comes; None for a rig.
+        """
         self.dropped = 0  # blocks that were never shown
         self.fault = ""  # why the view was given up; empty: it was not
         self.sink = sink
@@ -44,7 +48,7 @@ class LiveView:
         self._handed_over = 0  # blocks: progress, while the view is ending
         self._changed = threading.Condition()
         self._ended = False
-        self._process = _started(rig, info, sink.targets)
+        self._process = _started(opening(rig, info, sink.targets, events=events))
         self._thread = threading.Thread(target=self._hand_over, name="live view", daemon=True)
         self._thread.start()
 
@@ -126,8 +130,8 @@ class LiveView:
             log.warning("the live view was too slow for %d blocks", self.dropped)
 
 
-def _started(rig: RigConfig, info: DaqInfo, targets: tuple[str | Path, ...]) -> subprocess.Popen[bytes]:
-    """Start the drawing process and return it once it is ready. Raises RigError with its own sentence."""
+def _started(told: bytes) -> subprocess.Popen[bytes]:
+    """Start the drawing process, tell it `told`, return it once it is ready. Raises RigError in its own words."""
     process = subprocess.Popen(
         [sys.executable, "-m", "rotorrig.app.live_process"],
         stdin=subprocess.PIPE,
@@ -141,7 +145,7 @@ def _started(rig: RigConfig, info: DaqInfo, targets: tuple[str | Path, ...]) -> 
     overdue = threading.Timer(START_SECONDS, process.kill)
     overdue.start()
     try:
-        _write_all(process.stdin, opening(rig, info, targets))
+        _write_all(process.stdin, told)
         ready = process.stdout.readline() == READY
     except OSError:
         ready = False

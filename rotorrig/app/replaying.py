@@ -51,7 +51,7 @@ def _pace(rate: str) -> float | Literal["max"]:
 def _live_view(recording: RawRecording) -> "LiveView":
     from rotorrig.app.viewer import LiveView, serve  # Rerun takes a second to import
 
-    return LiveView(recording.rig, recording.daq, serve())
+    return LiveView(recording.rig, recording.daq, serve(), events=recording.events)
 
 
 def _played(recording: RawRecording, pace: float | Literal["max"], live: "LiveView | None") -> RawRecording:
@@ -59,7 +59,9 @@ def _played(recording: RawRecording, pace: float | Literal["max"], live: "LiveVi
     blocks: list[Block] = []
     notes: list[Event | MotorSample] = []
     with progress_bars() as bars, ReplayDaq(recording, rate=pace) as daq:
-        task = bars.add_task("replaying", total=recording.samples, note="")
+        task = bars.add_task(
+            "replaying", total=recording.samples, note="", unit="x real time", scale=1 / recording.daq.sample_rate
+        )
         info = daq.open()
         daq.start()
         while not daq.ended:

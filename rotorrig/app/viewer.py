@@ -1,38 +1,67 @@
 """Rerun views: a sweep as it runs, a file opened afterwards, and the result of a run as an .rrd file."""
 
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 from rotorrig.acquisition.mcap_file import read_recording
 from rotorrig.acquisition.recording import RawRecording
+from rotorrig.app.live_history import history_of, stepped
 from rotorrig.app.live_process import open_stream
 from rotorrig.app.live_scene import LiveScene
 from rotorrig.app.live_view import LiveView
 from rotorrig.app.result_view import write_result_rrd
 from rotorrig.app.sinks import Sink, serve, show_files, to_file
+from rotorrig.identify.result_files import read_diagnosis, read_identification
+from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import read_response
 from rotorrig.rig.errors import DataError
-from rotorrig.rig.probes.base import Block
 
 __all__ = ["LiveView", "Sink", "serve", "to_file", "view_file", "write_recording_rrd", "write_result_rrd"]
 
-REPLAY_FRAME = 0.25  # s of the recording between pictures of a recording shown afterwards
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evidence:
+    """The files that belong to a response.mcap and are shown with it."""
+
+    fit: Path | None = None  # fit.json: the model
+    diagnosis: Path | None = None  # diagnosis.json: verdict, residual, the extended model
+    run: Path | None = None  # run.mcap: orbits and spectra as recorded
+
+    @property
+    def given(self) -> bool:
+        """Whether there is any."""
+        return bool(self.fit or self.diagnosis or self.run)
 
 
-def view_file(path: Path, *, headless: bool | None = None) -> None:
+ALONE = Evidence()
+
+
+def view_file(path: Path, evidence: Evidence = ALONE, *, headless: bool | None = None) -> None:
     """Open run.mcap, response.mcap or an .rrd in the Rerun viewer; returns when that is closed.
 
-    Raises DataError for a file of another kind, RigError if the viewer does not start.
+    Raises DataError for a file of another kind, or evidence that is not of it; RigError if the viewer does not start.
     """
     with (
         tempfile.TemporaryDirectory(prefix="rotor-view-") as folder,
-        show_files([as_rrd(path, Path(folder))], headless=headless) as viewer,
+        show_files([as_rrd(path, Path(folder), evidence)], headless=headless) as viewer,
     ):
         viewer.wait()
 
 
-def as_rrd(path: Path, folder: Path) -> Path:
+def save_result(path: Path, out: Path, evidence: Evidence = ALONE) -> None:
+    """Write the picture of a response.mcap and what belongs to it to `out`, an .rrd. Raises DataError, RigError."""
+    if out.suffix != ".rrd":
+        raise DataError(f"{out}: ends in '{out.suffix}', want a name that ends in .rrd")
+    _write_result(out, read_response(path), evidence)
+
+
+def as_rrd(path: Path, folder: Path, evidence: Evidence = ALONE) -> Path:
     """Return `path` if it is an .rrd, else its picture written into `folder`. Raises DataError."""
+    if evidence.given:
+        made = folder / "result.rrd"
+        save_result(path, made, evidence)
+        return made
     if path.suffix == ".rrd":
         if not path.is_file():
             raise DataError(f"{path}: there is no such file, want an .rrd, run.mcap or response.mcap")
@@ -48,20 +77,30 @@ def as_rrd(path: Path, folder: Path) -> Path:
             raise (not_a_run if "run" in path.name else not_a_response) from None
         write_recording_rrd(made, recording)
     else:
-        write_result_rrd(made, response)
+        _write_result(made, response, evidence)
     return made
 
 
+def _write_result(out: Path, response: OrderTrackedResponse, evidence: Evidence) -> None:
+    write_result_rrd(
+        out,
+        response,
+        read_identification(evidence.fit) if evidence.fit else None,
+        read_diagnosis(evidence.diagnosis) if evidence.diagnosis else None,
+        read_recording(evidence.run) if evidence.run else None,
+    )
+
+
 def write_recording_rrd(path: Path, recording: RawRecording) -> None:
-    """Write an .rrd that shows a recording as it would have looked live. Raises RigError."""
+    """Write an .rrd of a recording: its curves whole, at every time the orbit and the readings of that time.
+
+    Raises RigError.
+    """
     stream = open_stream(recording.rig, "replay", to_file(path).targets)
-    scene = LiveScene(recording.rig, recording.daq, stream)
-    step = max(1, round(REPLAY_FRAME * recording.daq.sample_rate))
-    for first, counts in recording.segments():
-        for begin in range(0, len(counts), step):
-            at = first + begin
-            t_ns = round(at * 1e9 / recording.daq.sample_rate)
-            scene.take(Block(counts=counts[begin : begin + step], first_sample=at, t_ns=t_ns))
-            scene.draw()
+    whole = history_of(recording)
+    scene = LiveScene(recording.rig, recording.daq, stream, events=recording.events, whole=whole)
+    for block in stepped(recording):
+        scene.take(block)
+        scene.draw()
     scene.draw(last=True)
     stream.disconnect()

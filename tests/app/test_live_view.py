@@ -15,8 +15,9 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.fanout import Viewer
+from rotorrig.acquisition.recording import Event
 from rotorrig.app import live_view
-from rotorrig.app.live_pipe import BlockReader, block_parts, opening
+from rotorrig.app.live_pipe import BlockReader, Opening, block_parts, opening
 from rotorrig.app.live_view import LiveView
 from rotorrig.app.sinks import Sink, to_file
 from rotorrig.rig.description import RigConfig
@@ -41,7 +42,9 @@ def put_to_sleep(pid: int) -> None:
 
 def test_what_is_sent_to_the_process_arrives_however_it_is_cut(rig: RigConfig, swept: Swept) -> None:
     blocks, info = blocks_of(swept, seconds=0.2), swept[1]
-    sent = opening(rig, info, ("rerun+http://127.0.0.1:9876/proxy", Path("/tmp/live.rrd")))
+    targets = ("rerun+http://127.0.0.1:9876/proxy", Path("/tmp/live.rrd"))
+    events = (Event(t_ns=5, kind="mark", text="up"),)
+    sent = opening(rig, info, targets, events=events)
     sent += b"".join(bytes(part) for block in blocks for part in block_parts(block))
     out, into = os.pipe()
 
@@ -53,7 +56,7 @@ def test_what_is_sent_to_the_process_arrives_however_it_is_cut(rig: RigConfig, s
     writer = threading.Thread(target=trickle)
     writer.start()
     reader = BlockReader(out)
-    assert reader.opening() == (rig, info, ("rerun+http://127.0.0.1:9876/proxy", Path("/tmp/live.rrd")))
+    assert reader.opening() == Opening(rig=rig, info=info, targets=targets, events=events)
     read: list[Block] = []
     while not reader.ended:
         read += reader.blocks(0.01)

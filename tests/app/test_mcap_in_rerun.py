@@ -21,6 +21,7 @@ from rotorrig.rig.probes.base import Block, DaqInfo
 from tests.app.headless import headless_viewer, marked, needs_vulkan, views
 
 BLUE = (74, 163, 223)
+GREEN = (0, 200, 120)
 ALWAYS = rr.TimeRangeBoundary.infinite()
 WHOLE = rrb.TimeAxis(view_range=rr.TimeRange(ALWAYS, ALWAYS))
 
@@ -103,6 +104,21 @@ def test_a_response_is_plotted(viewer: ViewerClient, tmp_path: Path, response: O
         during = (at > t[0] / response.t[-1]) & (at < t[-1] / response.t[-1])
         peak = at[during][height[during].argmax()]
         assert peak == pytest.approx(t[np.abs(z).argmax()] / response.t[-1], abs=0.01)
+
+
+def test_a_response_opens_by_itself_with_its_orbits_in_place_and_its_log(
+    viewer: ViewerClient, tmp_path: Path, response: OrderTrackedResponse
+) -> None:
+    write_response(tmp_path / "bare.mcap", response)  # under a name for which no layout was sent
+    viewer.open(str(tmp_path / "bare.mcap"))
+    at_peak = np.datetime64(round(response.t[np.abs(response.z[:, 0, 1]).argmax()] * 1e9), "ns")
+    viewer.set_time(timeline="message_log_time", timestamp=at_peak, play_state="paused")
+    time.sleep(1.0)
+    kinds = [view.view_class for view in viewer.get_state().views]
+    assert sorted(kinds) == ["3D", "TextLog"]
+    pictures = views(viewer, tmp_path, by_kind=True)
+    assert marked(pictures["3D"], BLUE).sum() > 100  # orbits where the speed rises
+    assert marked(pictures["TextLog"], GREEN, within=60).sum() > 20  # lines of level INFO
 
 
 def test_a_recording_opens_and_its_speed_is_plotted(

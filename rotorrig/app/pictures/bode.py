@@ -1,51 +1,19 @@
-"""The two pictures both views draw in Rerun: an orbit to a scale that follows it, and a Bode plot of one probe."""
+"""A Bode plot of one probe in Rerun: amplitude above phase lag against speed."""
 
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
 from rotorrig.app.curves import lag_degrees
-from rotorrig.app.drawn_axes import MARK, Panel, step_for
 from rotorrig.app.orbit_drawing import nice
+from rotorrig.app.pictures.axes import Panel, step_for
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
 
-SHRINK = 0.3  # of the scale: an orbit smaller than this gets a smaller one
-SMALLEST_ORBIT = 1.0  # µm, half width
 SMALLEST_BODE = 10.0  # µm
 FASTEST = 4000.0  # rpm, where the config sets no limit
 Colour = tuple[int, int, int]
 Panels = tuple[Panel, Panel]  # amplitude, phase lag
-
-
-class OrbitPicture:
-    """One probe plane: x to the right, y up, in µm, with the keyphasor dot."""
-
-    def __init__(self, stream: rr.RecordingStream, path: str) -> None:
-        self._stream = stream
-        self._path = path
-        self._scale = SMALLEST_ORBIT
-        orbit_panel(self._scale).log(stream, f"{path}/axes")
-
-    def draw(self, orbits: list[tuple[str, NDArray[np.float64], Colour]], dots: NDArray[np.float64]) -> None:
-        """Draw named orbits (point, 2) [µm], NaN breaks a line, and dots (dot, 2) [µm] at keyphasor edges."""
-        reach = max((float(np.nanmax(np.abs(xy))) for _, xy, _ in orbits if np.isfinite(xy).any()), default=0.0)
-        if reach > self._scale or SMALLEST_ORBIT < reach < SHRINK * self._scale:
-            self._scale = max(nice(1.05 * reach), SMALLEST_ORBIT)
-            orbit_panel(self._scale).log(self._stream, f"{self._path}/axes")
-        panel = orbit_panel(self._scale)
-        for name, xy, colour in orbits:
-            self._stream.log(f"{self._path}/{name}", rr.LineStrips2D(panel.strips(*xy.T), colors=colour, radii=-1.0))
-        places = panel.place(*dots.T) if len(dots) else np.empty((0, 2))
-        self._stream.log(f"{self._path}/keyphasor", rr.Points2D(places, radii=-5.0, colors=MARK))
-
-
-def orbit_panel(scale: float) -> Panel:
-    """Return the axes of an orbit, plus and minus `scale` [µm] both ways."""
-    both, step = (-scale, scale), step_for(2 * scale, most=5)
-    return Panel(
-        left=0, top=0, width=100, height=100, x=both, y=both, x_step=step, y_step=step, x_title="x, µm", title="y, µm"
-    )
 
 
 class BodePicture:
@@ -108,15 +76,19 @@ class BodePicture:
         *,
         radius: float = 1.5,
         order: float = 1.0,
+        moving: bool = False,
     ) -> None:
-        """Draw z (point,) [m] as dots called `name` in both panels; a higher `order` lies on top."""
+        """Draw z (point,) [m] as dots called `name` in both panels; a higher `order` lies on top.
+
+        Those that are `moving` stand at the stream's time in a static picture too.
+        """
         amplitude, lag = panels
         values = np.abs(z) * 1e6, lag_degrees(z, start=lag.y[0])
         for part, panel, y in zip(("amplitude", "phase"), (amplitude, lag), values, strict=True):
             places = panel.place(rpm, y)
             places = places[np.isfinite(places).all(axis=1)]
             dots = rr.Points2D(places, colors=colour, radii=-radius, draw_order=order)
-            self._stream.log(f"{self._path}/{part}/{name}", dots, static=self._static)
+            self._stream.log(f"{self._path}/{part}/{name}", dots, static=self._static and not moving)
 
     def _strips(self, path: str, strips: list[NDArray[np.float64]], colour: Colour, order: float) -> None:
         lines = rr.LineStrips2D(strips, colors=colour, radii=-0.9, draw_order=order)

@@ -1,0 +1,36 @@
+"""The cascades of a sweep: full spectra of every plane over speed, one picture rising and one falling."""
+
+import rerun as rr
+
+from rotorrig.app.live_curves import WAYS
+from rotorrig.app.live_spectra import SpectraSoFar
+from rotorrig.app.live_vectors import COLOURS, NAMES
+from rotorrig.app.pictures.cascade import CascadePicture
+from rotorrig.processing.probe_planes import planes
+from rotorrig.rig.description import RigConfig
+
+
+class CascadesPart:
+    """Two cascades per probe plane, drawn when they have grown."""
+
+    def __init__(self, stream: rr.RecordingStream, rig: RigConfig, *, static: bool) -> None:
+        self._drawn = dict.fromkeys(WAYS, 0)
+        self._pictures = {
+            (i, way): CascadePicture(
+                stream,
+                f"cascade/{i}/{NAMES[way]}",
+                title=f"{', '.join(plane.probes)}: full spectrum, µm 0-peak, speed going {NAMES[way]}",
+                static=static,
+            )
+            for i, plane in enumerate(planes(rig))
+            for way in WAYS
+        }
+
+    def draw(self, spectra: SpectraSoFar) -> None:
+        """Draw the cascades that have grown."""
+        grown = [way for way in WAYS if spectra.count(way) > self._drawn[way]]
+        for (plane, way), picture in self._pictures.items():
+            if way in grown:
+                found = spectra.cascade(plane, direction=way)
+                picture.draw(found.rpm, found.order, found.amplitude, colour=COLOURS[way])
+        self._drawn.update({way: spectra.count(way) for way in grown})

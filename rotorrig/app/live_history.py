@@ -1,0 +1,47 @@
+"""All that is known of a sweep so far, gathered as blocks arrive; nothing of it is drawn here."""
+
+from rotorrig.acquisition.recording import RawRecording
+from rotorrig.app.live_curves import SpeedCurves
+from rotorrig.app.live_slow_roll import SlowRollSoFar
+from rotorrig.app.live_spectra import SpectraSoFar
+from rotorrig.app.live_tracking import LiveTracker, Turns
+from rotorrig.app.live_waveform import Waveform
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.probes.base import Block
+
+STEP = 0.25  # s of a recording taken at a time
+
+
+class History:
+    """Curves over speed, slow roll and full spectra."""
+
+    def __init__(self, rig: RigConfig) -> None:
+        self.curves = SpeedCurves()
+        self.slow_roll = SlowRollSoFar(rig)
+        self.spectra = SpectraSoFar(rig)
+
+    def add(self, turns: Turns, waveform: Waveform | None) -> None:
+        """Add turns that have ended, and the waveform of the last ones."""
+        self.curves.add(turns)
+        self.slow_roll.add(turns, waveform)
+        if waveform is not None and len(turns.t):
+            self.spectra.add(waveform, direction=self.curves.direction)
+
+
+def history_of(recording: RawRecording) -> History:
+    """Return what a whole recording comes to."""
+    tracker, history = LiveTracker(recording.rig, recording.daq), History(recording.rig)
+    for block in stepped(recording):
+        history.add(tracker.take(block), tracker.waveform())
+    return history
+
+
+def stepped(recording: RawRecording) -> list[Block]:
+    """Return a recording in blocks of about STEP, none across a gap."""
+    rate = recording.daq.sample_rate
+    size = max(1, round(STEP * rate))
+    return [
+        Block(counts=counts[i : i + size], first_sample=first + i, t_ns=round((first + i) * 1e9 / rate))
+        for first, counts in recording.segments()
+        for i in range(0, len(counts), size)
+    ]

@@ -1,0 +1,87 @@
+"""What of a result moves with the cursor along the speed: orbits, the cursor itself, the rotor's deflection."""
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from rotorrig.app.curves import slow_roll_known
+from rotorrig.app.orbits import Plane, orbit, representative_rows
+from rotorrig.app.pictures.axes import MARK, MODEL_UP, SOFT, UP
+from rotorrig.app.pictures.bode import Panels
+from rotorrig.app.pictures.orbit import OrbitPicture
+from rotorrig.app.pictures.polar import PolarPicture
+from rotorrig.app.result_curves import CentrelineTrack
+from rotorrig.app.result_data import Result
+from rotorrig.app.result_rotor import RotorScene
+from rotorrig.processing.waveform import Waveforms
+from rotorrig.rig.units import RPM, UM
+
+SPEEDS = 60
+RECORDED = (96, 104, 112)  # all that the probes saw
+RAW = (120, 150, 176)  # 1X before the slow-roll vector is taken off
+
+
+def shown_rows(result: Result) -> list[int]:
+    """Return the rows the cursor can stand at: along the first sweep, the largest vector among them."""
+    return representative_rows(result.response, result.z, run=result.sweeps[0], count=SPEEDS) if result.sweeps else []
+
+
+def draw_by_speed(
+    stream: rr.RecordingStream,
+    result: Result,
+    waveforms: Waveforms | None,
+    *,
+    bodes: list[Panels],
+    polars: list[PolarPicture],
+    centrelines: list[CentrelineTrack],
+    rotor: RotorScene,
+) -> None:
+    """Draw orbits, the cursor in every plot and the rotor's deflection at every speed shown."""
+    pictures = [OrbitPicture(stream, f"orbit/{i}") for i in range(len(result.planes))]
+    for step, row in enumerate(shown_rows(result)):
+        rpm = float(result.response.omega[row] * RPM)
+        stream.set_time("speed_rpm", sequence=round(rpm))
+        for (plane, columns), orbits_of in zip(result.planes, pictures, strict=True):
+            orbits, dots = _orbits(result, row, plane, columns, waveforms)
+            orbits_of.draw(orbits, dots)
+        for name, panels in zip(result.response.probes, bodes, strict=True):
+            cursor = [panel.place(np.array([rpm, rpm]), np.array(panel.y)) for panel in panels]
+            stream.log(f"bode/{name}/cursor", rr.LineStrips2D(cursor, colors=SOFT, radii=-0.6))
+        for p, polar in enumerate(polars):
+            polar.dots("cursor", result.z[[row], p], MARK, radius=5.0)
+        for picture, path in centrelines:
+            if path is not None:
+                nearest = int(np.argmin(np.abs(path.rpm - rpm)))
+                picture.dot(np.array([path.x[nearest], path.y[nearest]]))
+        rotor.at_speed(step)
+    stream.reset_time()
+
+
+def _orbits(
+    result: Result, row: int, plane: Plane, columns: list[int], waveforms: Waveforms | None
+) -> tuple[list[tuple[str, NDArray[np.float64], tuple[int, int, int]]], NDArray[np.float64]]:
+    """Return the orbits of a plane at a row and their keyphasor dots, µm; the plainest lies at the bottom."""
+    xy = orbit(plane, result.z[row, columns][:, None]) * UM
+    found = [("measured-1X", xy, UP)]
+    if result.model is not None:
+        found.append(("model-1X", orbit(plane, result.model[row, columns][:, None]) * UM, MODEL_UP))
+    if slow_roll_known(result.response):
+        raw = orbit(plane, result.response.order(1.0)[row, columns][:, None]) * UM
+        found.insert(0, ("raw-1X", raw, RAW))
+    if waveforms and (recorded := _recorded(waveforms, result, row, plane)) is not None:
+        found.insert(0, ("recorded", recorded, RECORDED))
+    return found, xy[:1]
+
+
+def _recorded(waveforms: Waveforms, result: Result, row: int, plane: Plane) -> NDArray[np.float64] | None:
+    """Return two turns of the recorded orbit (point, 2) [µm] about its mean at a row's time; None where unknown."""
+    pulses = result.response.keyphasor_t
+    after = np.searchsorted(pulses, result.response.t[row])
+    if not 1 <= after < len(pulses) - 1:
+        return None
+    stretch = waveforms.between(*pulses[[after - 1, after + 1]])
+    if stretch is None:
+        return None
+    names = [probe.name for probe in result.response.rig.probes]
+    x = stretch.x[:, [names.index(name) for name in plane.probes]]
+    return (x - x.mean(axis=0)) @ plane.to_xy.T * UM

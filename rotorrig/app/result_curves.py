@@ -1,0 +1,159 @@
+"""What of a result is drawn once: Bode and polar plots, residual maps, centrelines, gaps, whirl over speed."""
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from rotorrig.app.centreline_paths import REFERENCE, CentrelinePath, centreline_paths, clearance_circle
+from rotorrig.app.curves import phase_window, residual_grid
+from rotorrig.app.diagnosis_part import extended_sigmas
+from rotorrig.app.pictures.against_speed import SpeedPicture
+from rotorrig.app.pictures.axes import DOWN, MODEL_DOWN, MODEL_UP, UP
+from rotorrig.app.pictures.bode import BodePicture, Panels
+from rotorrig.app.pictures.centreline import SMALLEST_PATH, CentrelinePicture
+from rotorrig.app.pictures.gap_trend import PROBE_COLOURS
+from rotorrig.app.pictures.polar import PolarPicture, speed_marks
+from rotorrig.app.pictures.residual import ResidualPicture
+from rotorrig.app.pictures.rotor_3d import BACKWARD, FORWARD
+from rotorrig.app.result_data import Result
+from rotorrig.processing.full_spectrum import whirl_vectors
+from rotorrig.rig.units import UM
+
+BEFORE = (176, 132, 214)  # the model that was extended
+MAP_BINS = 100  # of the residual map: about four rows of a run in each
+LABELS_APART = 0.2  # of the largest excursion of a centreline: nearer speeds are not named
+Colour = tuple[int, int, int]
+CentrelineTrack = tuple[CentrelinePicture, CentrelinePath | None]
+
+
+def draw_bodes(stream: rr.RecordingStream, result: Result) -> list[Panels]:
+    """Draw a Bode plot for every probe and return its axes."""
+    return [_draw_bode(stream, result, p) for p in range(len(result.response.probes))]
+
+
+def _draw_bode(stream: rr.RecordingStream, result: Result, p: int) -> Panels:
+    name, z = result.response.probes[p], result.z[:, p]
+    title = f"{name}: 1X amplitude, {result.word}, µm 0-peak"
+    picture = BodePicture(stream, f"bode/{name}", title=title, fastest=result.fastest, static=True)
+    largest = float(np.nanmax(np.abs(z), initial=0.0)) * UM
+    panels = picture.panels(largest, result.fastest, lag_from=phase_window(z))
+    for i in result.sweeps:
+        rows, up = result.response.run == i, result.response.runs[i].direction > 0
+        rpm = result.rpm[rows]
+        dots, radius, order = (UP, 2.4, 1.0) if up else (DOWN, 1.2, 2.0)  # smaller on top: both show where they agree
+        picture.dots(f"{i}-measured", panels, rpm, z[rows], dots, radius=radius, order=order)
+        if result.extended is not None and result.base is not None:
+            picture.line(f"{i}-before", panels, rpm, result.base[rows, p], BEFORE, order=1.0 + order)
+        if result.model is not None:
+            colour = MODEL_UP if up else MODEL_DOWN
+            picture.line(f"{i}-model", panels, rpm, result.model[rows, p], colour, order=3.0 + order)
+    return panels
+
+
+def draw_polars(stream: rr.RecordingStream, result: Result) -> list[PolarPicture]:
+    """Draw a polar plot for every probe and return them, so that the cursor's vector may be added."""
+    return [_draw_polar(stream, result, p) for p in range(len(result.response.probes))]
+
+
+def _draw_polar(stream: rr.RecordingStream, result: Result, p: int) -> PolarPicture:
+    response, name = result.response, result.response.probes[p]
+    title = f"{name}: 1X, {result.word}, µm 0-peak and ° of phase lag"
+    angle = response.rig.probe(name).angle
+    picture = PolarPicture(
+        stream, f"polar/{name}", title=title, probe_angle=angle, rotation=response.rig.rotation, static=True
+    )
+    models: list[tuple[str, NDArray[np.complex128], Colour]] = []
+    measured = []
+    for i in result.sweeps:
+        rows, up = response.run == i, response.runs[i].direction > 0
+        if result.extended is not None and result.base is not None:
+            models.append((f"{i}-before", result.base[rows, p], BEFORE))
+        if result.model is not None:
+            models.append((f"{i}-model", result.model[rows, p], MODEL_UP if up else MODEL_DOWN))
+        measured.append((f"{i}-measured", result.z[rows, p], UP if up else DOWN))
+    named = {f"{i}-measured": result.rpm[response.run == i] for i in result.sweeps[:1]}
+    picture.draw([*measured, *models], rpm=named)
+    return picture
+
+
+def draw_residuals(stream: rr.RecordingStream, result: Result) -> None:
+    """Draw the 1X residual in sigmas, of the base model and of the extended one, where there is a diagnosis."""
+    found, response = result.diagnosis, result.response
+    if found is None:
+        return
+    for name, sigmas in (("before", found.sigmas), ("after", extended_sigmas(found))):
+        if sigmas is not None:
+            ResidualPicture(stream, f"residual/{name}").draw(*residual_grid(response, sigmas, bins=MAP_BINS))
+
+
+def draw_centrelines(stream: rr.RecordingStream, result: Result) -> list[CentrelineTrack]:
+    """Draw where the mean position goes in every plane; return the pictures and the paths a cursor may go along."""
+    paths = centreline_paths(result.response)
+    return [_draw_centreline(stream, result, i, paths) for i in range(len(result.planes))] if paths else []
+
+
+def _draw_centreline(
+    stream: rr.RecordingStream, result: Result, i: int, paths: tuple[CentrelinePath, ...]
+) -> CentrelineTrack:
+    plane, rig = result.planes[i][0], result.response.rig
+    circle = clearance_circle(rig, plane.position)
+    clearance = None if circle is None else 2 * circle.radius
+    picture = CentrelinePicture(stream, f"centreline/{i}", clearance=clearance, gravity=rig.gravity, static=True)
+    mine = tuple(path for path in paths if path.plane == plane.name)
+    drawn = [
+        (f"{k}", np.column_stack([path.x, path.y]), UP if path.direction > 0 else DOWN) for k, path in enumerate(mine)
+    ]
+    picture.draw(drawn, labels=_speeds_along(mine[0]) if mine else [])
+    return picture, mine[0] if mine else None
+
+
+def _speeds_along(path: CentrelinePath) -> list[tuple[float, float, str]]:
+    """Return places [µm] along a centreline and the speeds there; none where it goes nowhere."""
+    xy = path.x + 1j * path.y
+    reach = float(np.abs(xy).max())
+    apart = LABELS_APART * max(reach, SMALLEST_PATH)
+    if reach < apart:
+        return []
+    return [(float(path.x[k]), float(path.y[k]), f"{path.rpm[k]:.0f}") for k in speed_marks(path.rpm, xy, apart=apart)]
+
+
+def draw_gaps(stream: rr.RecordingStream, result: Result) -> None:
+    """Draw the gap of every probe over speed, from where it is at the slowest."""
+    response = result.response
+    if 0.0 not in response.orders:
+        return
+    gap = np.where(response.usable, response.order(0.0).real, np.nan) * UM
+    lines, legend = [], []
+    for p, name in enumerate(response.probes):
+        colour = PROBE_COLOURS[p % len(PROBE_COLOURS)]
+        start = _where_slowest(result, gap[:, p])
+        legend.append((f"{name} ({start:.1f} µm)", colour))
+        for i in result.sweeps:
+            rows = response.run == i
+            lines.append((f"{name}/{i}", result.rpm[rows], gap[rows, p] - start, colour))
+    title = "mean position towards the probe, µm from where it is at the slowest (in brackets, from the gap voltage)"
+    SpeedPicture(stream, "gap", title=title, fastest=result.fastest).draw(lines, legend=legend)
+
+
+def _where_slowest(result: Result, gap: NDArray[np.float64]) -> float:
+    """Return the mean of `gap` (row,) over the slowest usable rows of the first sweep; 0 where there are none."""
+    if not result.sweeps:
+        return 0.0
+    rows = np.flatnonzero((result.response.run == result.sweeps[0]) & np.isfinite(gap))
+    slowest = rows[np.argsort(result.rpm[rows])[:REFERENCE]]
+    return float(gap[slowest].mean()) if len(slowest) else 0.0
+
+
+def draw_whirl(stream: rr.RecordingStream, result: Result) -> None:
+    """Draw the forward and backward part of 1X over speed in every plane."""
+    compensated = result.word != "raw"
+    for i, seen in enumerate(whirl_vectors(result.response, compensated=compensated)):
+        lines = []
+        for run in result.sweeps:
+            rows = result.response.run == run
+            for way, z, colour in (("forward", seen.forward, FORWARD), ("backward", seen.backward, BACKWARD)):
+                size = np.where(seen.usable, np.abs(z), np.nan)[rows] * UM
+                lines.append((f"{way}/{run}", result.rpm[rows], size, colour))
+        title = f"+1X and -1X, {result.word}, µm 0-peak: radius of the circle"
+        picture = SpeedPicture(stream, f"whirl/{i}", title=title, fastest=result.fastest)
+        picture.draw(lines, legend=[("forward", FORWARD), ("backward", BACKWARD)])

@@ -1,0 +1,106 @@
+"""A finished run and what was made of it, as the pictures of the result want it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.acquisition.recording import RawRecording
+from rotorrig.app.curves import model_vectors, slow_roll_known, sweeps, vectors
+from rotorrig.app.diagnosis_part import part_of, predictions
+from rotorrig.identify.diagnosis import Diagnosis
+from rotorrig.identify.identification import Fit, Identification
+from rotorrig.processing.probe_planes import Plane, measured_planes
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.response_topics import order_name
+from rotorrig.rig.errors import DataError
+from rotorrig.rig.units import RPM
+
+Vectors = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """A response and what is known of it. Vectors are 1X, (row, probe) [m], less the slow roll where that is known."""
+
+    response: OrderTrackedResponse
+    identification: Identification | None
+    diagnosis: Diagnosis | None  # the part about this response
+    recording: RawRecording | None
+    base: Vectors | None  # as the model without extension predicts
+    extended: Vectors | None  # as the extended one does
+
+    @property
+    def fit(self) -> Fit | None:
+        """The fit of the whole sweep."""
+        return self.identification.fits[0] if self.identification and self.identification.fits else None
+
+    @property
+    def model(self) -> Vectors | None:
+        """The best prediction there is."""
+        return self.base if self.extended is None else self.extended
+
+    @cached_property
+    def z(self) -> Vectors:
+        """What was measured, NaN where a row is not usable."""
+        return np.where(self.response.usable, vectors(self.response), np.nan)
+
+    @property
+    def word(self) -> str:
+        """What the vectors are."""
+        return "slow-roll compensated" if slow_roll_known(self.response) else "raw"
+
+    @cached_property
+    def sweeps(self) -> list[int]:
+        """The runs whose speed changes."""
+        return sweeps(self.response)
+
+    @cached_property
+    def planes(self) -> list[tuple[Plane, list[int]]]:
+        """The planes of which both probes were tracked, and where these stand among the probes."""
+        return list(measured_planes(self.response.rig, self.response.probes))
+
+    @cached_property
+    def rpm(self) -> NDArray[np.float64]:
+        """Shaft speed of every row."""
+        return self.response.omega * RPM
+
+    @cached_property
+    def fastest(self) -> float:
+        """Where speed axes end [rpm]."""
+        return 100.0 * float(np.ceil(self.rpm.max() / 100.0))
+
+
+def result_of(
+    response: OrderTrackedResponse,
+    identification: Identification | None = None,
+    diagnosis: Diagnosis | None = None,
+    recording: RawRecording | None = None,
+) -> Result:
+    """Put together what belongs to `response`. Raises DataError if one of the others does not, or it has no 1X."""
+    if 1.0 not in response.orders:
+        said = ", ".join(order_name(order) for order in response.orders)
+        raise DataError(f"response: has the orders {said}, want 1X among them: what is shown of a result is 1X")
+    for what, of in (("fit", identification), ("run", recording)):
+        if of is not None and of.source.source_hash != response.source.source_hash:
+            raise DataError(
+                f"{what}: is of {of.source.source_hash} ({of.source.source}), the response is of "
+                f"{response.source.source_hash} ({response.source.source}); want the {what} of this very response"
+            )
+    part = part_of(diagnosis, response) if diagnosis else None
+    fit = identification.fits[0] if identification and identification.fits else None
+    if fit and fit.prediction.shape != response.z.shape[:2]:
+        raise DataError(
+            f"fit: predicts (speed, probe) = {fit.prediction.shape}, the response has {response.z.shape[:2]}; "
+            f"want the fit of this very response"
+        )
+    base, extended = predictions(response, fit, part)
+    return Result(
+        response=response,
+        identification=identification,
+        diagnosis=part,
+        recording=recording,
+        base=None if base is None else model_vectors(response, base),
+        extended=None if extended is None else model_vectors(response, extended),
+    )

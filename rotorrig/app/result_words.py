@@ -1,0 +1,52 @@
+"""What stands beside the pictures of a result, in Markdown: verdict, causes, values, colours, provenance."""
+
+from rotorrig.app import cause_words
+from rotorrig.app.result_data import Result
+from rotorrig.app.wording import plus_minus, shown
+from rotorrig.identify.diagnosis import Diagnosis
+
+
+def verdict_words(result: Result) -> str:
+    """Return verdict, causes and identified values, and what they were made of."""
+    said = [f"# {result.response.rig.name}"]
+    if found := result.diagnosis:
+        said += [f"**{str(found.verdict).upper()}**: {found.sentence}", *_causes(found)]
+    if fit := result.fit:
+        rows = [f"| {e.name} | {plus_minus(e)} | {shown(e.nameplate, e.unit)} |" for e in fit.estimates]
+        said.append("\n".join(["| | identified | nameplate |\n|---|---|---|", *rows]))
+    made = result.response.source
+    said.append(f"Config {made.config_hash}, data {made.source} {made.source_hash}, code {made.code_version}.")
+    return "\n\n".join(said)
+
+
+def colour_words(result: Result) -> str:
+    """Return what the colours mean, and the conventions."""
+    said = ["blue: speed rises; orange: it falls", "white dot: the keyphasor edge, or the vector at the cursor's speed"]
+    if result.extended is not None:
+        said.append("pale lines: the extended model; violet ones: the model before")
+    elif result.model is not None:
+        said.append("pale lines: the model")
+    said.append(f"orbits: blue 1X, {result.word}")
+    said[-1] += "; grey-blue 1X as it was" if result.word != "raw" else ""
+    said[-1] += "; grey two turns of all that was recorded" if result.recording is not None else ""
+    said += [
+        "green: forward whirl, with the rotation; pink: backward",
+        "µm 0-peak, phase lag in degrees from the keyphasor edge; polar plots: 0° at the probe, lag against rotation",
+        "the line at the bottom moves the speed; on `phase_deg` it turns the rotor",
+    ]
+    return "\n".join(f"- {words}" for words in said)
+
+
+def _causes(found: Diagnosis) -> list[str]:
+    """Return the causes in the model and the best others as a table, what the model gains, and the next run."""
+    said = [cause.words for cause in found.causes if cause.chosen and cause.words not in found.sentence]
+    if found.causes:
+        rows = [
+            f"| {c.label} | {cause_words.size(c)} | {cause_words.evidence(c)} | {cause_words.heldout(c)} |"
+            for c in cause_words.listed(found)
+        ]
+        said.append("\n".join(["| cause | size | evidence | held-out error |", "|---|---|---|---|", *rows]))
+    return [
+        *said,
+        *(words for words in (cause_words.gain(found), *cause_words.ties(found), cause_words.next_run(found)) if words),
+    ]

@@ -1,0 +1,221 @@
+"""The result in the viewer: every tab drawn without a complaint, marks where closed forms put them."""
+
+import dataclasses
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from rerun.chunk import RrdReader
+from rerun.experimental import ViewerClient
+
+from rotorrig.acquisition.recording import RawRecording
+from rotorrig.app.pictures.residual import coloured
+from rotorrig.app.result_cascade import recorded, tracked
+from rotorrig.app.result_data import result_of
+from rotorrig.app.result_rotor import exaggeration
+from rotorrig.app.result_view import application_of
+from rotorrig.app.result_words import colour_words, verdict_words
+from rotorrig.app.viewer import Evidence, as_rrd, save_result
+from rotorrig.identify.diagnosis import Diagnosis
+from rotorrig.identify.identification import Identification
+from rotorrig.identify.result_files import write_diagnosis, write_identification
+from rotorrig.processing.pipeline import track
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.response_file import write_response
+from rotorrig.processing.waveform import Waveforms
+from rotorrig.rig.description import RigConfig
+from rotorrig.rig.errors import DataError
+from rotorrig.rig.probes.base import Block, DaqInfo
+from tests.app.conftest import jeffcott
+from tests.app.headless import headless_viewer, marked, needs_vulkan, views
+
+BLUE, ORANGE, RED, VIOLET = (74, 163, 223), (242, 142, 43), (200, 24, 66), (176, 132, 214)
+PALE, GREEN, WHITE, WORDS = (250, 200, 140), (86, 196, 150), (240, 240, 240), (202, 216, 222)
+PALE_BLUE = (158, 208, 244)
+RAD = np.pi / 30
+TABS = ("Overview", "Bode", "Polar", "Centreline", "Spectrum", "Rotor")
+
+
+@pytest.fixture(scope="module")
+def saved(
+    response: OrderTrackedResponse,
+    poorly_fitted: Identification,
+    named: Diagnosis,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Path:
+    """The .rrd of a response, its fit and its diagnosis, from their files."""
+    folder = tmp_path_factory.mktemp("result")
+    write_response(folder / "response.mcap", response)
+    write_identification(folder / "fit.json", poorly_fitted)
+    write_diagnosis(folder / "diagnosis.json", named)
+    evidence = Evidence(fit=folder / "fit.json", diagnosis=folder / "diagnosis.json")
+    save_result(folder / "response.mcap", folder / "result.rrd", evidence)
+    return folder / "result.rrd"
+
+
+@pytest.fixture(scope="module")
+def showing(saved: Path) -> Iterator[ViewerClient]:
+    """A viewer with a result open, its cursor at the critical speed."""
+    with headless_viewer() as viewer:
+        viewer.open(str(saved))
+        time.sleep(1.0)  # until its layout is there
+        viewer.set_time(timeline="speed_rpm", sequence=2230, play_state="paused")
+        yield viewer
+
+
+def show_tab(viewer: ViewerClient, number: int) -> None:
+    """Open a tab of the layout, counted from 0."""
+    layout = viewer.get_blueprint(of="recording").blueprint
+    (tabs,) = (c for part in layout.values() if (c := part.get("ContainerBlueprint", {})).get("active_tab"))
+    tabs["active_tab"] = tabs["contents"][number]
+    viewer.set_blueprint(layout, of="recording")
+    time.sleep(0.5)
+
+
+@pytest.fixture(scope="module")
+def recording(rig: RigConfig, swept: tuple[NDArray[np.int32], DaqInfo], response: OrderTrackedResponse) -> RawRecording:
+    """A forward circular whirl from 480 to 3000 rpm and back to 1500, without runout."""
+    counts, info = swept
+    block = Block(counts=counts, first_sample=0, t_ns=0)
+    return RawRecording(rig=rig, daq=info, blocks=(block,), events=(), motor=(), source=response.source, complete=True)
+
+
+def test_the_words_beside_the_pictures_name_the_cause_and_what_it_bought(
+    response: OrderTrackedResponse, named: Diagnosis
+) -> None:
+    words = verdict_words(result_of(response, None, named))
+    assert words.index("**NAMED**") < words.index(named.causes[0].words)
+    assert "| bow | 18.00 ± 0.30 µm at 110.0 ± 1.0° | 812 | 5.20 → 0.410 µm |" in words
+    assert "1.03 times the noise floor" in words
+    assert "A run with a trial mass" in words
+
+
+def test_the_colours_named_are_those_there_are(response: OrderTrackedResponse, named: Diagnosis) -> None:
+    assert "violet" in colour_words(result_of(response, None, named))
+    assert "violet" not in colour_words(result_of(response))
+    assert "slow-roll compensated" in colour_words(result_of(response))
+    unknown = dataclasses.replace(response, slow_roll=np.full_like(response.slow_roll, np.nan))
+    assert "compensated" not in colour_words(result_of(unknown))
+
+
+def test_a_residual_of_eight_sigmas_is_red_and_what_was_not_measured_has_the_grids_colour() -> None:
+    assert coloured(np.array([[8.0, 20.0, np.nan]])).tolist() == [[list(RED), list(RED), [58, 64, 72]]]
+
+
+def test_a_deflection_is_drawn_larger_by_a_round_factor() -> None:
+    assert exaggeration(60e-6, 0.05) == pytest.approx(800)  # 833 at the most
+    assert exaggeration(2e-3, 0.05) == pytest.approx(20)  # 25 at the most
+
+
+def test_the_cascade_of_a_forward_whirl_stands_at_plus_one(recording: RawRecording) -> None:
+    response = track(recording)
+    result = result_of(response, recording=recording)
+    rows = [i for i in range(0, len(response.omega), 25) if response.run[i] == result.sweeps[0]]
+    for rpm, order, amplitude in recorded(result, Waveforms(recording), rows):
+        wanted = np.abs(jeffcott(rpm * RAD))
+        assert amplitude[:, order == 1.0].ravel() == pytest.approx(wanted, rel=0.05)
+        assert (amplitude[:, np.abs(order - 1.0) > 0.3] < 0.02 * amplitude.max()).all()
+
+
+def test_without_the_recording_a_cascade_has_lines_at_the_orders_tracked(response: OrderTrackedResponse) -> None:
+    rows = [100, 300]
+    (_, order, amplitude), _ = tracked(result_of(response), rows)
+    forward = np.abs(response.order(1.0)[rows, 0] + 1j * response.order(1.0)[rows, 1]) / 2
+    assert order[[0, -1]] == pytest.approx([-4.0, 4.0])
+    assert (np.diff(order) > 0).all()
+    assert amplitude[:, order == 1.0].ravel() == pytest.approx(forward)
+    assert set(order[(amplitude > 0).any(axis=0)]) == {-2.0, -1.0, 1.0, 2.0}
+
+
+def test_a_diagnosis_of_another_response_is_one_sentence(
+    tmp_path: Path, response: OrderTrackedResponse, named: Diagnosis
+) -> None:
+    write_response(tmp_path / "response.mcap", response)
+    other = dataclasses.replace(named, responses=(("00" * 8, len(response.omega)),))
+    write_diagnosis(tmp_path / "diagnosis.json", other)
+    with pytest.raises(DataError, match="want the diagnosis of this very response"):
+        as_rrd(tmp_path / "response.mcap", tmp_path, Evidence(diagnosis=tmp_path / "diagnosis.json"))
+    with pytest.raises(DataError, match=r"want a name that ends in \.rrd"):
+        save_result(tmp_path / "response.mcap", tmp_path / "result.html")
+
+
+def test_a_fit_or_a_run_of_another_response_is_one_sentence(
+    response: OrderTrackedResponse, identification: Identification, recording: RawRecording
+) -> None:
+    other = dataclasses.replace(response.source, source_hash="00" * 8)
+    with pytest.raises(DataError, match="want the fit of this very response"):
+        result_of(response, dataclasses.replace(identification, source=other))
+    with pytest.raises(DataError, match="want the run of this very response"):
+        result_of(response, recording=dataclasses.replace(recording, source=other))
+
+
+def test_a_response_without_1x_is_one_sentence(response: OrderTrackedResponse) -> None:
+    without = dataclasses.replace(
+        response,
+        orders=(0.0, 2.0),
+        z=response.z[:, :, ::2],
+        covariance=response.covariance[:, ::2],
+        slow_roll=response.slow_roll[:, ::2],
+        slow_roll_covariance=response.slow_roll_covariance[::2],
+    )
+    with pytest.raises(DataError, match="has the orders 0X, 2X, want 1X among them"):
+        result_of(without)
+
+
+def test_a_response_is_saved_with_what_was_made_of_it(saved: Path) -> None:
+    entities = {str(chunk.entity_path) for chunk in RrdReader(str(saved)).stream()}
+    bode = {"/bode/1x/amplitude/1-before", "/bode/1x/phase/1-model"}
+    assert {"/residual/before/map", "/residual/after/map", *bode} <= entities
+
+
+def test_results_of_different_layouts_go_by_different_names(response: OrderTrackedResponse, named: Diagnosis) -> None:
+    """Rerun keeps one layout per name, and would show a second result in that of the first."""
+    modes = ["critical speed 2229 rpm"]
+    alone, whole = result_of(response), result_of(response, None, named)
+    assert len({application_of(alone, modes), application_of(whole, modes), application_of(alone, [])}) == 3
+    assert application_of(alone, modes) == application_of(result_of(response), list(modes))
+
+
+@pytest.mark.viewer
+@needs_vulkan
+@pytest.mark.parametrize(
+    ("tab", "wanted"),
+    [
+        (
+            "Overview",
+            {
+                "Verdict": (WORDS, 300), "Colours": (WORDS, 300), "Orbit 1x, 1y": (WHITE, 20),
+                "Orbit 2x, 2y": (PALE_BLUE, 200), "Bode": (PALE, 50),
+                "Residual 1X, sigmas of the noise: before": (RED, 500),
+                "Residual 1X, sigmas of the noise: after": (WORDS, 20),
+            },
+        ),
+        ("Bode", {f"Bode 1X, probe {probe}": (VIOLET, 30) for probe in ("1x", "1y", "2x", "2y")}),
+        ("Polar", {f"Polar 1X, probe {probe}": (WHITE, 8) for probe in ("1x", "1y", "2x", "2y")}),
+        ("Centreline", {"Shaft centreline: 1x": (WHITE, 5), "Shaft centreline: 2x": (WHITE, 5), "Gap": (ORANGE, 100)}),
+        (
+            "Spectrum",
+            {
+                "Full spectrum over speed: 1x": (BLUE, 1000), "Full spectrum over speed: 2x": (BLUE, 1000),
+                "Forward and backward whirl: 1x": (GREEN, 200), "Forward and backward whirl: 2x": (GREEN, 200),
+            },
+        ),
+        ("Rotor", {"1X deflection": (GREEN, 300), "critical speed 22": (WORDS, 20)}),
+    ],
+)  # fmt: skip
+def test_every_view_of_a_tab_is_drawn(
+    showing: ViewerClient,
+    tmp_path: Path,
+    tab: str,
+    wanted: dict[str, tuple[tuple[int, int, int], int]],
+) -> None:
+    show_tab(showing, TABS.index(tab))
+    seen = views(showing, tmp_path, but_hidden=True)
+    for start, (colour, least) in wanted.items():
+        drawn = [picture for name, picture in seen.items() if name.startswith(start)]
+        assert drawn, f"no view of {list(seen)} is called {start}.."
+        for picture in drawn:
+            assert marked(picture, colour, within=40).sum() > least, start
