@@ -3,7 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo test lint types check pictures bench chea-tables identification-tables blind recorder soak fuzz clean
+.PHONY: setup demo test lint types check docs tutorial pictures bench chea-tables identification-tables blind recorder tracking soak fuzz clean
 
 demo: .venv/ready
 	$(BIN)/rotor demo --out demo
@@ -20,9 +20,20 @@ types: .venv/ready
 
 check: lint types test
 
-pictures: .venv/ready
-	$(BIN)/python docs/make_pictures.py demo
-	$(BIN)/python docs/make_chea_pictures.py
+setup: .venv/ready
+
+# Generated pages, and the pictures that are drawn in seconds: the tests make them again and compare.
+docs: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_docs
+
+# The tutorial's commands, run for real; its outputs, times and pictures are written into it.
+tutorial: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_tutorial
+
+# All pictures. Minutes; wants Chromium, a Vulkan driver and what `make demo` wrote.
+pictures: docs tutorial
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_measured_run_up
+	$(BIN)/python -m docs.make_pictures demo
 
 bench: .venv/ready .venv-ross/ready
 	$(BIN)/python benchmarks/forward.py --write
@@ -41,6 +52,10 @@ blind: .venv/ready
 # Twenty minutes: a recording at full rate, how soon a trip reaches the drive, kill -9.
 recorder: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/recorder.py --write
+
+# Five minutes: how exact and how quick the tracking is, beside others, and how late the live view.
+tracking: .venv/ready
+	$(BIN)/python benchmarks/tracking.py --write
 
 # About an hour: every fault on every motor controller, judged from outside. Goes on where it was stopped, as `blind`.
 soak: .venv/ready

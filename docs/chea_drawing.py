@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-from chea_runs import Function
 from numpy.typing import NDArray
-from svg_plot import COLOURS, Figure, Panel
+
+from docs.chea_runs import Function
+from docs.svg_plot import COLOURS, Figure, Panel
 
 Array = NDArray[np.float64]
 

@@ -1,11 +1,11 @@
 """Pictures of sections 2.1 to 2.3 of chea.md: a population gathers, is clustered, and is mature."""
 
 import numpy as np
-from chea_drawing import coloured_by_cluster, counted, square
-from chea_runs import BANANA, MULTIMODAL, RASTRIGIN, bred, clustered
 from numpy.typing import NDArray
-from svg_plot import COLOURS, FAINT, INK, Figure, Panel
 
+from docs.chea_drawing import coloured_by_cluster, counted, square
+from docs.chea_runs import BANANA, MULTIMODAL, RASTRIGIN, bred, clustered
+from docs.svg_plot import COLOURS, FAINT, INK, Figure, Panel
 from rotorrig.identify.chea.art_knn import classify
 from rotorrig.identify.chea.clustering import cef
 from rotorrig.identify.chea.genetic import gray_to_integer

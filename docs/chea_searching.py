@@ -1,12 +1,12 @@
 """Pictures of sections 2.4 and 2.5 of chea.md: local searches, and points far from all others."""
 
 import numpy as np
-from chea_drawing import square
-from chea_runs import BANANA, MULTIMODAL, Function, answered, bred, clustered
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
-from svg_plot import COLOURS, FAINT, INK, Figure
 
+from docs.chea_drawing import square
+from docs.chea_runs import BANANA, MULTIMODAL, Function, answered, bred, clustered
+from docs.svg_plot import COLOURS, FAINT, INK, Figure
 from rotorrig.identify.chea.far_search import farthest
 from rotorrig.identify.chea.record import Record
 from rotorrig.identify.chea.settings import SEED

@@ -1,12 +1,12 @@
 """Pictures of section 3 of chea.md and of the modern profile: whole searches, step by step."""
 
 import numpy as np
-from chea_drawing import square
-from chea_runs import MULTIMODAL, PEAKS, RASTRIGIN, Stage, watched
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
-from svg_plot import COLOURS, HAIR, INK, Figure, Panel
 
+from docs.chea_drawing import square
+from docs.chea_runs import MULTIMODAL, PEAKS, RASTRIGIN, Stage, watched
+from docs.svg_plot import COLOURS, HAIR, INK, Figure, Panel
 from rotorrig.identify.chea.settings import SEED
 
 Array = NDArray[np.float64]

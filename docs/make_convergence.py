@@ -1,6 +1,6 @@
 """Write the convergence tables of docs/rotor-model.md: how many shaft elements each mass model needs.
 
-Run as `python docs/make_convergence.py`; it replaces what stands between the two marks of that file. Errors are against
+Run as `python -m docs.make_convergence`; it replaces what stands between the two marks of that file. Errors are against
 consistent elements of a hundredth of the shaft's length: critical speeds relative to their own, the response to
 unbalance relative to its peak over the range.
 """

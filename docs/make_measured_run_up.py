@@ -1,6 +1,6 @@
 """Write the figures of docs/measured-run-up.md and its picture: what a moving speed does to a measured run-up.
 
-`python docs/make_measured_run_up.py` takes about a minute and replaces what stands between the marks of that file.
+`python -m docs.make_measured_run_up` takes about a minute and replaces what stands between the marks of that file.
 """
 
 import textwrap
@@ -9,8 +9,9 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from svg_plot import COLOURS, INK, Figure
 
+from docs.origin import origin
+from docs.svg_plot import COLOURS, INK, Figure
 from rotorrig.identify import base_fit
 from rotorrig.identify.base_fit import Assessed
 from rotorrig.identify.diagnosis import Diagnosis, diagnose
@@ -25,6 +26,7 @@ ROOT = Path(__file__).parents[1]
 DATA = ROOT / "tests/data/kfupm-rk4"
 DOCUMENT = ROOT / "docs/measured-run-up.md"
 PICTURE = ROOT / "docs/img/measured-run-up.svg"
+COMMAND = "python -m docs.make_measured_run_up"
 BEGIN, END = "<!-- figures: begin -->\n", "<!-- figures: end -->\n"
 UM = 1e6
 
@@ -68,7 +70,7 @@ def main() -> None:
     after = rest.partition(END)[2]
     DOCUMENT.write_text(f"{before}{BEGIN}{text(both, found)}{END}{after}", encoding="utf-8")
     print(f"{DOCUMENT}: written")
-    picture(response, both, found).save(PICTURE)
+    picture(response, both, found).save(PICTURE, origin=origin(COMMAND, response.rig.hash))
 
 
 def text(both: tuple[Model, Model], found: Diagnosis) -> str:

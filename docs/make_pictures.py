@@ -5,7 +5,6 @@ docs/img/live.png: the live view during the coast-down, played from the recordin
 """
 
 import contextlib
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,10 +19,12 @@ from PIL import Image
 from plotly.offline import get_plotlyjs
 from rerun.experimental import ViewerClient
 
+from docs.browser import screenshot
+from docs.origin import origin, save_png
 from rotorrig.acquisition.mcap_file import read_recording
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.app import figures
 from rotorrig.app.curves import sweeps, vectors
+from rotorrig.app.figures.bode import bode as bode_figure
 from rotorrig.app.orbit_drawing import orbit_pictures
 from rotorrig.app.orbits import representative_rows
 from rotorrig.app.sinks import Sink, free_port, proxy, quiet_environment, viewer_program
@@ -33,16 +34,14 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import read_response
 from rotorrig.rig.errors import RigError
 
+COMMAND = "python -m docs.make_pictures demo"
 IMAGES = Path(__file__).parent / "img"
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 PAGE = (1200, 520)  # CSS pixels; the picture has two of its own for each
 WINDOW = (1500, 987)  # of the viewer
 MENU = 37  # pixels at its top: the viewer's own menu, with remarks on the machine it runs on
 FAST = 15.0  # recorded seconds per second, up to the last moments
 LAST = 3.0  # s that are played as they were: the time base shows what came in last
 BEYOND = 0.94  # of the critical speed: where the coast-down is caught
-PATIENCE = 120.0  # s for a browser to draw one page
-COLOURS = 256  # of a picture: a palette is a third of the size
 
 
 def main() -> None:
@@ -63,13 +62,12 @@ def main() -> None:
 def picture_result(response: OrderTrackedResponse, fit: Path, out: Path) -> None:
     """Draw measurement and fit at one probe beside the largest orbit. Raises RigError."""
     prediction = read_identification(fit).fits[0].prediction
-    bode = figures.bode(response, 0, prediction=prediction)
+    bode = bode_figure(response, 0, prediction=prediction)
     bode.update_layout(height=PAGE[1] - 60, font_size=15, margin_t=44)  # large enough for the width of a README
     with tempfile.TemporaryDirectory(prefix="rotor-picture-") as folder:
-        page, shot = Path(folder, "page.html"), Path(folder, "shot.png")
+        page = Path(folder, "page.html")
         page.write_text(_page(response.probes[0], bode.to_json(), _largest_orbit(response)), encoding="utf-8")
-        _screenshot(page, shot)
-        _save(Image.open(shot), out)
+        save_png(screenshot(page, PAGE), out, origin=origin(COMMAND, response.rig.hash))
 
 
 def _largest_orbit(response: OrderTrackedResponse) -> str:
@@ -99,23 +97,6 @@ Plotly.newPlot("bode", figure.data, figure.layout, {{ displayModeBar: false, res
 </body></html>"""
 
 
-def _screenshot(page: Path, out: Path) -> None:
-    browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
-    if browser is None:
-        raise RigError("there is no Chromium on the path, want one to draw the Bode plot with (Debian: chromium)")
-    words = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"]
-    words += ["--disable-background-networking", "--disable-component-update", "--hide-scrollbars"]
-    words += [f"--user-data-dir={page.parent / 'profile'}", "--virtual-time-budget=8000"]
-    words += ["--force-device-scale-factor=2", f"--window-size={PAGE[0]},{PAGE[1]}", f"--screenshot={out}"]
-    try:
-        done = subprocess.run([*words, page.as_uri()], capture_output=True, text=True, timeout=PATIENCE)
-    except subprocess.TimeoutExpired as error:
-        raise RigError(f"{browser}: drew no picture of {page.name} within {PATIENCE:g} s") from error
-    if done.returncode or not out.is_file():
-        said = done.stderr.strip().splitlines() or ["it said nothing"]
-        raise RigError(f"{browser}: drew no picture of {page.name}: {said[-1]}")
-
-
 def _moment(response: OrderTrackedResponse) -> float:
     """Return when the coast-down has just passed the critical speed [s on the recording's clock]."""
     down = [i for i in sweeps(response) if response.runs[i].direction < 0]
@@ -138,8 +119,8 @@ def picture_live(recording: RawRecording, moment: float, out: Path) -> None:
         with tempfile.TemporaryDirectory(prefix="rotor-picture-") as folder:
             shot = Path(folder, "live.png")
             client.save_screenshot(str(shot))
-            picture = Image.open(shot)
-            _save(picture.crop((0, MENU, *picture.size)), out)
+            picture = Image.open(shot).convert("RGB")
+        save_png(picture.crop((0, MENU, *picture.size)), out, origin=origin(COMMAND, recording.rig.hash))
 
 
 def _play(recording: RawRecording, moment: float, view: LiveView) -> None:
@@ -181,11 +162,6 @@ def _connected(address: str) -> ViewerClient:
     raise RigError(
         "the Rerun viewer did not start without a window, want a Vulkan driver (Debian: mesa-vulkan-drivers)"
     )
-
-
-def _save(picture: Image.Image, out: Path) -> None:
-    picture.convert("RGB").quantize(COLOURS).save(out, optimize=True)
-    print(f"{out}: {picture.width} x {picture.height}, {out.stat().st_size / 1000:.0f} kB")
 
 
 if __name__ == "__main__":

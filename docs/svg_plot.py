@@ -49,11 +49,37 @@ class Figure:
         x, y, w, h = at
         self._parts.append(f'<rect x="{x:g}" y="{y:g}" width="{w:g}" height="{h:g}" fill="{fill}" stroke="{stroke}"/>')
 
+    def circle(self, x: float, y: float, radius: float, *, fill: str = "none", stroke: str = INK) -> None:
+        """Draw a circle about a place in px."""
+        self._parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius:g}" fill="{fill}" stroke="{stroke}"/>')
+
+    def path(
+        self, points: ArrayLike, *, colour: str = INK, width: float = 1.5, dash: str = "none", arrow: bool = False
+    ) -> None:
+        """Draw a line through places (n, 2) in px, with a head at its end if it is an arrow."""
+        places = np.asarray(points, dtype=float)
+        line = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in places)
+        style = f'fill="none" stroke="{colour}" stroke-width="{width:g}" stroke-dasharray="{dash}"'
+        self._parts.append(f'<path d="{line}" {style} stroke-linejoin="round"/>')
+        if arrow:
+            along = places[-1] - places[-2]
+            along *= (4 + 2 * width) / np.hypot(*along)
+            across = np.array([-along[1], along[0]]) * 0.4
+            head = [places[-1], places[-1] - along + across, places[-1] - along - across]
+            self._parts.append(f'<path d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in head)}Z" fill="{colour}"/>')
+
     def key(self, x: float, y: float, entries: Sequence[tuple[str, str]], *, step: float = 18) -> None:
         """List (colour, meaning) from a place in px downwards."""
         for i, (colour, meaning) in enumerate(entries):
             self.box((x, y + i * step - 9, 10, 10), fill=colour)
             self.words(x + 16, y + i * step, meaning, size=12)
+
+    def key_row(self, x: float, y: float, entries: Sequence[tuple[str, str]]) -> None:
+        """List (colour, meaning) from a place in px to the right."""
+        for colour, meaning in entries:
+            self.box((x, y - 9, 10, 10), fill=colour)
+            self.words(x + 16, y, meaning, size=12)
+            x += 30 + 7.2 * len(meaning)
 
     def text(self) -> str:
         """Return the SVG."""
@@ -64,9 +90,9 @@ class Figure:
             f'<rect width="{width}" height="{height}" rx="6" fill="#fff"/>\n' + "\n".join(self._parts) + "\n</svg>\n"
         )
 
-    def save(self, path: Path) -> None:
-        """Write it."""
-        path.write_text(self.text(), encoding="utf-8")
+    def save(self, path: Path, *, origin: str = "") -> None:
+        """Write it, with what made it as a comment at its end."""
+        path.write_text(self.text() + (f"<!-- {origin} -->\n" if origin else ""), encoding="utf-8")
         print(f"{path}: {path.stat().st_size / 1000:.0f} kB")
 
 
@@ -89,7 +115,7 @@ class Panel:
         self._at = at
         self._x = x
         self._y = (float(np.log10(y[0])), float(np.log10(y[1]))) if log else y
-        self._log = log
+        self.log = log
         left, top, width, height = at
         clip = f"c{len(parts)}"
         self._clip = f'clip-path="url(#{clip})"'
@@ -129,6 +155,23 @@ class Panel:
         """Draw a line through (n,) and (n,)."""
         places = self._places(np.column_stack([np.asarray(x, dtype=float), np.asarray(y, dtype=float)]))
         self._stroke("M" + "L".join(places), colour, width, f'stroke-dasharray="{dash}" stroke-linejoin="round"')
+
+    def straightened(self, x: ArrayLike, y: ArrayLike, *, within: float) -> tuple[NDArray, NDArray]:
+        """Return as few points of a line as stay within so many px of all of them (Douglas and Peucker 1973)."""
+        x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+        places = self._px(np.column_stack([x, y]))
+        kept, pieces = {0, len(x) - 1}, [(0, len(x) - 1)]
+        while pieces:
+            first, last = pieces.pop()
+            along = places[last] - places[first]
+            off = places[first : last + 1] - places[first]
+            away = np.abs(along[0] * off[:, 1] - along[1] * off[:, 0]) / max(float(np.hypot(*along)), 1e-9)
+            farthest = first + int(np.argmax(away))
+            if away.max() > within:
+                kept.add(farthest)
+                pieces += [(first, farthest), (farthest, last)]
+        chosen = sorted(kept)
+        return x[chosen], y[chosen]
 
     def circle(self, centre: ArrayLike, radius: float, *, colour: str = INK) -> None:
         """Draw a dashed circle with a radius in units of the data."""
@@ -175,7 +218,7 @@ class Panel:
     def _px(self, points: NDArray) -> NDArray:
         left, top, width, height = self._at
         x, y = points.T
-        y = np.log10(y) if self._log else y
+        y = np.log10(y) if self.log else y
         across = (x - self._x[0]) / (self._x[1] - self._x[0])
         up = (y - self._y[0]) / (self._y[1] - self._y[0])
         return np.column_stack([left + width * across, top + height * (1 - up)])
@@ -189,10 +232,10 @@ class Panel:
             px = left + width * (x - self._x[0]) / (self._x[1] - self._x[0])
             self._parts.append(f'<path d="M{px:.1f} {top + height:g}v4" stroke="{FAINT}"/>')
             self._parts.append(_words(px, top + height + 17, f"{x:g}", size=11, anchor="middle"))
-        for y in _decades(*self._y) if self._log else _round_numbers(*self._y):
+        for y in _decades(*self._y) if self.log else _round_numbers(*self._y):
             py = top + height * (1 - (y - self._y[0]) / (self._y[1] - self._y[0]))
             self._parts.append(f'<path d="M{left:g} {py:.1f}h-4" stroke="{FAINT}"/>')
-            self._parts.append(_words(left - 7, py + 4, _power(y) if self._log else f"{y:g}", size=11, anchor="end"))
+            self._parts.append(_words(left - 7, py + 4, _power(y) if self.log else f"{y:g}", size=11, anchor="end"))
 
 
 def _cut(a: NDArray, fa: NDArray, b: NDArray, fb: NDArray) -> NDArray:

@@ -1,15 +1,17 @@
-"""The documents cannot lie: every `rotor ...` command they show is run, and what they quote must come out.
+"""The documents cannot lie: every `rotor ...` command of these is run, and what they quote must come out.
 
-A shell block is ```sh, a quoted output ```text. What needs hardware or opens a window is only parsed.
+A shell block is ```sh, a quoted output ```text. What needs hardware or opens a window is only parsed, as are the
+commands of all other pages: tests/documents.
 """
 
 import contextlib
 import io
+import json
 import re
 import shlex
 import shutil
 import sys
-from collections.abc import Iterator
+from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,6 +20,7 @@ import pytest
 import pyuff
 
 from benchmarks.blind_run import record
+from docs.make_tutorial import COLUMNS
 from rotorrig.acquisition.importers.channel_mapping import load_channels
 from rotorrig.acquisition.mcap_file import write_recording
 from rotorrig.acquisition.recording import RawRecording
@@ -25,12 +28,13 @@ from rotorrig.app import cli
 from rotorrig.identify.result_files import read_identification
 from rotorrig.processing.vector_table import read_table
 from rotorrig.rig.description import RigConfig, parse
+from rotorrig.sims.plant.truth import unseal
+from tests.documents.pages import ROOT, blocks, commands, text_of
 
-ROOT = Path(__file__).parents[2]
-DOCUMENTS = ("README.md", "docs/your-data.md")
-BLOCK = re.compile(r"^```(sh|text|toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+DOCUMENTS = ("README.md", "docs/your-data.md", "docs/tutorial.md")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-LINK = re.compile(r"\]\(([^)#:]+)\)")
+#: which effects a recording just shows or does not depends on its noise, and no two simulated sweeps have the same
+NOISY = re.compile(r"Causes tried, best first.*?(?=At their)|At their typical size this data would not show:[^.]*\.")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,16 +44,6 @@ class Outcome:
     command: str
     code: int
     said: str
-
-
-def blocks(document: str, kind: str) -> list[str]:
-    return [text for found, text in BLOCK.findall((ROOT / document).read_text()) if found == kind]
-
-
-def commands(document: str) -> list[list[str]]:
-    """Return the words of each `rotor` command in the shell blocks of a document."""
-    lines = "".join(blocks(document, "sh")).replace("\\\n", " ").splitlines()
-    return [words for line in lines if (words := shlex.split(line, comments=True))[:1] == ["rotor"]]
 
 
 def runnable(words: list[str]) -> bool:
@@ -80,7 +74,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, recording: RawRecording) ->
     for document in DOCUMENTS:
         place = folder / Path(document).stem
         place.mkdir()
-        for name in ("configs", "tests/data/kfupm-rk4"):
+        for name in ("configs", "docs/tutorial", "tests/data/kfupm-rk4"):
             shutil.copytree(ROOT / name, place / name)
     write_recording(folder / "README/run.mcap", recording)
     (folder / "your-data/my.toml").write_text(recording.rig.text)
@@ -127,15 +121,23 @@ def channels_of(recording: RawRecording) -> str:
     return "\n".join(f'[[channels]]\nprobe = "{name}"\nchannel = "AI{at}"\nunit = "1 V"' for name, at in owners)
 
 
+class Outcomes(dict[str, list[Outcome]]):
+    """What every command of a document did, run in order in the document's folder when it is first asked for."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __missing__(self, document: str) -> list[Outcome]:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.chdir(self._folder / Path(document).stem)
+            patch.setenv("COLUMNS", str(COLUMNS))
+            self[document] = [run(patch, words) for words in commands(document)]
+        return self[document]
+
+
 @pytest.fixture(scope="module")
-def outcomes(folder: Path) -> Iterator[dict[str, list[Outcome]]]:
-    """What every command of every document did, run in order in the document's folder."""
-    with pytest.MonkeyPatch.context() as patch:
-        found: dict[str, list[Outcome]] = {}
-        for document in DOCUMENTS:
-            patch.chdir(folder / Path(document).stem)
-            found[document] = [run(patch, words) for words in commands(document)]
-        yield found
+def outcomes(folder: Path) -> Outcomes:
+    return Outcomes(folder)
 
 
 def run(patch: pytest.MonkeyPatch, words: list[str]) -> Outcome:
@@ -148,7 +150,7 @@ def run(patch: pytest.MonkeyPatch, words: list[str]) -> Outcome:
 
 
 @pytest.mark.parametrize("document", DOCUMENTS)
-def test_every_command_of_a_document_succeeds(document: str, outcomes: dict[str, list[Outcome]]) -> None:
+def test_every_command_of_a_document_succeeds(document: str, outcomes: Outcomes) -> None:
     assert len(outcomes[document]) >= 7
     assert [(outcome.command, outcome.said) for outcome in outcomes[document] if outcome.code] == []
 
@@ -160,7 +162,7 @@ def test_a_misspelt_option_of_a_command_that_is_only_parsed_is_found(
     assert run(monkeypatch, ["rotor", "sweep", "configs/rk4.toml", "--out", "run.mcap", "--view", option]).code != 0
 
 
-def test_the_output_quoted_is_what_comes_out(outcomes: dict[str, list[Outcome]]) -> None:
+def test_the_output_quoted_is_what_comes_out(outcomes: Outcomes) -> None:
     printed = " ".join(" ".join(outcome.said for outcome in outcomes["docs/your-data.md"]).split())
     quoted = [line for text in blocks("docs/your-data.md", "text") for line in text.splitlines()]
     assert len(quoted) > 4
@@ -172,9 +174,9 @@ def comes_out(line: str, printed: str) -> bool:
     return re.search(NUMBER.pattern.join(map(re.escape, NUMBER.split(" ".join(line.split())))), printed) is not None
 
 
-def test_the_report_of_the_measured_run_up_begins_as_quoted(folder: Path, outcomes: dict[str, list[Outcome]]) -> None:
+def test_the_report_of_the_measured_run_up_begins_as_quoted(folder: Path, outcomes: Outcomes) -> None:
     words = "The model does NOT describe this run"
-    assert outcomes
+    assert outcomes["docs/your-data.md"]
     assert f'"{words}"' in (ROOT / "docs/your-data.md").read_text()
     assert words in (folder / "your-data/measured.html").read_text().partition("<section")[2][:500]
 
@@ -197,8 +199,8 @@ def test_the_channels_shown_are_a_mapping(tmp_path: Path, rig_config: RigConfig)
     assert [(c.probe, c.channel, c.unit, c.override) for c in found.channels] == [("1x", "AI0", "1 V", True)]
 
 
-def test_a_recording_and_its_csv_give_the_same_values(folder: Path, outcomes: dict[str, list[Outcome]]) -> None:
-    assert outcomes
+def test_a_recording_and_its_csv_give_the_same_values(folder: Path, outcomes: Outcomes) -> None:
+    assert outcomes["README.md"] and outcomes["docs/your-data.md"]
     (itself,) = read_identification(folder / "README/fit.json").fits
     (csv,) = read_identification(folder / "your-data/fit.json").fits
     assert [e.name for e in itself.estimates] == [e.name for e in csv.estimates]
@@ -207,7 +209,41 @@ def test_a_recording_and_its_csv_give_the_same_values(folder: Path, outcomes: di
         assert theirs.sigma == pytest.approx(ours.sigma, rel=0.1), ours.name
 
 
-@pytest.mark.parametrize("document", ["README.md", *(f"docs/{path.name}" for path in sorted(ROOT.glob("docs/*.md")))])
-def test_what_a_document_links_to_is_there(document: str) -> None:
-    place = (ROOT / document).parent
-    assert [link for link in LINK.findall((ROOT / document).read_text()) if not (place / link).exists()] == []
+def test_the_tutorial_shows_what_each_of_its_commands_prints(outcomes: Outcomes) -> None:
+    quoted = blocks("docs/tutorial.md", "text")
+    assert len(quoted) == len(outcomes["docs/tutorial.md"]) > 7
+    for text, outcome in zip(quoted, outcomes["docs/tutorial.md"], strict=True):
+        assert words_of(text) - words_of(outcome.said) == Counter(), outcome.command
+
+
+def words_of(text: str) -> Counter[str]:
+    """Return the words of an output, whatever its numbers and wherever its lines are broken."""
+    return Counter(NUMBER.sub("0", NOISY.sub("", " ".join(text.split()))).split())
+
+
+def test_the_tutorial_finds_what_was_hidden_and_needs_it(folder: Path, outcomes: Outcomes) -> None:
+    assert outcomes["docs/tutorial.md"]
+    quoted = blocks("docs/tutorial.md", "text")
+    hidden = json.loads((folder / "tutorial/docs/tutorial/hidden.json").read_text())["faults"]
+    found, again = (json.loads((folder / "tutorial" / f"{n}.json").read_text()) for n in ("diagnosis", "again"))
+    assert [cause["name"] for cause in found["causes"] if cause["chosen"]] == [fault["name"] for fault in hidden]
+    assert (found["verdict"], again["verdict"]) == ("named", "adequate")
+    assert any(f"{found['causes'][0]['label']} " in text and "in the model" in text for text in quoted)
+    assert found["gain"]["heldout_after"] < found["gain"]["heldout_before"] / 20
+
+
+def test_what_the_tutorial_hides_can_be_swept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (program,) = blocks("docs/tutorial.md", "python")
+    shutil.copytree(ROOT / "docs/tutorial", tmp_path / "docs/tutorial")
+    monkeypatch.chdir(tmp_path)
+    exec(program)
+    assert unseal(tmp_path / "hidden.json").faults[0].name == "coupling"
+
+
+def test_every_key_of_fit_json_is_documented(folder: Path, outcomes: Outcomes) -> None:
+    assert outcomes["docs/tutorial.md"]
+    table = json.loads((folder / "tutorial/fit.json").read_text())
+    documented = text_of("docs/results.md").partition("## diagnosis.json")[0]
+    fit = table["fits"][0]
+    keys = [*table, *fit, *(key for key in fit["estimates"][0] if key != "name")]
+    assert [key for key in keys if not re.search(rf"`\.?{key}(\[\]|{{}})?`", documented)] == []

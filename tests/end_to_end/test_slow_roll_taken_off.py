@@ -9,6 +9,7 @@ from benchmarks.blind_run import record
 from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.settings import Tracking
 from rotorrig.rig.description import load
 from rotorrig.rig.units import RPM
 from rotorrig.sims.effects.base import catalogue
@@ -27,7 +28,7 @@ def bent() -> OrderTrackedResponse:
         update={"slow_roll": 600 / RPM, "slow_roll_time": 4.0, "start": 700 / RPM, "end": 2600 / RPM, "ramp": 120 / RPM}
     )
     hasty = rig.model_copy(update={"plans": {"default": plan}})
-    return track(record(hasty, seed=11, faults=(BOW,)), orders=(1.0, 2.0))
+    return track(record(hasty, seed=11, faults=(BOW,)), Tracking(orders=(1.0, 2.0)))
 
 
 def judged(response: OrderTrackedResponse) -> Diagnosis:

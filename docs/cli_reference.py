@@ -1,0 +1,54 @@
+"""docs/cli.md: every verb of `rotor` with its arguments and options, read from the command itself."""
+
+import inspect
+import re
+from typing import Any
+
+import typer
+
+from rotorrig.app.cli import app
+
+HEAD = """# Every verb and option
+
+Written by `make docs` from the command itself; do not edit. `rotor VERB --help` says the same. `rotor
+--install-completion` sets up completion for the shell in use.
+
+A command that cannot do what it was asked says in one sentence what it got, what it wants and where, and ends with a
+status other than 0. Angles are from the keyphasor mark in the sense of rotation; amplitudes are 0-peak
+([conventions](conventions.md)).
+"""
+NOTE = re.compile(r"\s*\[((?:required|default|env|x)[^\]]*)\]$")  # what stands in brackets behind an option's help
+HELP = "--help"
+
+Command = Any  # typer brings a click of its own, whose classes have no public name
+
+
+def text() -> str:
+    """Return the whole page."""
+    every = verbs()
+    table = ["| | |", "|---|---|"]
+    table += [f"| [`rotor {name}`](#rotor-{name}) | {verb.get_short_help_str(200)} |" for name, verb in every.items()]
+    return "\n".join([HEAD, *table, "", *(_section(name, verb) for name, verb in every.items())])
+
+
+def verbs() -> dict[str, Command]:
+    """Return the verbs by name, in the order of `rotor --help`."""
+    command: Command = typer.main.get_command(app)
+    return dict(command.commands)
+
+
+def _section(name: str, verb: Command) -> str:
+    context = verb.make_context(f"rotor {name}", ["-"], resilient_parsing=True)
+    usage = " ".join(verb.get_usage(context).removeprefix("Usage: ").split())
+    lines = [f"## rotor {name}", "", "```", usage, "```", "", inspect.cleandoc(verb.help or "")]
+    lines += ["", "| | | |", "|---|---|---|"]
+    for parameter in verb.get_params(context):
+        shown, words = parameter.get_help_record(context)
+        if HELP not in shown:
+            note = NOTE.search(words)
+            lines.append(f"| `{_cell(shown)}` | {_cell(NOTE.sub('', words))} | {_cell(note[1]) if note else ''} |")
+    return "\n".join(lines) + "\n"
+
+
+def _cell(words: str) -> str:
+    return words.replace("|", "\\|")

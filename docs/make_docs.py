@@ -1,0 +1,63 @@
+"""`make docs`, or `python -m docs.make_docs`: every generated page and every picture that is drawn in seconds.
+
+Their tests make them again and compare. What takes minutes, a browser or a viewer has a script of its own: `COSTLY`.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from docs import (
+    chea_pictures,
+    cli_reference,
+    config_reference,
+    conventions_drawing,
+    effect_pictures,
+    tracking_drawing,
+    wiring_drawing,
+)
+from docs.svg_plot import Figure
+
+DOCS = Path(__file__).parent
+IMAGES = DOCS / "img"
+
+#: picture -> the command that makes it, from the top of the repository; each file says in itself what it was made from
+COSTLY: Mapping[str, str] = {
+    "demo.png": "python -m docs.make_pictures demo",
+    "live.png": "python -m docs.make_pictures demo",
+    "measured-run-up.svg": "python -m docs.make_measured_run_up",
+    "tutorial-gain.svg": "python -m docs.make_tutorial",
+    "tutorial-report.png": "python -m docs.make_tutorial",
+}
+
+
+def pictures() -> dict[str, Figure]:
+    """Return every picture that is drawn in seconds, by its file name in docs/img."""
+    return {
+        **conventions_drawing.pictures(),
+        **wiring_drawing.pictures(),
+        **effect_pictures.pictures(),
+        **chea_pictures.pictures(),
+        "tracking-windows.svg": tracking_drawing.windows(),
+    }
+
+
+def pages() -> dict[str, str]:
+    """Return every page that is generated, or in part, by its file name in docs."""
+    return {
+        "config.md": config_reference.text(),
+        "cli.md": cli_reference.text(),
+        "effects.md": effect_pictures.shown((DOCS / "effects.md").read_text(encoding="utf-8")),
+    }
+
+
+def main() -> None:
+    """Write them all."""
+    for name, figure in pictures().items():
+        figure.save(IMAGES / name)
+    for name, text in pages().items():
+        (DOCS / name).write_text(text, encoding="utf-8")
+        print(f"{DOCS / name}: written")
+
+
+if __name__ == "__main__":
+    main()
