@@ -42,6 +42,7 @@ from rotorrig.identify.space import Space
 from rotorrig.identify.steady import Steady
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.settings import Tracking
 from rotorrig.rig.description import RigConfig, load
 from rotorrig.rig.units import RPM
 from rotorrig.sims.plant.truth import Noise, draw, identified_truth
@@ -113,7 +114,7 @@ def rig() -> RigConfig:
 
 def simulated(seed: int) -> OrderTrackedResponse:
     """Return what the pipeline makes of the plant of that seed: the rows of the run-up next to SPEEDS."""
-    response = track(record(rig(), seed=seed, noise=Noise(bearing_force=FLUCTUATION)), orders=(1.0,))
+    response = track(record(rig(), seed=seed, noise=Noise(bearing_force=FLUCTUATION)), Tracking(orders=(1.0,)))
     (up,) = (i for i, run in enumerate(response.runs) if run.name == "up")
     rows = np.flatnonzero(response.run == up)
     rows = rows[np.abs(response.omega[rows, None] - SPEEDS).argmin(axis=0)]

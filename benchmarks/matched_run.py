@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.noise import NoiseSpectrum, row_covariance
-from rotorrig.processing.orders import Rows
 from rotorrig.processing.response import OrderTrackedResponse, Run
+from rotorrig.processing.rows import Rows
 from rotorrig.rig.description import RigConfig, from_si
 from rotorrig.rig.provenance import Provenance
 from rotorrig.rig.units import RPM

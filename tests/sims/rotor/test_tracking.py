@@ -41,7 +41,7 @@ def test_a_parabola_averages_to_its_middle_and_the_variance_of_the_window(window
 
 
 def test_a_slow_beat_passes_a_vold_kalman_window_as_the_filter_has_it_pass():
-    """The filter's response is 1 / (1 + (f / f0)^4), f0 = 2 sqrt(2) / (pi turns) orders, and its window 5 pi / 4 turns."""
+    """The filter's response is 1 / (1 + (f / f0)^4), f0 = 2 sqrt(2) / (pi turns) orders; its window 5 pi / 4 turns."""
     beat = OMEGA / 11.9
     turns = np.array([8.0, 3.0, 21.5]) * 4 / (5 * np.pi)
     want = 1 / (1 + (turns * np.pi / (2 * np.sqrt(2)) / 11.9) ** 4)
