@@ -77,7 +77,7 @@ def draw(rig: RigConfig, design: Design, *, rng: np.random.Generator) -> Case:
         Timeline(pulses),
         t=rows.t,
         revolutions=np.full(len(rows.t), TURNS),
-        window="hann",
+        window="blackman",
         unbalance=amount,
     )
     z = np.concatenate([swept, probe_response(model, SLOW_ROLL, unbalance=amount)])
@@ -204,7 +204,7 @@ def _response(rig: RigConfig, rows: Rows, pulses: Reals, z: Complex, covariance:
         omega=rows.omega,
         alpha=rows.alpha,
         revolutions=np.full(len(rows.t), float(TURNS)),
-        window="hann",
+        window="blackman",
         z=z[:-1, :, None],
         covariance=covariance[:-1, None],
         slow_roll=z[-1, :, None],

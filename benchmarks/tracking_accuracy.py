@@ -100,4 +100,8 @@ def _kalman(s: Reals) -> Reals:
     return np.exp(-u) * (np.cos(u) + np.sin(u))
 
 
-_WEIGHTS = {"hann": lambda s: 1 + np.cos(np.pi * s), "vold-kalman": _kalman}
+_WEIGHTS = {
+    "hann": lambda s: 1 + np.cos(np.pi * s),
+    "blackman": lambda s: 0.42 + 0.5 * np.cos(np.pi * s) + 0.08 * np.cos(2 * np.pi * s),
+    "vold-kalman": _kalman,
+}

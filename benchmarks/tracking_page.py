@@ -32,12 +32,12 @@ Written by `benchmarks/tracking.py --write` (`make tracking`); do not edit.
 
 {headline(figures)}
 
-The run-up has a line at 0.47X that nobody asked for. It leaks through the Hann window of `resampling` into the 0X and
-1X; the other two hold it out. Without it all three meet the first and the fourth line.
+The run-up has a line at 0.47X that nobody asked for, half an order from the 1X and from the 0X.
 
 ## Three methods
 
-`rotor track --method` chooses; `--turns` is how much noise passes: of all three as much as through 1.5 / turns orders.
+`rotor track --method` chooses; `--turns` is how much noise passes: as much as through 1.73 / turns orders with
+`resampling`, through 1.5 / turns with the others.
 
 {methods()}
 
@@ -67,16 +67,17 @@ row's middle, which a model that leaves the window out has as an error.
 
 {parts(figures)}
 
-Noise of 0.5 um rms in 8 turns is 0.04 % of 50 um however it is tracked. 0.47X passes the Hann window of `resampling`
-by 0.3 % of its own amplitude; the other methods have equations for 0.5X, which take most of 0.47X with them. Asked for
-by itself, 0.47X comes out too, by `least-squares` and `vold-kalman`. The last is only as exact in the 2X and 3X as the
-4X and 5X of the run-out are small: they are in none of its equations.
+Noise of 0.5 um rms in 8 turns is 0.04 to 0.05 % of 50 um however it is tracked. 0.47X passes the window of `resampling`
+by 0.08 % of its own amplitude (Hann's, of less noise by 7 %, would pass 0.30 %); the other methods have equations for
+0.5X, which take most of 0.47X with them. Asked for by itself, 0.47X comes out too, by `least-squares` and
+`vold-kalman`. The last is only as exact in the 2X and 3X as the 4X and 5X of the run-out are small: they are in none of
+its equations.
 
 ## 95 % intervals
 
 Over {draws} recordings of two probes each, the share of intervals that hold the truth; both parts together, with the
 lowest and highest of any order and part. The 0X has but a real part. An interval knows of the noise and of the jitter,
-not of a line that leaks: 0.47X is as large an error of the 0X and 1X by `resampling` as the noise is.
+not of a line that leaks, as 0.47X does a little by `resampling`.
 
 {coverage(figures)}
 
@@ -139,13 +140,13 @@ def methods() -> str:
         ),
         (
             "a row is the mean under",
-            "Hann's window of `turns`",
-            "the same",
+            "Blackman's window of `turns`",
+            "Hann's of `turns`",
             "e^(-u) (cos u + sin u), u = 4 turns away / `turns`",
         ),
         ("which reaches over", "`turns`", "`turns`", "3.93 `turns`; what lacks that at an end is masked"),
         ("a parabola in the amplitude", "is flattened", "is flattened", "passes as it is"),
-        ("orders may be apart", "2 / turns, `turns` times each whole", "1 / turns", "1 / turns"),
+        ("orders may be apart", "3 / turns, `turns` times each whole", "1 / turns", "1 / turns"),
     ]
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 

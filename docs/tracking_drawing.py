@@ -12,6 +12,7 @@ TURNS = 8
 PER_TURN = 64  # samples
 OWN = ORDERS.index(1.0)
 FLOOR = 1e-6
+HANN, BLACKMAN = (0.5, 0.5), (0.42, 0.5, 0.08)
 METHODS = ("resampling", "least-squares", "vold-kalman")
 COLOUR = dict(zip(METHODS, COLOURS, strict=False))
 
@@ -23,14 +24,18 @@ def windows() -> Figure:
     figure = Figure(width=760, height=330)
     figure.key_row(16, 26, [(COLOUR[method], method) for method in METHODS])
     panel = figure.panel(
-        (52, 62, 290, 210), x=(-16, 16), y=(-0.05, 0.29), title="weights of a row", xlabel="turns from its middle"
+        (52, 62, 290, 210), x=(-16, 16), y=(-0.05, 0.32), title="weights of a row", xlabel="turns from its middle"
     )
     turns = np.linspace(-16, 16, 641)
     panel.line([-16, 16], [0, 0], colour=FAINT, width=0.8)
-    for method, weights in (("vold-kalman", _kalman(turns)), ("resampling", _hann(turns))):
+    for method, weights in (
+        ("vold-kalman", _kalman(turns)),
+        ("least-squares", _cosines(turns, HANN)),
+        ("resampling", _cosines(turns, BLACKMAN)),
+    ):
         panel.line(*panel.straightened(turns, weights, within=0.1), colour=COLOUR[method], width=2)
-    panel.note(3.6, 0.24, "Hann's: resampling", size=11, colour=COLOUR["resampling"])
-    panel.note(3.6, 0.222, "and least-squares", size=11, colour=COLOUR["least-squares"])
+    panel.note(3.6, 0.26, "Blackman's: resampling", size=11, colour=COLOUR["resampling"])
+    panel.note(3.6, 0.24, "Hann's: least-squares", size=11, colour=COLOUR["least-squares"])
     orders = np.linspace(0.02, 2.5, 621)
     panel = figure.panel(
         (412, 62, 330, 210), x=(0, 2.5), y=(FLOOR, 2), title="what passes into the 1X", xlabel="order", log=True
@@ -42,9 +47,10 @@ def windows() -> Figure:
     return figure
 
 
-def _hann(turns: Reals) -> Reals:
-    """Return the weights, of area 1 in turns."""
-    return np.where(np.abs(turns) <= TURNS / 2, (1 + np.cos(2 * np.pi * turns / TURNS)) / TURNS, 0.0)
+def _cosines(turns: Reals, window: tuple[float, ...]) -> Reals:
+    """Return the weights of a window of cosines, of area 1 in turns."""
+    weights = sum(a * np.cos(2 * np.pi * k * turns / TURNS) for k, a in enumerate(window))
+    return np.where(np.abs(turns) <= TURNS / 2, weights / (window[0] * TURNS), 0.0)
 
 
 def _kalman(turns: Reals) -> Reals:

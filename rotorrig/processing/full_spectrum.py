@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.probe_planes import Plane, measured_planes, whirl
-from rotorrig.processing.resampling import hann_in_angle
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.row_waveform import row_waveform
 from rotorrig.processing.rows import Rows
 from rotorrig.processing.tacho import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms
+from rotorrig.processing.windows import hann
 from rotorrig.rig.description import RigConfig
 
 HIGHEST = 4.0  # order of a cascade on either side
@@ -121,7 +121,7 @@ def full_spectrum(
     """
     orbit = (x @ plane.to_xy.T) @ np.array([1.0, 1j if rotation == "x-to-y" else -1j])
     psi = TURN * turns * (np.arange(len(orbit)) / len(orbit) - 0.5)
-    weight = hann_in_angle(psi, turns=turns)
+    weight = hann(psi, turns=turns)
     weight = weight / weight.sum()
     spectrum = np.fft.fft(weight * (orbit - weight @ orbit))
     order = _orders(turns, highest)

@@ -5,10 +5,10 @@ A row of `turns` turns about its middle angle is taken as
     x = sum_n Re((a_n + b_n psi) e^{j n psi}) + rest,   weighted by 1 + cos(psi / turns) per angle,
 
 over the orders asked for and the whole ones up to one above the highest, order 0 among them; z_n is a_n, turned back
-from the middle angle. In a fit, orders need not be two Hann bins apart, as in a DFT, but one (`settings.APART`): an
-order tracked with its neighbours takes half the turns. The slopes b_n keep an amplitude that changes through the row
-from leaking into its neighbours. A parabola in the amplitude is seen as under the Hann window alone, the fit being
-symmetric in psi: the same smear, as long as two Hann bins separate the orders.
+from the middle angle. In a fit, orders need not be three bins of 1 / turns apart, as in the DFT, but one
+(`settings.APART`): an order tracked with its neighbours takes a third of the turns. The slopes b_n keep an amplitude
+that changes through the row from leaking into its neighbours. A parabola in the amplitude is seen as under the Hann
+window alone, the fit being symmetric in psi: the same smear, as long as two Hann bins separate the orders.
 
 Björck, Numerical Methods for Least Squares Problems (1996), ch. 2.2: normal equations, here of a few well separated
 functions whose condition number stays below 2e4.

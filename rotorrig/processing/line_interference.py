@@ -15,11 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing.resampling import hann_in_angle
 from rotorrig.processing.response import OrderTrackedResponse, Window
 from rotorrig.processing.rows import Rows
 from rotorrig.processing.tacho import TURN
 from rotorrig.processing.vold_kalman import support
+from rotorrig.processing.windows import blackman, hann
 from rotorrig.rig.units import micrometres
 
 MAINS = (50.0, 60.0)  # Hz
@@ -36,6 +36,7 @@ FALLS_IN = 0.1  # of its amplitude: what a row's window must let through to be t
 NOTICED = 0.5  # of a vector's sigma, and
 SHARE = 0.002  # of the vector itself: what adds less is no matter
 POINTS = 24  # per turn, of a row's window
+_COSINES = {"hann": hann, "blackman": blackman}
 _BINS = 3.0  # from a line on either window passes less than FALLS_IN
 
 Remarks = tuple[tuple[str, ...], ...]
@@ -164,7 +165,7 @@ def line_remarks(lines: tuple[Line, ...], response: OrderTrackedResponse, rows: 
     return tuple(tuple(row) for row in words)
 
 
-def passed_by(rows: Rows, *, order: float, frequency: float, window: Window = "hann") -> NDArray[np.float64]:
+def passed_by(rows: Rows, *, order: float, frequency: float, window: Window = "blackman") -> NDArray[np.float64]:
     """Return the share (row,) of a line's amplitude that the window of each row lets into the vector of an order.
 
     |mean of e^{j (2 pi f t - n psi)} under the window|, with t(psi) of a steady acceleration: a quickly rising speed
@@ -190,7 +191,7 @@ def _weights(window: Window, turns: int) -> tuple[NDArray[np.float64], NDArray[n
         u = 4 * np.abs(psi) / (TURN * turns)
         weight = np.exp(-u) * (np.cos(u) + np.sin(u))
     else:
-        weight = hann_in_angle(psi, turns=turns) if window == "hann" else np.ones(count)
+        weight = _COSINES[window](psi, turns=turns) if window in _COSINES else np.ones(count)
     return psi, weight / weight.sum()
 
 

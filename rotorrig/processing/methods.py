@@ -12,6 +12,7 @@ from rotorrig.processing.response import Method, Window
 from rotorrig.processing.rows import Rows
 from rotorrig.processing.tacho import ShaftAngle
 from rotorrig.processing.waveform import Waveforms
+from rotorrig.processing.windows import BLACKMAN_BANDWIDTH, HANN_BANDWIDTH
 
 
 class Track(Protocol):
@@ -46,6 +47,7 @@ class TrackingMethod:
     window: Window  # the weights under which a row is the mean of an order's amplitude
     revolutions: Callable[[float], float]  # turns of that window for rows of so many turns
     noise_response: NoiseResponse
+    bandwidth: float  # integral of that, in 1 / turns
 
 
 def _all_of(turns: float) -> float:
@@ -61,15 +63,24 @@ def _vold_kalman_noise(
 
 METHODS: dict[Method, TrackingMethod] = {
     "resampling": TrackingMethod(
-        track=resampling.track, window="hann", revolutions=_all_of, noise_response=resampling.noise_response
+        track=resampling.track,
+        window="blackman",
+        revolutions=_all_of,
+        noise_response=resampling.noise_response,
+        bandwidth=BLACKMAN_BANDWIDTH,
     ),
     "least-squares": TrackingMethod(
-        track=least_squares.track, window="hann", revolutions=_all_of, noise_response=least_squares.noise_response
+        track=least_squares.track,
+        window="hann",
+        revolutions=_all_of,
+        noise_response=least_squares.noise_response,
+        bandwidth=HANN_BANDWIDTH,
     ),
     "vold-kalman": TrackingMethod(
         track=vold_kalman.track,
         window="vold-kalman",
         revolutions=vold_kalman.support,
         noise_response=_vold_kalman_noise,
+        bandwidth=HANN_BANDWIDTH,
     ),
 }

@@ -21,6 +21,7 @@ from rotorrig.processing.methods import NoiseResponse
 from rotorrig.processing.rows import Rows
 from rotorrig.processing.tacho import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms
+from rotorrig.processing.windows import BLACKMAN_BANDWIDTH
 from rotorrig.rig.errors import DataError
 
 SEGMENT = 2.0  # s: resolves a natural frequency damped by 1 % at 40 Hz
@@ -31,7 +32,7 @@ OUTLIER = 10.0  # times the median power of a bin: a knock, not noise
 MOST = 512  # segments averaged, evenly spread over a longer recording: memory that does not grow with it
 FEWEST = 8  # segments a bin must have been seen in, more for more probes
 FLOOR = 0.01  # counts rms added: nothing for a live channel, keeps a dead one's matrix invertible
-REACH = 32  # times 1 / turns: 1e-9 of the power passes a Hann window further off
+REACH = 32  # times 1 / turns: 1e-9 of the power passes a cosine window further off
 _FINE = 128  # entries of the table of |H|^2 per 1 / turns
 
 
@@ -92,8 +93,8 @@ def row_covariance(
     """Return the covariance (row, order, 2 probe, 2 probe) [m^2] that the noise spectrum gives each row.
 
     E[z z^H] = 4 integral S(f) |H(f)|^2 df with S two-sided and H what the tracking method, a filter about the row's
-    order, lets through, 1 at the order itself. For white noise of variance s^2, n samples and a Hann window this is
-    var(re z) = var(im z) = 1.5 * 2 s^2 / n. Order 0 is a real mean of a quarter of that power; its imaginary part,
+    order, lets through, 1 at the order itself. For white noise of variance s^2, n samples and Blackman's window this
+    is var(re z) = var(im z) = 1.73 * 2 s^2 / n. Order 0 is a real mean of a quarter of that power; its imaginary part,
     zero by definition, is given the same variance so that the matrix can be inverted.
     """
     probes = spectrum.density.shape[1]
@@ -110,13 +111,18 @@ def row_covariance(
 
 
 def jitter_covariance(
-    z: NDArray[np.complex128], shaft: ShaftAngle, rows: Rows, *, orders: tuple[float, ...]
+    z: NDArray[np.complex128],
+    shaft: ShaftAngle,
+    rows: Rows,
+    *,
+    orders: tuple[float, ...],
+    bandwidth: float = BLACKMAN_BANDWIDTH,
 ) -> NDArray[np.float64]:
     """Return the covariance (row, order, 2 probe, 2 probe) [m^2] that the keyphasor's timing error gives `z`.
 
     A row whose mean shaft angle is wrong by d turns by n d at order n, all probes alike.
     """
-    variance = shaft.row_angle_sigma(rows.middle, turns=rows.turns) ** 2
+    variance = shaft.row_angle_sigma(rows.middle, turns=rows.turns, bandwidth=bandwidth) ** 2
     turned = np.nan_to_num(1j * z * np.array(orders)).transpose(0, 2, 1)  # (row, order, probe)
     pairs = np.stack([turned.real, turned.imag], axis=-1).reshape(*turned.shape[:2], -1)
     return variance[:, None, None, None] * pairs[..., :, None] * pairs[..., None, :]

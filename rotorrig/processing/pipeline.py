@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import Recorded
-from rotorrig.processing import noise, quality, resampling, slow_roll
+from rotorrig.processing import noise, quality, slow_roll
 from rotorrig.processing.keyphasor import read_keyphasor
 from rotorrig.processing.line_interference import line_remarks
-from rotorrig.processing.methods import METHODS, NoiseResponse
+from rotorrig.processing.methods import METHODS, TrackingMethod
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.rows import Rows, lay_rows
 from rotorrig.processing.runs import Span, find_runs
@@ -50,7 +50,7 @@ def track(
     tell(_BEGUN)
     z = method.track(waveforms, shaft, rows, orders=orders, progress=lambda done: tell(_BEGUN + _VECTORS * done))
     spectrum = noise_between_orders(waveforms, shaft, rows, orders=orders)
-    covariance = estimate_covariance(spectrum, shaft, rows, z, orders=orders, response=method.noise_response)
+    covariance = estimate_covariance(spectrum, shaft, rows, z, orders=orders, method=method)
     tell(_KNOWN)
     usable, reasons = quality.assess(waveforms, shaft, rows, spans=spans, probes=recording.rig.probes)
     usable, reasons = without_vectors(z, usable, reasons)
@@ -139,14 +139,11 @@ def estimate_covariance(
     z: NDArray[np.complex128],
     *,
     orders: tuple[float, ...],
-    response: NoiseResponse = resampling.noise_response,
+    method: TrackingMethod,
 ) -> NDArray[np.float64]:
-    """Return the covariance (row, order, 2 probe, 2 probe) [m^2]: noise between the lines and keyphasor jitter.
-
-    `response` is what the method lets through beside the order it tracks.
-    """
-    noisy = noise.row_covariance(spectrum, rows, orders=orders, response=response)
-    return noisy + noise.jitter_covariance(z, shaft, rows, orders=orders)
+    """Return the covariance (row, order, 2 probe, 2 probe) [m^2]: noise between the lines and keyphasor jitter."""
+    noisy = noise.row_covariance(spectrum, rows, orders=orders, response=method.noise_response)
+    return noisy + noise.jitter_covariance(z, shaft, rows, orders=orders, bandwidth=method.bandwidth)
 
 
 def without_vectors(

@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.provenance import Provenance
 
-Window = Literal["hann", "rectangular", "vold-kalman"]  # weights of a row's turns, see docs/response-file.md
+Window = Literal[
+    "blackman", "hann", "rectangular", "vold-kalman"
+]  # weights of a row's turns, see docs/response-file.md
 Method = Literal["resampling", "least-squares", "vold-kalman", "unknown"]  # of tracking; unknown: a table's
 
 

@@ -9,9 +9,9 @@ from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.units import to_si
 
 ORDERS = (0.0, 0.5, 1.0, 2.0, 3.0)  # the gap, half and whole multiples of the speed that faults are known by
-#: orders apart times turns that a method wants between an order and the next, or a whole one: a Hann window is zero
-#: from 2 on; a fit tells them apart from 1 on, where the noise of either rises by a seventh
-APART: dict[Method, float] = {"resampling": 2.0, "least-squares": 1.0, "vold-kalman": 1.0}
+#: orders apart times turns that a method wants between an order and the next, or a whole one: Blackman's window is
+#: zero from 3 on; a fit tells them apart from 1 on, where the noise of either rises by a seventh
+APART: dict[Method, float] = {"resampling": 3.0, "least-squares": 1.0, "vold-kalman": 1.0}
 LONGEST = 10_000  # turns
 HIGHEST = 100.0  # order
 

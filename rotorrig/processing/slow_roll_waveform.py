@@ -1,6 +1,6 @@
 """The slow-roll waveform: one turn of what a probe reads of run-out and bow, and its compensation by shaft angle.
 
-An average over the turns of the slow roll, each row under its Hann window in angle, so that the waveform's n-th
+An average over the turns of the slow roll, each row under its window in angle, so that the waveform's n-th
 harmonic is the slow-roll vector of order n as resampling tracks it (other methods agree within their noise), for every
 n at once and not only for the orders that were asked for. The mean is taken out: a compensated waveform keeps its gap.
 Raw waveforms are never changed; compensation is a pair of functions that undo each other.
@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from rotorrig.processing.resampling import hann_in_angle
 from rotorrig.processing.row_waveform import first_point, row_waveform
 from rotorrig.processing.rows import Rows
 from rotorrig.processing.slow_roll import SlowRoll
 from rotorrig.processing.tacho import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms
+from rotorrig.processing.windows import blackman
 from rotorrig.rig.errors import DataError
 
 MOST_POINTS = 512  # per turn: run-out up to order 180
@@ -50,13 +50,13 @@ def slow_roll_waveform(
 
 
 def turn_average(x: NDArray[np.float64], *, turns: int, behind: float = 0.0) -> NDArray[np.float64]:
-    """Return one turn (point, probe) of `x` (turns * point, probe), averaged under a Hann window over all of them.
+    """Return one turn (point, probe) of `x` (turns * point, probe), averaged under Blackman's window over all of them.
 
     The window begins `behind` turns before the first point, less than one step. 2 mean(turn e^{-j n theta}) is then
     the order vector n of the same window, see resampling.
     """
     psi = TURN * turns * (np.arange(len(x)) / len(x) - 0.5) + TURN * behind
-    weight = hann_in_angle(psi, turns=turns).reshape(turns, -1, 1)
+    weight = blackman(psi, turns=turns).reshape(turns, -1, 1)
     return np.asarray((weight * x.reshape(turns, -1, x.shape[1])).sum(axis=0) / weight.sum(axis=0))
 
 

@@ -107,7 +107,7 @@ class TableMapping(Part):
     notes: str = ""
     delimiter: str = ","
     run_column: str | None = None
-    window: Literal["rectangular", "hann"] = "rectangular"
+    window: Literal["rectangular", "hann", "blackman"] = "rectangular"
     speed: SpeedColumn
     vectors: tuple[VectorColumns, ...]
     runs: tuple[TableRun, ...]

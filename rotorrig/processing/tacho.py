@@ -15,9 +15,9 @@ from rotorrig.processing.displaced import without_displaced
 from rotorrig.processing.pulse_train import Gaps, PulseTrain, count_pulses
 from rotorrig.processing.smooth_angle import TURN, SmoothAngle, fit_angle
 from rotorrig.processing.teeth import count_teeth, tooth_angles
+from rotorrig.processing.windows import BLACKMAN_BANDWIDTH
 
 BRIDGED = 0.02  # rad (1.1 deg), 1 sigma of the angle amid missed pulses: beyond, its turns are not to be used
-HANN_BANDWIDTH = 1.5  # of a row's Hann window: independent errors of n pulses leave 1.5 / n of their variance
 UNMARKED = "no tooth of the keyphasor is marked: phases compare within this recording alone"
 _PER_TURN = 4  # places at which the variance of a row's angle is looked at
 
@@ -71,12 +71,15 @@ class ShaftAngle:
         """Return the 1-sigma uncertainty (time,) of the acceleration [rad/s^2]."""
         return np.sqrt(self.smooth.variance(t)[:, 2])
 
-    def row_angle_sigma(self, middle: NDArray[np.float64], *, turns: float) -> NDArray[np.float64]:
+    def row_angle_sigma(
+        self, middle: NDArray[np.float64], *, turns: float, bandwidth: float = BLACKMAN_BANDWIDTH
+    ) -> NDArray[np.float64]:
         """Return the 1-sigma uncertainty [rad] of the mean angle of rows of `turns` turns about turns `middle` (row,).
 
-        Under a Hann window. Errors of a curve that averages more turns than the row are alike all over it; those of
-        one that passes through every pulse are independent, and so is what it leaves open between pulses. The less of
-        the first two is taken, which is the variance or, where both lengths are equal, up to 1.5 times too much.
+        Under a window of a noise bandwidth of `bandwidth` / turns. Errors of a curve that averages more turns than the
+        row are alike all over it; those of one that passes through every pulse are independent, and so is what it
+        leaves open between pulses. The less of the first two is taken, which is the variance or, where both lengths are
+        equal, up to 1.5 times too much.
         """
         places = (np.arange(turns * _PER_TURN) + 0.5) / _PER_TURN - turns / 2
         t = self.time_at(np.ravel(np.asarray(middle)[:, None] + places))
@@ -85,8 +88,8 @@ class ShaftAngle:
         single = (self.omega(t) * np.interp(t, self.spline.x, self.smooth.sigma)).reshape(variance.shape)
         pulses = turns * (len(self.spline.x) - 1) / max(self.turn[-1], 1)
         alike = at_pulse.mean(axis=1)
-        independent = HANN_BANDWIDTH / pulses * np.mean(single**2, axis=1)
-        between = HANN_BANDWIDTH / pulses * np.maximum(variance - at_pulse, 0).mean(axis=1)
+        independent = bandwidth / pulses * np.mean(single**2, axis=1)
+        between = bandwidth / pulses * np.maximum(variance - at_pulse, 0).mean(axis=1)
         return np.sqrt(np.minimum(alike, independent) + between)
 
     def time_at(self, turn: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -127,7 +127,7 @@ def test_rows_that_a_line_falls_into_say_so_and_stay_usable(
     assert not any(clean.remarks) and len(clean.remarks) == len(clean.t)
     assert humming.usable.all() and not any(humming.reasons)
     told = np.array([any("falls into 3X" in word for word in row) for row in humming.remarks])
-    bin_rpm = 2 * humming.omega / RPM / 8 / 3  # where a Hann window of 8 turns ends
+    bin_rpm = 2 * humming.omega / RPM / 8 / 3  # where the window of 8 turns ends
     apart = np.abs(humming.omega / RPM - 20 * FREQUENCY)
     assert told[apart < 0.8 * bin_rpm].all()
     assert not told[apart > bin_rpm + 30].any()

@@ -45,17 +45,17 @@ def whitened(response: OrderTrackedResponse, error: np.ndarray, order: float) ->
     return np.linalg.solve(root, pairs[..., None])[..., 0]
 
 
-def test_white_noise_has_the_variance_of_a_hann_weighted_mean() -> None:
+def test_white_noise_has_the_variance_of_a_mean_weighted_by_blackmans_window() -> None:
     sigma, rate, turns, speed = 2.0, 1000.0, 8, 40.0
     spectrum = NoiseSpectrum(
         frequency=np.arange(0, 500, 0.5),
         density=np.full((1000, 1, 1), sigma**2 / rate, dtype=complex),  # two-sided
     )
     covariance = row_covariance(spectrum, rows_at([speed], turns=turns), orders=(0.0, 1.0, 2.0))[0]
-    n = rate * turns / speed
-    np.testing.assert_allclose(covariance[1], 1.5 * 2 * sigma**2 / n * np.eye(2), rtol=1e-9, atol=1e-12)
+    n, broad = rate * turns / speed, 1523 / 882  # noise bandwidth of 0.42, 0.50, 0.08: Harris, table 1
+    np.testing.assert_allclose(covariance[1], broad * 2 * sigma**2 / n * np.eye(2), rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(covariance[2], covariance[1])
-    assert covariance[0, 0, 0] == pytest.approx(1.5 * sigma**2 / n)  # the mean, not twice it
+    assert covariance[0, 0, 0] == pytest.approx(broad * sigma**2 / n)  # the mean, not twice it
 
 
 def test_a_quarter_turn_between_probes_correlates_real_with_imaginary_parts() -> None:

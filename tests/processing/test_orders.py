@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from rotorrig.processing.pipeline import track
-from rotorrig.processing.resampling import hann_in_angle, order_vectors
+from rotorrig.processing.resampling import order_vectors
+from rotorrig.processing.windows import blackman
 from tests.processing.synthetic import chirp
 
 RPM = np.pi / 30
@@ -41,14 +42,14 @@ def test_twenty_samples_per_turn_are_enough() -> None:
         assert abs(one_row(np.cos(theta), theta)[0] - 1) < 1e-5
 
 
-def test_a_row_is_the_mean_of_the_amplitude_under_the_hann_window() -> None:
-    # A = A0 + A1 psi + A2 psi^2: the odd part drops out; mean of psi^2 under 1 + cos(psi / T) is T^2 (pi^2 / 3 - 2)
+def test_a_row_is_the_mean_of_the_amplitude_under_blackmans_window() -> None:
+    # A = A0 + A1 psi + A2 psi^2: the odd part drops out; the mean of psi^2 is T^2 (pi^2 / 3 - 16 / 7)
     turns, theta = 8, turned(8, 200)
     A = (1 + 2j) + (0.01 - 0.02j) * theta + (0.001 + 0.002j) * theta**2
     z = one_row(np.real(A * np.exp(1j * theta)), theta, turns=turns)[0]
-    want = (1 + 2j) + (0.001 + 0.002j) * turns**2 * (np.pi**2 / 3 - 2)
+    want = (1 + 2j) + (0.001 + 0.002j) * turns**2 * (np.pi**2 / 3 - 16 / 7)
     assert z == pytest.approx(want, rel=2e-3)  # A is no band-limited modulation: its kink at the ends leaks a little
-    weight = hann_in_angle(theta, turns=turns)
+    weight = blackman(theta, turns=turns)
     assert z == pytest.approx(weight @ A / weight.sum(), rel=2e-3)
 
 

@@ -69,7 +69,7 @@ def test_the_runs_of_the_plan_come_out_with_their_vectors(response: OrderTracked
     np.testing.assert_allclose(response.order(0).real, 30e-6, atol=1e-8)
     assert (response.order(0).imag == 0).all()
     assert (np.diff(response.t) > 0).all()
-    assert response.window == "hann" and (response.revolutions == 8).all()
+    assert response.window == "blackman" and (response.revolutions == 8).all()
 
 
 def test_the_slow_roll_vector_stands_beside_the_raw_ones(response: OrderTrackedResponse) -> None:
@@ -105,7 +105,7 @@ def test_the_result_is_the_same_whatever_the_blocks(sweep: RawRecording, respons
 
 def test_more_orders_and_other_windows_may_be_asked_for(sweep: RawRecording) -> None:
     told: list[float] = []
-    found = track(sweep, Tracking(turns=4, orders=(0.5, 1, 3)), progress=told.append)
+    found = track(sweep, Tracking(turns=6, orders=(0.5, 1, 3)), progress=told.append)
     assert found.orders == (0.5, 1.0, 3.0)
     assert np.abs(found.order(0.5)[found.run > 0]).max() < 1e-7
     assert told == sorted(told) and told[-1] == 1.0

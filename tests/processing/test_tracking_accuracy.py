@@ -55,10 +55,13 @@ def test_a_line_between_the_orders_that_nobody_asked_for_does_no_harm_to_a_fit(t
     assert found.phase_deg < 0.05
 
 
-def test_a_line_between_the_orders_leaks_through_a_hann_window_as_its_transform_says(tracked: Track) -> None:
-    """5 um at 0.53 orders from the 1X and 1.47 from its mirror image: sinc(x) / (1 - x^2) at x = orders times turns."""
+def test_a_line_between_the_orders_leaks_through_blackmans_window_as_its_transform_says(tracked: Track) -> None:
+    """5 um at 0.53 orders from the 1X and 1.47 from its mirror image, x = orders times turns.
+
+    Blackman's transform: sinc(x) (4 - 3 x^2 / 7) / ((1 - x^2) (4 - x^2)).
+    """
     run = without(replace(standard(2), noise=0.0), orders=(4.0, 5.0))
-    near, far = (np.sinc(8 * d) / (1 - (8 * d) ** 2) for d in (0.53, 1.47))
+    near, far = (np.sinc(x) * (4 - 3 * x**2 / 7) / ((1 - x**2) * (4 - x**2)) for x in (8 * 0.53, 8 * 1.47))
     expected = 100 * 5e-6 * np.hypot(near, far) / np.sqrt(np.mean(np.abs(run.truth(1.0)) ** 2))
     assert score(tracked(run), run).vector_percent == pytest.approx(expected, rel=0.05)
 

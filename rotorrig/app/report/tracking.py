@@ -20,7 +20,12 @@ METHODS = {
     "vold-kalman": "Vold-Kalman filter",
     "unknown": "not stated by the response file",
 }
-WINDOWS = {"hann": "Hann", "rectangular": "rectangular", "vold-kalman": "the filter's own, in time"}
+WINDOWS = {
+    "blackman": "Blackman",
+    "hann": "Hann",
+    "rectangular": "rectangular",
+    "vold-kalman": "the filter's own, in time",
+}
 
 
 def tracking(response: OrderTrackedResponse) -> Section:

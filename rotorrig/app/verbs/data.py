@@ -35,7 +35,7 @@ def track(
     orders: Annotated[str, typer.Option(help="multiples of the speed; 0 is the gap")] = "0,0.5,1,2,3",
     method: Annotated[
         Literal["resampling", "least-squares", "vold-kalman"],
-        typer.Option(help="Hann-windowed DFT over the shaft angle; a fit of all orders at once; a Kalman filter"),
+        typer.Option(help="windowed DFT over the shaft angle; a fit of all orders at once; a Vold-Kalman filter"),
     ] = "resampling",
     every: Annotated[
         str | None, typer.Option(help="rows at steps of '10 rpm' or '0.5 s'", show_default="one after another")

@@ -45,7 +45,7 @@ def identify(
     if measured.rig.effects:
         labels = "; ".join(effect.label for effect in measured.rig.effects)
         out.print(f"The config's effects ({labels}) are not in this fit, only in rotor diagnose.", highlight=False)
-    out.print(f"{out_file}: {len(found.fits)} fits in {found.wall_s:.1f} s")
+    out.print(f"{out_file}: {len(found.fits)} fit{'s' * (len(found.fits) != 1)} in {found.wall_s:.1f} s")
 
 
 def diagnose(

@@ -16,7 +16,7 @@ from rotorrig.sims.rotor.timeline import TURN, SpeedRange, Timeline, Turns
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-Window = Literal["hann", "rectangular", "vold-kalman"]
+Window = Literal["blackman", "hann", "rectangular", "vold-kalman"]
 
 POINTS = 16  # Gauss points per window, or half of a long one; enough for two beats of a free vibration within it
 KALMAN_END = 2.5 * np.pi  # u at the ends of a Vold-Kalman window: what lies beyond weighs nothing in the mean
@@ -109,14 +109,17 @@ def tracked_rows(
 def window_weights(x: Reals, window: str) -> Reals:
     """Return what a window weighs at x, -1 to 1 from its begin to its end, in shaft angle; not normalised.
 
-    Evenly ("rectangular"), by 1 + cos(pi x) ("hann"), or as a Vold-Kalman filter of two poles does, by e^{-u} (cos u +
-    sin u), u = 5 pi |x| / 2 ("vold-kalman"). Raises ValueError on another window.
+    Evenly ("rectangular"), by 1 + cos(pi x) ("hann"), by 0.42 + 0.5 cos(pi x) + 0.08 cos(2 pi x) ("blackman"), or as a
+    Vold-Kalman filter of two poles does, by e^{-u} (cos u + sin u), u = 5 pi |x| / 2 ("vold-kalman"). Raises ValueError
+    on another window.
     """
     match window:
         case "rectangular":
             return np.ones_like(x)
         case "hann":
             return 1 + np.cos(np.pi * x)
+        case "blackman":
+            return 0.42 + 0.5 * np.cos(np.pi * x) + 0.08 * np.cos(2 * np.pi * x)
         case "vold-kalman":
             u = KALMAN_END * np.abs(x)
             return np.exp(-u) * (np.cos(u) + np.sin(u))
