@@ -6,6 +6,7 @@ from pathlib import Path
 
 from rotorrig.acquisition.mcap_file import read_recording
 from rotorrig.acquisition.recording import RawRecording
+from rotorrig.app.console import working
 from rotorrig.app.live_history import history_of, stepped
 from rotorrig.app.live_process import open_stream
 from rotorrig.app.live_scene import LiveScene
@@ -42,25 +43,26 @@ def view_file(path: Path, evidence: Evidence = ALONE, *, headless: bool | None =
 
     Raises DataError for a file of another kind, or evidence that is not of it; RigError if the viewer does not start.
     """
-    with (
-        tempfile.TemporaryDirectory(prefix="rotor-view-") as folder,
-        show_files([as_rrd(path, Path(folder), evidence)], headless=headless) as viewer,
-    ):
-        viewer.wait()
+    with tempfile.TemporaryDirectory(prefix="rotor-view-") as folder:
+        with working(f"drawing {path.name}"):
+            made = as_rrd(path, Path(folder), evidence)
+        with show_files([made], headless=headless) as viewer:
+            viewer.wait()
 
 
 def save_result(path: Path, out: Path, evidence: Evidence = ALONE) -> None:
     """Write the picture of a response.mcap and what belongs to it to `out`, an .rrd. Raises DataError, RigError."""
     if out.suffix != ".rrd":
         raise DataError(f"{out}: ends in '{out.suffix}', want a name that ends in .rrd")
-    _write_result(out, read_response(path), evidence)
+    with working(f"drawing {path.name}"):
+        _write_result(out, read_response(path), evidence)
 
 
 def as_rrd(path: Path, folder: Path, evidence: Evidence = ALONE) -> Path:
     """Return `path` if it is an .rrd, else its picture written into `folder`. Raises DataError."""
     if evidence.given:
         made = folder / "result.rrd"
-        save_result(path, made, evidence)
+        _write_result(made, read_response(path), evidence)
         return made
     if path.suffix == ".rrd":
         if not path.is_file():
