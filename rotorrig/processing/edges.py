@@ -15,7 +15,7 @@ from rotorrig.rig.errors import DataError
 SPIKES = 0.001  # share of the samples at either end that may be spikes; a pulse has to last longer
 SEPARATION = 3.0  # levels apart, in scatter about them: 2.3 for pure noise, 3.8 for a sine, > 10 for a pulse
 STRETCH = 4.0  # s: what levels are found in, two pulses of a slow roll at 30 rpm
-PICKED = 30_000  # samples of a stretch that are looked at
+PICKED = 10_000  # samples of a stretch that are looked at
 AT_REST = 0.5  # of the largest swing: stretches with less hold hum, no pulses
 DRIFT = 0.05  # of the swing: levels that wander by less are taken as steady
 NEIGHBOURS = 5  # stretches in the running median of levels that wander
