@@ -72,10 +72,11 @@ def track(
             recording, settings, trial=masses, progress=lambda done: bars.update(task, completed=done)
         )
         write_response(out_file, response)
-    tell(f"{out_file}: {tracked_words(response)}", {"file": str(out_file), **tracked_facts(response)}, as_json=as_json)
-    for words in (spacing_words(response, settings), *quality_words(response)):
-        if words:
-            err.print(words, highlight=False, markup=False, soft_wrap=True)
+    said = [words for words in (spacing_words(response, settings), *quality_words(response)) if words]
+    facts = {"file": str(out_file), **tracked_facts(response), "said": said}
+    tell(f"{out_file}: {tracked_words(response)}", facts, as_json=as_json)
+    for words in [] if as_json else said:
+        err.print(words, highlight=False, markup=False, soft_wrap=True)
 
 
 def import_(

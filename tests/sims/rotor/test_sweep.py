@@ -101,7 +101,7 @@ def test_x_and_y_modes_that_coincide_are_passed_together(full):
             "row 0: its window of 8 turns about 0.01 s is not within the keyphasor pulses, 0 to",
         ),
         ({"t": [2.0, np.nan]}, DataError, "row 1: .* about nan s is not within"),
-        ({"window": "flat"}, ValueError, "window is 'flat', want 'hann' or 'rectangular'"),
+        ({"window": "flat"}, ValueError, "window is 'flat', want one of 'blackman', 'hann', 'rectangular'"),
         ({"unbalance": {"disc": 1.0}}, ValueError, "no disk 'disc'"),
     ],
 )
