@@ -34,8 +34,8 @@ def windows() -> Figure:
         ("resampling", _cosines(turns, BLACKMAN)),
     ):
         panel.line(*panel.straightened(turns, weights, within=0.1), colour=COLOUR[method], width=2)
-    panel.note(3.6, 0.26, "Blackman's: resampling", size=11, colour=COLOUR["resampling"])
-    panel.note(3.6, 0.24, "Hann's: least-squares", size=11, colour=COLOUR["least-squares"])
+    panel.note(-15, 0.26, "Blackman's", size=11, colour=COLOUR["resampling"])
+    panel.note(-15, 0.24, "Hann's", size=11, colour=COLOUR["least-squares"])
     orders = np.linspace(0.02, 2.5, 621)
     panel = figure.panel(
         (412, 62, 330, 210), x=(0, 2.5), y=(FLOOR, 2), title="what passes into the 1X", xlabel="order", log=True

@@ -104,7 +104,7 @@ def test_the_mean_angle_of_a_row_is_as_uncertain_as_is_said(rng: np.random.Gener
             t = shaft.time_at((middle[:, None] + psi).ravel())
             error = (theta(t) - shaft.theta(t)).reshape(len(middle), -1) @ weight / weight.sum()
             error -= TURN * np.round(error / TURN)  # the first pulse may be the one that is missing
-            z.append(error / shaft.row_angle_sigma(middle, turns=8))
+            z.append(error / shaft.row_angle_sigma(middle, turns=8, bandwidth=1.5))
         assert np.sqrt(np.mean(np.concatenate(z) ** 2)) == pytest.approx(1.0, abs=0.2)
 
 
