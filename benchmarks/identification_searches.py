@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from rotorrig.identify.chea import valley_search
+from benchmarks import valley_search
 from rotorrig.identify.chea.chea import chea
 from rotorrig.identify.chea.least_absolute import descend_absolute
 from rotorrig.identify.chea.levenberg_marquardt import Residual

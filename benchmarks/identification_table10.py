@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.blind_run import record
+from benchmarks.cramer_rao import amplitude_root, bounds
 from benchmarks.identification_chapter import (
     NAMES,
     OBJECTIVES,
@@ -31,7 +32,6 @@ from benchmarks.identification_chapter import (
 from benchmarks.identification_table8 import HALF
 from benchmarks.tables import markdown
 from rotorrig.identify import measurement
-from rotorrig.identify.cramer_rao import amplitude_root, bounds
 from rotorrig.identify.fit import fit
 from rotorrig.identify.measurement import Measurement
 from rotorrig.identify.objective import Amplitudes, Name

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.cramer_rao import bounds, relative_root
 from benchmarks.identification_chapter import NAMES, OBJECTIVES, TABLE8, TABLE8_REFERENCE, errors
 from benchmarks.identification_searches import black_box, box, least_of_many
 from benchmarks.identification_table7 import oracle_response, steady
 from benchmarks.tables import markdown
-from rotorrig.identify.cramer_rao import bounds, relative_root
 from rotorrig.identify.objective import Amplitudes, Name
 from rotorrig.identify.search import search_amplitudes
 

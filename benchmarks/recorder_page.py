@@ -1,13 +1,9 @@
 """docs/recorder.md: what benchmarks/recorder.py measured, in words and tables."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from benchmarks.recorder_report import Report
 from benchmarks.tables import markdown
-
-if TYPE_CHECKING:
-    from benchmarks.recorder import Report
 
 HEAD = """# The recorder under load
 
@@ -26,14 +22,14 @@ VIEWERS = {
 }
 
 
-def page(report: "Report") -> str:
+def page(report: Report) -> str:
     """Return the page."""
     head = HEAD.format(cores=report.cores, load=report.load)
     measured = {long_run: report.samples, trips: report.trips_ms, kills: report.kills_lost_s}
     return "\n".join([head, *(f"{section(report)}\n" for section, found in measured.items() if found)])
 
 
-def long_run(report: "Report") -> str:
+def long_run(report: Report) -> str:
     """Return the section on the long recording."""
     return f"""## {report.minutes:g} minutes, with a viewer attached
 
@@ -45,7 +41,7 @@ def long_run(report: "Report") -> str:
   {report.read_rss / report.file_bytes:.1f} times the file: its samples as 32 bit numbers, once."""
 
 
-def trips(report: "Report") -> str:
+def trips(report: Report) -> str:
     """Return the section on trips."""
     head = ["", "trips", "median, ms", "p99, ms", "worst, ms"]
     rows = []
@@ -66,7 +62,7 @@ Of that, {_median_p99(report.decided_ms)} pass from a block's receipt by the swe
 wire's and the machine's."""
 
 
-def kills(report: "Report") -> str:
+def kills(report: Report) -> str:
     """Return the section on kill -9."""
     lost = report.kills_lost_s
     return f"""## kill -9

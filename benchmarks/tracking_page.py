@@ -1,16 +1,14 @@
 """What benchmarks/tracking.py prints and writes."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.tables import markdown
+from benchmarks.tracking_figures import Figures
 from rotorrig.processing.response import Method
 from rotorrig.processing.settings import USUAL
-
-if TYPE_CHECKING:
-    from benchmarks.tracking import Figures
 
 METHODS: tuple[Method, ...] = ("resampling", "least-squares", "vold-kalman")
 NAMES = {method: f"{method} (default)" if method == USUAL.method else method for method in METHODS}
@@ -24,7 +22,7 @@ TARGETS = {
 }
 
 
-def page(figures: "Figures", *, draws: int, rounds: int) -> str:
+def page(figures: Figures, *, draws: int, rounds: int) -> str:
     """Return docs/tracking.md."""
     return f"""# How exact and how quick the tracking is
 
@@ -109,7 +107,7 @@ that phases can be compared. The bandwidth of its Vold-Kalman filter is in Hz, h
 """
 
 
-def headline(figures: "Figures") -> str:
+def headline(figures: Figures) -> str:
     """Return what was wanted, and what each method does."""
     columns = [_headline(figures.of(method)) for method in METHODS]
     rows = [(what, want, *got) for (what, want), *got in zip(TARGETS.items(), *columns, strict=True)]
@@ -151,7 +149,7 @@ def methods() -> str:
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
-def first(figures: "Figures") -> str:
+def first(figures: Figures) -> str:
     """Return the table of the 1X's errors."""
     rows = []
     for case, title in (("ideal", "ideal edges"), ("jitter", "jitter"), ("resonance", "resonance, ideal edges")):
@@ -173,7 +171,7 @@ def first(figures: "Figures") -> str:
     return markdown(head, rows)
 
 
-def parts(figures: "Figures") -> str:
+def parts(figures: Figures) -> str:
     """Return the table of the errors of each part by itself."""
     head = ("vector error, % rms", "1X", "1X, noise alone", "1X, 0.47X alone", "1X, neither", "2X")
     cases = ("ideal", "noise alone", "0.47X alone", "neither")
@@ -188,7 +186,7 @@ def parts(figures: "Figures") -> str:
     return markdown(head, rows)
 
 
-def coverage(figures: "Figures") -> str:
+def coverage(figures: Figures) -> str:
     """Return the table of the intervals."""
     rows = []
     for case, title in (("ideal", "ideal edges"), ("jitter", "jitter")):
@@ -201,7 +199,7 @@ def coverage(figures: "Figures") -> str:
     return markdown(("% of the intervals", *(f"{order:g}X" for order in orders), "all", "lowest", "highest"), rows)
 
 
-def speed(figures: "Figures") -> str:
+def speed(figures: Figures) -> str:
     """Return the table of the real-time factors."""
     counts = dict.fromkeys(probes for _, probes in figures.realtime)
     head = ("times real time, per probe", *(f"{probes} probe{'s' * (probes > 1)}" for probes in counts))
@@ -209,7 +207,7 @@ def speed(figures: "Figures") -> str:
     return markdown(head, rows)
 
 
-def memory(figures: "Figures") -> str:
+def memory(figures: Figures) -> str:
     """Return the table of the memory."""
     lengths = dict.fromkeys(seconds for _, seconds in figures.memory)
     head = ("memory of `rotor track` at most, MB", *(f"{seconds:.0f} s" for seconds in lengths))
@@ -220,7 +218,7 @@ def memory(figures: "Figures") -> str:
     return markdown(head, rows)
 
 
-def peers(figures: "Figures") -> str:
+def peers(figures: Figures) -> str:
     """Return the table beside others."""
     rows = [
         (
@@ -244,7 +242,7 @@ def peers(figures: "Figures") -> str:
     return markdown(head, rows)
 
 
-def live(figures: "Figures") -> str:
+def live(figures: Figures) -> str:
     """Return the section on the live view."""
     if figures.latency is None or not len(figures.latency):
         return "Not measured in this run."

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks import recorder, recorder_page
-from benchmarks.recorder import Bench, Report, measure_kills, measure_long_run, measure_trips
+from benchmarks.recorder import Bench, measure_kills, measure_long_run, measure_trips
+from benchmarks.recorder_report import Report
 
 
 @pytest.fixture(scope="module")

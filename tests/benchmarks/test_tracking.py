@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from benchmarks import tracking_page
-from benchmarks.tracking import COVERED, Figures, cases
+from benchmarks.tracking import COVERED, cases
 from benchmarks.tracking_accuracy import Coverage, Score
+from benchmarks.tracking_figures import Figures
 from benchmarks.tracking_live import latencies, live_run, measure_latency, row_ends
 from benchmarks.tracking_page import METHODS
 from benchmarks.tracking_signal import RATE, RPM, blocks, resonant, rig_of, standard

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from benchmarks.valley_search import descend
 from rotorrig.identify.chea.record import Record
-from rotorrig.identify.chea.valley_search import descend
 from tests.identify.chea.driving import drive
 
 Fun = Callable[[np.ndarray], np.ndarray]

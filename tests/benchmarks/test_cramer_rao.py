@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.cramer_rao import amplitude_root, bounds, relative_root
+from benchmarks.cramer_rao import amplitude_root, bounds, relative_root
 from rotorrig.identify.measurement import Measurement
 
 SIGMA, ROWS = 0.01, 25
