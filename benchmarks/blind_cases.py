@@ -22,7 +22,7 @@ import numpy as np
 
 from benchmarks.blind_names import ANSWERS
 from benchmarks.blind_run import record
-from rotorrig.acquisition.mcap_file import read_recording, write_recording
+from rotorrig.acquisition.files.recording_mcap import read_recording, write_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse

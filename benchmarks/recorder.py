@@ -35,7 +35,7 @@ from benchmarks import recorder_page
 from benchmarks.recorder_report import Report
 from benchmarks.recorder_signal import write_signal
 from benchmarks.recorder_sweep import Task, Viewer
-from rotorrig.acquisition.mcap_file import read_recording, salvage
+from rotorrig.acquisition.files.recording_mcap import read_recording, salvage
 from rotorrig.rig.description import RigConfig, load, parse
 
 ROOT = Path(__file__).parents[1]

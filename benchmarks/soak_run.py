@@ -21,7 +21,7 @@ from typing import Any
 from benchmarks.soak_faults import FAULTS, Ends, Fault
 from benchmarks.soak_rigs import config
 from benchmarks.soak_wire import compare
-from rotorrig.acquisition.mcap_file import read_recording
+from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.provenance import code_version

@@ -32,7 +32,7 @@ from benchmarks.tracking_live import measure_latency
 from benchmarks.tracking_page import METHODS
 from benchmarks.tracking_signal import RunUp, resonant, standard, without, write_run
 from docs.tracking_drawing import windows
-from rotorrig.acquisition.mcap_file import read_recording
+from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import Method

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.mcap_file import RecordingWriter
+from rotorrig.acquisition.files.recording_mcap import RecordingWriter
 from rotorrig.acquisition.recording import Event
 from rotorrig.rig.description import RigConfig, parse
 from rotorrig.rig.probes.base import Block, DaqInfo

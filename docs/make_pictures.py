@@ -21,7 +21,7 @@ from rerun.experimental import ViewerClient
 
 from docs.browser import screenshot
 from docs.origin import origin, save_png
-from rotorrig.acquisition.mcap_file import read_recording
+from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.curves import sweeps, vectors
 from rotorrig.app.figures.bode import bode as bode_figure

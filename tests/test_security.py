@@ -11,7 +11,7 @@ import pytest
 from mcap.records import Message
 from mcap.writer import CompressionType, Writer
 
-from rotorrig.acquisition import mcap_records
+from rotorrig.acquisition.files import mcap_records
 from rotorrig.app.importing import bring_in
 from rotorrig.app.report.page import write_report
 from rotorrig.app.result_view import write_result_rrd

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Literal, Self
 
-from rotorrig.acquisition.mcap_file import read_recording
+from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.rig.clock import Clock, WallClock
 from rotorrig.rig.errors import ConfigError, LinkLost

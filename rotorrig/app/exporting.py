@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from rotorrig.acquisition.file_kind import file_kind
+from rotorrig.acquisition.files.file_kind import file_kind
 from rotorrig.rig.errors import DataError
 
 LAYOUT = ".json"
@@ -40,7 +40,7 @@ def _response(file: Path, out: Path) -> str:
 def _run(file: Path, out: Path) -> str:
     from rotorrig.acquisition.exporters.csv import write_csv
     from rotorrig.acquisition.exporters.uff import write_uff
-    from rotorrig.acquisition.mcap_file import read_recording
+    from rotorrig.acquisition.files.recording_mcap import read_recording
 
     recording = read_recording(file)
     made = (

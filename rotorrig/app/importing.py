@@ -54,7 +54,7 @@ def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
 
 
 def _waveforms(file: Path, mapping: Path | None, rig: RigConfig, out: Path) -> str:
-    from rotorrig.acquisition.mcap_file import write_recording
+    from rotorrig.acquisition.files.recording_mcap import write_recording
 
     recording = read_waveforms(file, rig, mapping)
     write_recording(out, recording)

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from rotorrig.acquisition.mcap_file import read_recording
+from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.acquisition.replay import ReplayDaq, cut_from
 from rotorrig.app.console import progress_bars

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rotorrig.acquisition import plans
 from rotorrig.acquisition.engine import SweepResult, run_sweep
-from rotorrig.acquisition.mcap_file import RecordingWriter
+from rotorrig.acquisition.files.recording_mcap import RecordingWriter
 from rotorrig.acquisition.operator import Operator
 from rotorrig.acquisition.timeline import timeline
 from rotorrig.app.console import progress_bars

@@ -4,7 +4,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from rotorrig.acquisition.mcap_file import read_recording
+from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.console import working
 from rotorrig.app.live_history import history_of, stepped

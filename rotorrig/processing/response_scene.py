@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.foxglove_schemas import INFO, LOG, POINT_CLOUD, WARNING, cloud_values, log_values
+from rotorrig.acquisition.files.foxglove_schemas import INFO, LOG, POINT_CLOUD, WARNING, cloud_values, log_values
 from rotorrig.processing.probe_planes import Plane, measured_planes
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_topics import Message, row_times

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.schemas import MessageType, message_type
+from rotorrig.acquisition.files.schemas import MessageType, message_type
 from rotorrig.processing.full_spectrum import WhirlVectors, whirl_vectors
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import RPM, UM

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.acquisition.mcap_file import write_recording
+from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.rig.description import RigConfig, load
 from rotorrig.rig.probes.base import Block, DaqInfo

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rotorrig.acquisition.engine import SweepResult, run_sweep
-from rotorrig.acquisition.mcap_file import RecordingWriter, read_recording
+from rotorrig.acquisition.files.recording_mcap import RecordingWriter, read_recording
 from rotorrig.acquisition.motor_control import DirectControl
 from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, Step
 from rotorrig.acquisition.recording import RawRecording

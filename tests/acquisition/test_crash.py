@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from rotorrig.acquisition.mcap_file import read_recording, salvage
+from rotorrig.acquisition.files.recording_mcap import read_recording, salvage
 from rotorrig.rig.probes.base import Block
 from tests.acquisition.file_parts import with_index
 

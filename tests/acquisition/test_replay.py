@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.acquisition.mcap_file import write_recording
+from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.acquisition.replay import ReplayDaq, cut_from
 from rotorrig.rig.clock import ManualClock

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rotorrig.acquisition.mcap_file import RecordingWriter, read_recording, salvage
+from rotorrig.acquisition.files.recording_mcap import RecordingWriter, read_recording, salvage
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError

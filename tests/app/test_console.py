@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from benchmarks.blind_run import record
-from rotorrig.acquisition.mcap_file import write_recording
+from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.app import cli
 from rotorrig.app.console import tell
 from rotorrig.rig.description import RigConfig, parse

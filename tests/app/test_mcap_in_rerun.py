@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 from rerun.experimental import ViewerClient
 
-from rotorrig.acquisition.mcap_file import write_recording
+from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.recording import MotorSample, RawRecording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import write_response

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.blind_run import record
-from rotorrig.acquisition.mcap_file import read_recording, write_recording
+from rotorrig.acquisition.files.recording_mcap import read_recording, write_recording
 from rotorrig.acquisition.recording import Event
 from rotorrig.acquisition.replay import cut_from
 from rotorrig.app import replaying

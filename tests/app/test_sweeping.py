@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rotorrig.acquisition import motor_control
-from rotorrig.acquisition.mcap_file import read_recording
+from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.operator import Nobody
 from rotorrig.acquisition.plans import Step
 from rotorrig.app.simulating import StandIn

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.acquisition.mcap_file import write_recording
+from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.app import cli
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import read_response

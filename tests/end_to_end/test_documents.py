@@ -21,8 +21,8 @@ import pyuff
 
 from benchmarks.blind_run import record
 from docs.make_tutorial import COLUMNS
+from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.importers.channel_mapping import load_channels
-from rotorrig.acquisition.mcap_file import write_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app import cli
 from rotorrig.identify.result_files import read_identification

@@ -15,7 +15,7 @@ from nptdms import ChannelObject, TdmsWriter
 
 from rotorrig.acquisition.exporters.csv import write_csv
 from rotorrig.acquisition.exporters.uff import write_uff
-from rotorrig.acquisition.mcap_file import write_recording
+from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.processing.response_file import write_response

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
+from rotorrig.acquisition.files.recording_mcap import open_recording, read_recording, salvage
 from rotorrig.acquisition.importers.channel_mapping import load_channels
-from rotorrig.acquisition.mcap_file import open_recording, read_recording, salvage
 from rotorrig.app.exporting import write_out
 from rotorrig.app.importing import bring_in
 from rotorrig.processing.vector_table import read_table

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.acquisition.mcap_file import RecordingWriter, open_recording, read_recording
+from rotorrig.acquisition.files.recording_mcap import RecordingWriter, open_recording, read_recording
 from rotorrig.acquisition.recording import Event, RawRecording
 from rotorrig.processing import noise
 from rotorrig.processing.pipeline import track

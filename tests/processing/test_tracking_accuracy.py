@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks.tracking_accuracy import Coverage, Score, instant_truth, windowed_truth
 from benchmarks.tracking_signal import RunUp, resonant, standard, without, write_run
-from rotorrig.acquisition.mcap_file import read_recording
+from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import Method, OrderTrackedResponse
 from rotorrig.processing.settings import Tracking

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from rotorrig.acquisition.part_file import PartFile
+from rotorrig.acquisition.files.part_file import PartFile
 from rotorrig.rig.errors import DataError
 
 

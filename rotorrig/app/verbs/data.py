@@ -50,7 +50,7 @@ def track(
 
     Trial masses are those the sweep noted; --trial stands instead of them.
     """
-    from rotorrig.acquisition.mcap_file import open_recording
+    from rotorrig.acquisition.files.recording_mcap import open_recording
     from rotorrig.app.tracking_words import quality_words, spacing_words, tracked_facts, tracked_words
     from rotorrig.processing import pipeline
     from rotorrig.processing.response_file import write_response
@@ -133,7 +133,7 @@ def salvage(run: Recording, out_file: Out, as_json: AsJson = False) -> None:
     """Make a valid recording of one that was cut off."""
     from dataclasses import asdict
 
-    from rotorrig.acquisition.mcap_file import salvage as save
+    from rotorrig.acquisition.files.recording_mcap import salvage as save
 
     with working(f"reading {run.name}"):
         saved = save(run, out_file)

@@ -4,10 +4,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rotorrig.acquisition.files.recording_mcap import read_recording, write_recording
 from rotorrig.acquisition.importers import csv
 from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
 from rotorrig.acquisition.importers.csv import read_csv
-from rotorrig.acquisition.mcap_file import read_recording, write_recording
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import file_hash

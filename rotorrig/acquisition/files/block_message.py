@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.schemas import message_type
+from rotorrig.acquisition.files.schemas import message_type
 from rotorrig.rig.probes.base import Block
 
 WAVEFORM = message_type(

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.acquisition import syncing
-from rotorrig.acquisition.mcap_file import RecordingWriter, read_recording
+from rotorrig.acquisition.files import fsync
+from rotorrig.acquisition.files.fsync import Syncer
+from rotorrig.acquisition.files.recording_mcap import RecordingWriter, read_recording
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.acquisition.syncing import Syncer
 from rotorrig.rig.errors import DataError
 from tests.acquisition.file_parts import same_blocks
 
@@ -35,7 +35,7 @@ class SlowMedium:
 @pytest.fixture
 def medium(monkeypatch: pytest.MonkeyPatch) -> Iterator[SlowMedium]:
     slow = SlowMedium()
-    monkeypatch.setattr(syncing.Syncer.__init__, "__kwdefaults__", {"every": 0.01})
+    monkeypatch.setattr(fsync.Syncer.__init__, "__kwdefaults__", {"every": 0.01})
     yield slow
     slow.go_on.set()
 

@@ -11,8 +11,8 @@ import numpy as np
 from mcap.records import Message
 from numpy.typing import NDArray
 
-from rotorrig.acquisition import block_message
-from rotorrig.acquisition.mcap_records import Fault, Place, chunk_at
+from rotorrig.acquisition.files import block_message
+from rotorrig.acquisition.files.mcap_records import Fault, Place, chunk_at
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError

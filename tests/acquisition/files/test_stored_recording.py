@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.acquisition import stored_recording
-from rotorrig.acquisition.mcap_file import open_recording, read_recording, write_recording
+from rotorrig.acquisition.files import stored_recording
+from rotorrig.acquisition.files.recording_mcap import open_recording, read_recording, write_recording
 from rotorrig.acquisition.recording import Event, RawRecording
 from rotorrig.rig.description import load
 from rotorrig.rig.errors import DataError
@@ -20,7 +20,7 @@ RATE = 10_000.0
 def recording(lengths: list[int], *, gap_before: int | None = None) -> RawRecording:
     """Return noise in blocks of these lengths, 300 samples missing before the block of that number."""
     rng = np.random.default_rng(8)
-    rig = load(Path(__file__).parents[2] / "configs" / "rk4.toml")
+    rig = load(Path(__file__).parents[3] / "configs" / "rk4.toml")
     blocks, first = [], 0
     for number, length in enumerate(lengths):
         first += 300 * (number == gap_before)

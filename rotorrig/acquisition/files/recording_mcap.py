@@ -14,13 +14,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from rotorrig.acquisition import block_message
-from rotorrig.acquisition.container import Contents, DiskFull, FileKind, FileWriter, Stored, read_file
-from rotorrig.acquisition.mcap_records import Place
-from rotorrig.acquisition.part_file import part_of, refuse_existing
+from rotorrig.acquisition.files import block_message
+from rotorrig.acquisition.files.container import Contents, DiskFull, FileKind, FileWriter, Stored, read_file
+from rotorrig.acquisition.files.mcap_records import Place
+from rotorrig.acquisition.files.part_file import part_of, refuse_existing
+from rotorrig.acquisition.files.schemas import message_type
+from rotorrig.acquisition.files.stored_recording import BlockIndex, StoredRecording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
-from rotorrig.acquisition.schemas import message_type
-from rotorrig.acquisition.stored_recording import BlockIndex, StoredRecording
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import Block, DaqInfo

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from rotorrig.acquisition.container import FileKind, FileWriter
-from rotorrig.acquisition.mcap_file import RecordingWriter, read_recording, write_recording
+from rotorrig.acquisition.files.container import FileKind, FileWriter
+from rotorrig.acquisition.files.recording_mcap import RecordingWriter, read_recording, write_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance, file_hash
 from tests.acquisition.file_parts import chunks, same_blocks
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 DOCS = ROOT / "docs/files.md"
 
 

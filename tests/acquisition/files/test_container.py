@@ -3,8 +3,8 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from rotorrig.acquisition.container import FileKind, FileWriter, read_file
-from rotorrig.acquisition.schemas import message_type
+from rotorrig.acquisition.files.container import FileKind, FileWriter, read_file
+from rotorrig.acquisition.files.schemas import message_type
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.provenance import Provenance
 

@@ -17,10 +17,10 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Attachment, Channel, DataEnd, Footer, McapRecord, Message, Metadata, Schema
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
-from rotorrig.acquisition.mcap_records import Fault, Place, placed_records
-from rotorrig.acquisition.part_file import PartFile, part_of
-from rotorrig.acquisition.schemas import ENCODING, MessageType, register_schema
-from rotorrig.acquisition.syncing import Syncer
+from rotorrig.acquisition.files.fsync import Syncer
+from rotorrig.acquisition.files.mcap_records import Fault, Place, placed_records
+from rotorrig.acquisition.files.part_file import PartFile, part_of
+from rotorrig.acquisition.files.schemas import ENCODING, MessageType, register_schema
 from rotorrig.rig import description
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError, RigError

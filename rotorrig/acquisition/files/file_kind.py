@@ -4,8 +4,8 @@ from pathlib import Path
 
 from mcap.records import Metadata
 
-from rotorrig.acquisition.container import HEADER
-from rotorrig.acquisition.mcap_records import records
+from rotorrig.acquisition.files.container import HEADER
+from rotorrig.acquisition.files.mcap_records import records
 from rotorrig.rig.errors import DataError
 
 

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from rotorrig.acquisition.block_message import WAVEFORM, packed, unpacked, unpacked_all
+from rotorrig.acquisition.files.block_message import WAVEFORM, packed, unpacked, unpacked_all
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block
 from rotorrig.sims.plant.plant import Plant

@@ -8,7 +8,7 @@ import numpy as np
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory, timestamp_pb2
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.schemas import MessageType
+from rotorrig.acquisition.files.schemas import MessageType
 
 _FIELD = descriptor_pb2.FieldDescriptorProto
 _PACKAGE = "foxglove"

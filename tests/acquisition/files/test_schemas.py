@@ -1,7 +1,7 @@
 import pytest
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
-from rotorrig.acquisition.schemas import message_type
+from rotorrig.acquisition.files.schemas import message_type
 
 POINT = message_type(
     "TestPoint",
