@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from rotorrig.acquisition.plans import SETTLING_RAMP
+from rotorrig.acquisition.sweep.plans import SETTLING_RAMP
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.sweep_plans import RunUpCoastDown
 from rotorrig.sims.effects.base import catalogue, find

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, steps
 from rotorrig.acquisition.recording import Event, RawRecording
+from rotorrig.acquisition.sweep.plans import Coast, Dwell, Mark, Ramp, steps
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance, code_version

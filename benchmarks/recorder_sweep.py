@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from benchmarks.recorder_rig import SPEED
-from rotorrig.acquisition.engine import run_sweep
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter
-from rotorrig.acquisition.plans import Dwell, Mark, Ramp
+from rotorrig.acquisition.sweep.engine import run_sweep
+from rotorrig.acquisition.sweep.plans import Dwell, Mark, Ramp
 from rotorrig.app.live_view import LiveView
 from rotorrig.app.sinks import to_file
 from rotorrig.rig import connect

@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.progress import Progress
 
 from rotorrig.acquisition.files.recording_mcap import read_recording
-from rotorrig.acquisition.plans import Step
+from rotorrig.acquisition.sweep.plans import Step
 from rotorrig.app import diagnosing, tables
 from rotorrig.app.console import out as console
 from rotorrig.app.console import progress_bars

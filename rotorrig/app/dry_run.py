@@ -9,9 +9,9 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from rotorrig.acquisition import critical_speeds, plans
-from rotorrig.acquisition.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Trial
-from rotorrig.acquisition.timeline import COAST_SECONDS, Timed, timeline
+from rotorrig.acquisition.sweep import critical_speeds, plans
+from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Trial
+from rotorrig.acquisition.sweep.timeline import COAST_SECONDS, Timed, timeline
 from rotorrig.app.console import out, tell
 from rotorrig.app.model_criticals import criticals_of
 from rotorrig.rig.description import RigConfig

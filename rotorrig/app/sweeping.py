@@ -7,11 +7,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rotorrig.acquisition import plans
-from rotorrig.acquisition.engine import SweepResult, run_sweep
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter
-from rotorrig.acquisition.operator import Operator
-from rotorrig.acquisition.timeline import timeline
+from rotorrig.acquisition.sweep import plans
+from rotorrig.acquisition.sweep.engine import SweepResult, run_sweep
+from rotorrig.acquisition.sweep.operator import Operator
+from rotorrig.acquisition.sweep.timeline import timeline
 from rotorrig.app.console import progress_bars
 from rotorrig.app.dry_run import expected_bytes
 from rotorrig.app.model_criticals import criticals_to_pass

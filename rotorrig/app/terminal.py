@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 
-from rotorrig.acquisition.steps import Ask, Step
+from rotorrig.acquisition.sweep.steps import Ask, Step
 from rotorrig.rig.errors import ConfigError
 
 STOP_WORDS = ("s", "stop")

@@ -3,11 +3,11 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from rotorrig.acquisition.engine import SweepResult, run_sweep
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter, read_recording
-from rotorrig.acquisition.motor_control import DirectControl
-from rotorrig.acquisition.plans import Coast, Dwell, Mark, Ramp, Step
 from rotorrig.acquisition.recording import RawRecording
+from rotorrig.acquisition.sweep.engine import SweepResult, run_sweep
+from rotorrig.acquisition.sweep.motor_control import DirectControl
+from rotorrig.acquisition.sweep.plans import Coast, Dwell, Mark, Ramp, Step
 from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.interlock import Interlock

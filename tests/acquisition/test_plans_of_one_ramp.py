@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.acquisition.plans import steps
-from rotorrig.acquisition.steps import Ramp
+from rotorrig.acquisition.sweep.plans import steps
+from rotorrig.acquisition.sweep.steps import Ramp
 from rotorrig.rig.description import RigConfig, parse
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.units import RPM

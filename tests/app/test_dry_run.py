@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.acquisition.plans import Ramp
-from rotorrig.acquisition.timeline import timeline
+from rotorrig.acquisition.sweep.plans import Ramp
+from rotorrig.acquisition.sweep.timeline import timeline
 from rotorrig.app import cli, dry_run
 from rotorrig.rig.description import RigConfig, load, parse
 from rotorrig.rig.units import RPM

@@ -14,8 +14,8 @@ import psutil
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.fanout import Viewer
 from rotorrig.acquisition.recording import Event
+from rotorrig.acquisition.sweep.fanout import Viewer
 from rotorrig.app import live_view
 from rotorrig.app.live_pipe import BlockReader, Opening, block_parts, opening
 from rotorrig.app.live_view import LiveView

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.acquisition import motor_control
 from rotorrig.acquisition.files.recording_mcap import read_recording
-from rotorrig.acquisition.operator import Nobody
-from rotorrig.acquisition.plans import Step
+from rotorrig.acquisition.sweep import motor_control
+from rotorrig.acquisition.sweep.operator import Nobody
+from rotorrig.acquisition.sweep.plans import Step
 from rotorrig.app.simulating import StandIn
 from rotorrig.app.sweeping import record_sweep, sweep
 from rotorrig.rig.description import RigConfig, parse

@@ -8,7 +8,7 @@ from io import TextIOWrapper
 
 import pytest
 
-from rotorrig.acquisition.plans import Ask, Ramp
+from rotorrig.acquisition.sweep.plans import Ask, Ramp
 from rotorrig.app import terminal
 from rotorrig.app.terminal import Terminal, operator_for
 from rotorrig.rig.errors import ConfigError

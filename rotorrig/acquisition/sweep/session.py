@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
-from rotorrig.acquisition.fanout import Item, Listener, Recorder, Viewer, Writer
-from rotorrig.acquisition.motor_control import MotorControl, Reading, StopReport
 from rotorrig.acquisition.recording import Event, MotorSample
+from rotorrig.acquisition.sweep.fanout import Item, Listener, Recorder, Viewer, Writer
+from rotorrig.acquisition.sweep.motor_control import MotorControl, Reading, StopReport
 from rotorrig.rig.clock import Clock
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost, RigError

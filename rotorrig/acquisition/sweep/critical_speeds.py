@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from rotorrig.acquisition.steps import Coast, Dwell, Ramp, Rest, Step
+from rotorrig.acquisition.sweep.steps import Coast, Dwell, Ramp, Rest, Step
 from rotorrig.rig.devices import Limits
 from rotorrig.rig.units import RPM
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import replace
 from typing import TypeGuard, assert_never
 
-from rotorrig.acquisition.critical_speeds import Band, bands, dwelt_in, quick
-from rotorrig.acquisition.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
+from rotorrig.acquisition.sweep.critical_speeds import Band, bands, dwelt_in, quick
+from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.devices import SAME_RAMP, ModbusRtu, ModbusTcp, Motor
 from rotorrig.rig.errors import ConfigError

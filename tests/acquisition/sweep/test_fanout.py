@@ -4,8 +4,8 @@ import time
 import numpy as np
 import pytest
 
-from rotorrig.acquisition.fanout import IDLE, Recorder, Viewer
 from rotorrig.acquisition.recording import Event, MotorSample
+from rotorrig.acquisition.sweep.fanout import IDLE, Recorder, Viewer
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import Block
 

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from rotorrig.acquisition.interrupts import HANDLED, Interrupts
+from rotorrig.acquisition.sweep.interrupts import HANDLED, Interrupts
 
 
 def test_the_rotor_is_stopped_from_the_handler_itself_the_first_two_times() -> None:

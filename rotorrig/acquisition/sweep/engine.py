@@ -10,15 +10,15 @@ from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from rotorrig.acquisition.fanout import Listener, Writer
-from rotorrig.acquisition.interrupts import EMERGENCY, Interrupts
-from rotorrig.acquisition.motor_control import READ_EVERY, STALL, MotorControl, ThreadedControl
-from rotorrig.acquisition.operator import Nobody, Operator
-from rotorrig.acquisition.performing import Progress, perform
 from rotorrig.acquisition.recording import Event
-from rotorrig.acquisition.run_down import RunDown, run_down
-from rotorrig.acquisition.session import Session, StopTimes
-from rotorrig.acquisition.steps import Ask, Ramp, Step
+from rotorrig.acquisition.sweep.fanout import Listener, Writer
+from rotorrig.acquisition.sweep.interrupts import EMERGENCY, Interrupts
+from rotorrig.acquisition.sweep.motor_control import READ_EVERY, STALL, MotorControl, ThreadedControl
+from rotorrig.acquisition.sweep.operator import Nobody, Operator
+from rotorrig.acquisition.sweep.perform import Progress, perform
+from rotorrig.acquisition.sweep.run_down import RunDown, run_down
+from rotorrig.acquisition.sweep.session import Session, StopTimes
+from rotorrig.acquisition.sweep.steps import Ask, Ramp, Step
 from rotorrig.rig.clock import Clock, WallClock
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost, RigError

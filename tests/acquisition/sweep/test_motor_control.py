@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from rotorrig.acquisition import motor_control
-from rotorrig.acquisition.motor_control import DirectControl, ThreadedControl
+from rotorrig.acquisition.sweep import motor_control
+from rotorrig.acquisition.sweep.motor_control import DirectControl, ThreadedControl
 from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.rig.motor.base import Stop

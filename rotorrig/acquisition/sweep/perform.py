@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Iterator
 
-from rotorrig.acquisition.operator import Operator
-from rotorrig.acquisition.run_down import AT_REST
-from rotorrig.acquisition.session import Session
-from rotorrig.acquisition.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
-from rotorrig.acquisition.timeline import timeline
+from rotorrig.acquisition.sweep.operator import Operator
+from rotorrig.acquisition.sweep.run_down import AT_REST
+from rotorrig.acquisition.sweep.session import Session
+from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
+from rotorrig.acquisition.sweep.timeline import timeline
 from rotorrig.rig.errors import LimitExceeded
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.units import RPM

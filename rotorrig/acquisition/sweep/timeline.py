@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from rotorrig.acquisition.critical_speeds import with_speeds
-from rotorrig.acquisition.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
+from rotorrig.acquisition.sweep.critical_speeds import with_speeds
+from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
 
 COAST_SECONDS = 45.0  # an RK4's from full speed; nobody knows another rotor's before it was measured
 

@@ -6,9 +6,9 @@ docs/sweeps.md says what stops a sweep, how, and what the recording says of it.
 import math
 from dataclasses import dataclass
 
-from rotorrig.acquisition.interrupts import EMERGENCY, ENOUGH, Interrupts
-from rotorrig.acquisition.operator import Operator
-from rotorrig.acquisition.session import Session
+from rotorrig.acquisition.sweep.interrupts import EMERGENCY, ENOUGH, Interrupts
+from rotorrig.acquisition.sweep.operator import Operator
+from rotorrig.acquisition.sweep.session import Session
 from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.units import RPM

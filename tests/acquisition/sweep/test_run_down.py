@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from rotorrig.acquisition.plans import Dwell, Mark, Ramp
+from rotorrig.acquisition.sweep.plans import Dwell, Mark, Ramp
 from rotorrig.rig.errors import LinkLost
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.probes.base import Block

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from rotorrig.acquisition.plans import Ask, Dwell, Mark, Ramp, Rest, Step, Trial
+from rotorrig.acquisition.sweep.plans import Ask, Dwell, Mark, Ramp, Rest, Step, Trial
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.settings import Tracking
 from rotorrig.rig.description import RigConfig
