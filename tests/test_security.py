@@ -12,7 +12,7 @@ from mcap.records import Message
 from mcap.writer import CompressionType, Writer
 
 from rotorrig.acquisition.files import mcap_records
-from rotorrig.app.importing import bring_in
+from rotorrig.app.commands.import_files import bring_in
 from rotorrig.app.report.page import write_report
 from rotorrig.app.result_view import write_result_rrd
 from rotorrig.identify.identification import Estimate, Fit, Identification

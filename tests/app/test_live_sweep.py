@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from rerun.experimental import ViewerClient
 
-from rotorrig.app import replaying, sweeping, viewer
+from rotorrig.app import viewer
+from rotorrig.app.commands import replay, sweep
 from rotorrig.app.sinks import Sink, free_port, proxy
 from rotorrig.rig.description import RigConfig
 from tests.app.headless import headless_viewer, marked, needs_vulkan, show_tab, views
@@ -60,8 +61,8 @@ def test_a_sweep_is_seen_while_it_runs(
 ) -> None:
     client, port = screen
     monkeypatch.setattr(viewer, "serve", lambda: at_the_screen(port))
-    stand_in = sweeping.StandIn(seed=3)
-    result = sweeping.sweep(hurried_rig, out=run, plan="default", stand_in=stand_in, view=True)
+    stand_in = sweep.StandIn(seed=3)
+    result = sweep.sweep(hurried_rig, out=run, plan="default", stand_in=stand_in, view=True)
     assert result.gaps == 0
     assert_drawn(client, tmp_path, events=False)
 
@@ -72,5 +73,5 @@ def test_a_replay_is_seen_as_the_sweep_was(
     client, port = screen
     client.close("all")
     monkeypatch.setattr(viewer, "serve", lambda: at_the_screen(port))
-    assert replaying.play(run, rate="max", view=True) > 60
+    assert replay.play(run, rate="max", view=True) > 60
     assert_drawn(client, tmp_path, events=True)

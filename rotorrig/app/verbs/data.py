@@ -20,9 +20,9 @@ def replay(
     as_json: AsJson = False,
 ) -> None:
     """Play a recording as if it were live; with --track, track its orders: as `rotor track` does, at any rate."""
-    from rotorrig.app import replaying
+    from rotorrig.app.commands import replay
 
-    seconds = replaying.play(run, rate=rate, view=view, track=track, begin=begin)
+    seconds = replay.play(run, rate=rate, view=view, track=track, begin=begin)
     words = f"{track or run}: {seconds:.1f} s replayed" + (" and tracked" if track else "")
     tell(words, {"file": str(run), "seconds": seconds, "tracked": str(track) if track else None}, as_json=as_json)
 
@@ -92,7 +92,7 @@ def import_(
     as_json: AsJson = False,
 ) -> None:
     """Bring in waveforms (to a run.mcap), by its mapping a Bode table (to a response.mcap), with --ross a rotor."""
-    from rotorrig.app import importing, ross_exchange
+    from rotorrig.app.commands import import_files, ross_exchange
 
     if ross and (config or mapping):
         raise ConfigError("--ross: wants neither --config nor --mapping, it makes a config")
@@ -102,7 +102,7 @@ def import_(
         raise ConfigError("--config: is missing, want the rig's TOML file, as it says what the columns are")
     else:
         with working(f"reading {file.name}"):
-            lines = [importing.bring_in(file, rig=load(config), mapping=mapping, out=out_file)]
+            lines = [import_files.bring_in(file, rig=load(config), mapping=mapping, out=out_file)]
     tell("\n".join(lines), {"file": str(out_file), "said": lines}, as_json=as_json)
 
 
@@ -117,15 +117,15 @@ def export(
 
     Of a response, a .json is a layout that shows it in Foxglove.
     """
-    from rotorrig.app import exporting
+    from rotorrig.app.commands import export_files
 
     if ross:
-        from rotorrig.app import ross_exchange
+        from rotorrig.app.commands import ross_exchange
 
         lines = ross_exchange.write_out(file, out=out_file, max_element=max_element)
     else:
         with working(f"writing {out_file.name}"):
-            lines = [exporting.write_out(file, out_file)]
+            lines = [export_files.write_out(file, out_file)]
     tell("\n".join(lines), {"file": str(out_file), "said": lines}, as_json=as_json)
 
 

@@ -27,12 +27,13 @@ def identify(
     seed: Seed = 0,
 ) -> None:
     """Fit bearing stiffness, damping and unbalance."""
-    from rotorrig.app import identifying, tables
+    from rotorrig.app import tables
+    from rotorrig.app.commands import identify
     from rotorrig.identify.result_files import identification_table, write_identification
     from rotorrig.processing.response_file import read_response
 
     measured = read_response(response)
-    found = identifying.identified(
+    found = identify.identified(
         measured, objective=objective, profile=profile, draws=bootstrap, workers=workers, seed=seed
     )
     write_identification(out_file, found)
@@ -63,14 +64,14 @@ def diagnose(
     seed: Seed = 0,
 ) -> None:
     """Say whether the model is adequate; if not, where it is wrong, name the cause and measure what it explains."""
-    from rotorrig.app import diagnosing
+    from rotorrig.app.commands import diagnose
     from rotorrig.identify.result_files import diagnosis_table, write_diagnosis
 
     paths = [*responses, holdout] if holdout else responses
-    seen = diagnosing.read_responses(paths, config=load(config) if config else None)
+    seen = diagnose.read_responses(paths, config=load(config) if config else None)
     used, unseen = seen[: len(responses)], seen[-1] if holdout else None
     try:
-        found = diagnosing.diagnosed(used, holdout=unseen, model=model, seed=seed)
+        found = diagnose.diagnosed(used, holdout=unseen, model=model, seed=seed)
     except KeyboardInterrupt as interrupt:
         err.print(f"interrupted: {out_file} was not written", highlight=False)
         raise typer.Exit(130) from interrupt
@@ -78,9 +79,9 @@ def diagnose(
     if as_json:
         print(json.dumps(diagnosis_table(found)))
     else:
-        diagnosing.show(found)
+        diagnose.show(found)
     if rig_out:
-        extended = diagnosing.write_extended(rig_out, used[0].rig, found)
+        extended = diagnose.write_extended(rig_out, used[0].rig, found)
         labels = "; ".join(effect.label for effect in extended.effects)
         (err if as_json else out).print(f"{rig_out}: the config, its model extended by {labels}", highlight=False)
 

@@ -21,7 +21,7 @@ def check(
     as_json: AsJson = False,
 ) -> None:
     """Check a config, say what it describes; with --connect, talk to its devices."""
-    from rotorrig.app import checking
+    from rotorrig.app.commands import check as checking
 
     rig = load(config)
     if as_json:
@@ -58,22 +58,23 @@ def sweep(
         raise ConfigError("--faults: wants --simulate, only a simulated rig has faults to order")
     rig = load(config)
     if dry_run:
-        from rotorrig.app import dry_run as previewing
+        from rotorrig.app.commands import sweep_preview as previewing
 
         previewing.show(rig, plan, trial=trial or (), as_json=as_json)
         return
     if out_file is None:
         raise ConfigError("--out: is missing, want the file to write, or --dry-run")
-    from rotorrig.app import simulating, sweeping
+    from rotorrig.app.commands import simulate as simulating
+    from rotorrig.app.commands import sweep
 
     stand_in = simulating.StandIn(seed=seed, hidden=hidden, rate=rate, faults=faults) if simulate else None
     try:
-        result = sweeping.sweep(rig, out=out_file, plan=plan, trial=trial or (), stand_in=stand_in, view=view, yes=yes)
+        result = sweep.sweep(rig, out=out_file, plan=plan, trial=trial or (), stand_in=stand_in, view=view, yes=yes)
     except KeyboardInterrupt as interrupt:  # or SIGTERM, or the terminal was closed
         err.print(f"interrupted: the rotor was stopped and {out_file} holds the sweep up to there", highlight=False)
         raise typer.Exit(130) from interrupt
     words = f"{out_file}: {result.seconds:.1f} s, {result.samples} scans, {result.gaps} gaps recorded"
-    tell(words, {"file": str(out_file), **sweeping.sweep_facts(result)}, as_json=as_json)
+    tell(words, {"file": str(out_file), **sweep.sweep_facts(result)}, as_json=as_json)
     if not result.at_rest:
         err.print(f"warning: {result.events[-1].text}", highlight=False, markup=False, soft_wrap=True)
     if result.trip:
@@ -88,7 +89,7 @@ def simulate(
     faults: Faults = None,
 ) -> None:
     """Keep a simulated rig running on real ports until Ctrl-C, for another terminal to sweep."""
-    from rotorrig.app import simulating
+    from rotorrig.app.commands import simulate as simulating
 
     simulation = simulating.StandIn(seed=seed, hidden=hidden, rate=rate, faults=faults)
     simulating.stand_in(load(config), simulation)
@@ -102,7 +103,7 @@ def demo(
     seed: Seed = 1,
 ) -> None:
     """Show the whole path on a simulated RK4, from sweep to report: a healthy rig and one with a bent shaft."""
-    from rotorrig.app.demo import run_demo
+    from rotorrig.app.commands.demo import run_demo
 
     run_demo(load(config) if config else bundled("rk4"), out=folder, seed=seed)
 

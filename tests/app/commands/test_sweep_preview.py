@@ -7,11 +7,12 @@ import pytest
 
 from rotorrig.acquisition.sweep.plans import Ramp
 from rotorrig.acquisition.sweep.timeline import timeline
-from rotorrig.app import cli, dry_run
+from rotorrig.app import cli
+from rotorrig.app.commands import sweep_preview
 from rotorrig.rig.description import RigConfig, load, parse
 from rotorrig.rig.units import RPM
 
-RK4 = Path(__file__).parents[2] / "configs/rk4.toml"
+RK4 = Path(__file__).parents[3] / "configs/rk4.toml"
 BAND = '\n[[limits.critical_bands]]\nlow = "2000 rpm"\nhigh = "2400 rpm"\nvibration = "1200 um"\n'
 INSIDE = '\n[plans.test]\nkind = "dwell"\nspeed = "2200 rpm"\ntime = "1 h"\nramp = "60 rpm/s"\n'
 MASSES = '\n[plans.test]\nkind = "trial-mass"\nmasses = ["disk: 12 g mm at 0 deg"]\n'
@@ -76,7 +77,7 @@ def rig() -> RigConfig:
 @pytest.mark.parametrize("plain", [True, False])
 def test_the_chart_rises_where_the_speed_does(plain: bool) -> None:
     steps = timeline([Ramp(to=100.0, rate=10.0), Ramp(to=50.0, rate=1.0)])  # 10 s up, 50 s half-way down
-    chart = dry_run.chart(steps, criticals=[75.0], width=80, plain=plain).plain
+    chart = sweep_preview.chart(steps, criticals=[75.0], width=80, plain=plain).plain
     lines = chart.splitlines()
     assert chart.isascii() is plain
     assert lines[0].lstrip().startswith("955 rpm")
@@ -93,4 +94,4 @@ def test_the_chart_rises_where_the_speed_does(plain: bool) -> None:
 
 def test_a_rig_without_limits_is_told_so() -> None:
     bare = parse(RK4.read_text().replace('[limits]\noverspeed = "4000 rpm"\nvibration = "900 um"', ""), where="x")
-    assert dry_run.limits_words(bare).startswith("none: the config has no [limits]")
+    assert sweep_preview.limits_words(bare).startswith("none: the config has no [limits]")

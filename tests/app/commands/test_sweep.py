@@ -10,14 +10,14 @@ from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.sweep import motor_control
 from rotorrig.acquisition.sweep.operator import Nobody
 from rotorrig.acquisition.sweep.plans import Step
-from rotorrig.app.simulating import StandIn
-from rotorrig.app.sweeping import record_sweep, sweep
+from rotorrig.app.commands.simulate import StandIn
+from rotorrig.app.commands.sweep import record_sweep, sweep
 from rotorrig.rig.description import RigConfig, parse
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.units import RPM
 from rotorrig.sims.wire.launch import BenchPorts, simulated_bench
 
-RK4 = (Path(__file__).parents[2] / "configs/rk4.toml").read_text()
+RK4 = (Path(__file__).parents[3] / "configs/rk4.toml").read_text()
 HASTY = {
     'slow_roll_time = "10 s"': 'slow_roll_time = "0.2 s"',
     'start = "480 rpm"': 'start = "1000 rpm"',

@@ -7,8 +7,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from rotorrig.app import tables
+from rotorrig.app.commands.config_model import check_effects
 from rotorrig.app.console import out
-from rotorrig.app.effect_check import check_effects
 from rotorrig.rig import connect
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError, LinkLost

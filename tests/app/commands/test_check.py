@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.app import checking
+from rotorrig.app.commands import check as checking
 from rotorrig.rig import connect
 from rotorrig.rig.description import parse
 from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.sims.wire.launch import simulated_bench
 
-RK4 = (Path(__file__).parents[2] / "configs" / "rk4.toml").read_text()
+RK4 = (Path(__file__).parents[3] / "configs" / "rk4.toml").read_text()
 
 
 def test_motor_and_daq_are_asked_what_they_are(capsys: pytest.CaptureFixture[str]) -> None:

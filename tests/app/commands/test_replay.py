@@ -12,7 +12,7 @@ from benchmarks.blind_run import record
 from rotorrig.acquisition.files.recording_mcap import read_recording, write_recording
 from rotorrig.acquisition.recording import Event
 from rotorrig.acquisition.replay import cut_from
-from rotorrig.app import replaying
+from rotorrig.app.commands import replay
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response_file import read_response, write_response
 from rotorrig.rig.description import RigConfig, parse
@@ -58,7 +58,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, brief_rig: RigConfig) -> Pa
 
 @pytest.mark.parametrize("rate", ["max", "200"])
 def test_a_replay_is_tracked_as_the_recording_is(folder: Path, tmp_path: Path, rate: str) -> None:
-    replaying.play(folder / "run.mcap", rate=rate, view=False, track=tmp_path / "replayed.mcap")
+    replay.play(folder / "run.mcap", rate=rate, view=False, track=tmp_path / "replayed.mcap")
     assert (tmp_path / "replayed.mcap").read_bytes() == (folder / "tracked.mcap").read_bytes()
 
 
@@ -73,14 +73,14 @@ def test_another_process_writes_the_same_bytes(folder: Path, tmp_path: Path) -> 
 def test_from_a_time_on_it_is_the_recording_cut_there(folder: Path, tmp_path: Path) -> None:
     for rate in ("max", "200"):
         out = tmp_path / f"{rate}.mcap"
-        assert replaying.play(folder / "run.mcap", rate=rate, view=False, track=out, begin=9.00005) > 5
+        assert replay.play(folder / "run.mcap", rate=rate, view=False, track=out, begin=9.00005) > 5
     write_response(tmp_path / "cut.mcap", track(cut_from(read_recording(folder / "run.mcap"), 9.00005)))
     assert (tmp_path / "max.mcap").read_bytes() == (tmp_path / "200.mcap").read_bytes()
     assert (tmp_path / "max.mcap").read_bytes() == (tmp_path / "cut.mcap").read_bytes()
 
 
 def test_a_cut_recording_read_from_its_own_file_gives_the_same_vectors(folder: Path, tmp_path: Path) -> None:
-    replaying.play(folder / "run.mcap", rate="max", view=False, track=tmp_path / "replayed.mcap", begin=9.0)
+    replay.play(folder / "run.mcap", rate="max", view=False, track=tmp_path / "replayed.mcap", begin=9.0)
     write_recording(tmp_path / "cut.mcap", cut_from(read_recording(folder / "run.mcap"), 9.0))
     ours, theirs = read_response(tmp_path / "replayed.mcap"), track(read_recording(tmp_path / "cut.mcap"))
     assert ours.runs == theirs.runs
@@ -90,4 +90,4 @@ def test_a_cut_recording_read_from_its_own_file_gives_the_same_vectors(folder: P
 
 def test_a_beginning_behind_the_end_is_refused(folder: Path) -> None:
     with pytest.raises(ConfigError, match=r"from: got 1e\+06 s, want less than the recording's"):
-        replaying.play(folder / "run.mcap", rate="max", view=False, begin=1e6)
+        replay.play(folder / "run.mcap", rate="max", view=False, begin=1e6)

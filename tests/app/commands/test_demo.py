@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from rotorrig.app import demo, diagnosing
+from rotorrig.app.commands import demo
+from rotorrig.app.commands import diagnose as diagnosing
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.result_files import read_diagnosis
 from rotorrig.processing.response import OrderTrackedResponse

@@ -9,8 +9,9 @@ from typing import Any
 
 import pytest
 
-from rotorrig.app import cli, diagnosing
-from rotorrig.app.effect_check import check_effects
+from rotorrig.app import cli
+from rotorrig.app.commands import diagnose as diagnosing
+from rotorrig.app.commands.config_model import check_effects
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.result_files import read_diagnosis
 from rotorrig.processing.response import OrderTrackedResponse

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Literal
 
 from rotorrig.app import cause_words, tables
+from rotorrig.app.commands.config_model import check_effects
 from rotorrig.app.console import out, progress_bars
-from rotorrig.app.effect_check import check_effects
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
 from rotorrig.processing.response import OrderTrackedResponse

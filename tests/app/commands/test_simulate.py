@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.app.simulating import StandIn, faults_of, simulated, truth_of
+from rotorrig.app.commands.simulate import StandIn, faults_of, simulated, truth_of
 from rotorrig.rig.description import RigConfig, parse
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.extended_config import extended_by

@@ -12,10 +12,10 @@ from rotorrig.acquisition.sweep import plans
 from rotorrig.acquisition.sweep.engine import SweepResult, run_sweep
 from rotorrig.acquisition.sweep.operator import Operator
 from rotorrig.acquisition.sweep.timeline import timeline
+from rotorrig.app.commands.config_model import criticals_to_pass
+from rotorrig.app.commands.simulate import StandIn, simulated
+from rotorrig.app.commands.sweep_preview import expected_bytes
 from rotorrig.app.console import progress_bars
-from rotorrig.app.dry_run import expected_bytes
-from rotorrig.app.model_criticals import criticals_to_pass
-from rotorrig.app.simulating import StandIn, simulated
 from rotorrig.app.terminal import HINT, operator_for
 from rotorrig.rig import connect
 from rotorrig.rig.description import RigConfig

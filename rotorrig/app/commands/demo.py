@@ -9,11 +9,12 @@ from rich.progress import Progress
 
 from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.sweep.plans import Step
-from rotorrig.app import diagnosing, tables
+from rotorrig.app import tables
+from rotorrig.app.commands import diagnose
+from rotorrig.app.commands.sweep import record_sweep
 from rotorrig.app.console import out as console
 from rotorrig.app.console import progress_bars
 from rotorrig.app.report.page import write_report
-from rotorrig.app.sweeping import record_sweep
 from rotorrig.app.viewer import write_result_rrd
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.fit import fit
@@ -85,24 +86,24 @@ def _run_case(rig: RigConfig, case: Case, folder: Path, rate: float) -> tuple[Id
         found = fit(response, seed=case.seed, progress=lambda text: bars.update(task, note=text))
         write_identification(folder / "fit.json", found)
         bars.update(task, total=1.0, completed=1.0, note="")
-    diagnosis = diagnosing.diagnosed([response], seed=case.seed)
+    diagnosis = diagnose.diagnosed([response], seed=case.seed)
     write_diagnosis(folder / "diagnosis.json", diagnosis)
     return found, diagnosis
 
 
 def extend(rig: RigConfig, case: Case, folder: Path, diagnosis: Diagnosis) -> None:
     """Extend the config by the cause that was named, if one was, and diagnose the run again with it."""
-    extended = diagnosing.extended_rig(rig, diagnosis)
+    extended = diagnose.extended_rig(rig, diagnosis)
     if extended is None:
         return
     (folder / "extended.toml").write_text(extended.text, encoding="utf-8")
-    response = diagnosing.seen_with(read_response(folder / "response.mcap"), extended)
-    again = diagnosing.diagnosed([response], seed=case.seed)
+    response = diagnose.seen_with(read_response(folder / "response.mcap"), extended)
+    again = diagnose.diagnosed([response], seed=case.seed)
     write_diagnosis(folder / "diagnosis-extended.json", again)
     console.print(
         f"With {'; '.join(effect.label for effect in extended.effects)} in the model ({folder}/extended.toml):"
     )
-    diagnosing.show(again)
+    diagnose.show(again)
 
 
 def _sweep(rig: RigConfig, folder: Path, case: Case, rate: float, bars: Progress) -> None:
@@ -124,4 +125,4 @@ def _report(rig: RigConfig, folder: Path, found: Identification, diagnosis: Diag
     recording = read_recording(folder / "run.mcap")
     write_result_rrd(folder / "demo.rrd", response, found, diagnosis, recording=recording)
     console.print(tables.identified(found, actual))
-    diagnosing.show(diagnosis)
+    diagnose.show(diagnosis)

@@ -25,7 +25,7 @@ def write_out(file: Path, out: Path) -> str:
 
 
 def _response(file: Path, out: Path) -> str:
-    from rotorrig.app.foxglove_layout import write_foxglove_layout
+    from rotorrig.app.commands.foxglove_layout import write_foxglove_layout
     from rotorrig.processing import order_functions, vector_export
     from rotorrig.processing.response_file import read_response
 
