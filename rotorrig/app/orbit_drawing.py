@@ -6,8 +6,9 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.curves import sweeps, vectors
-from rotorrig.app.orbits import orbit, representative_rows
+from rotorrig.app.plot_data.curves import sweeps, vectors
+from rotorrig.app.plot_data.nice_numbers import nice
+from rotorrig.app.plot_data.orbits import orbit, representative_rows
 from rotorrig.processing.probe_planes import Plane, planes
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import RPM, UM
@@ -70,15 +71,3 @@ def whirl(xy: NDArray[np.float64]) -> str:
     if abs(area) < 1e-3 * float(np.ptp(xy, axis=0).max()) ** 2:
         return "a straight line"
     return "whirls x to y" if area > 0 else "whirls y to x"
-
-
-def nice(value: float) -> float:
-    """Return the next round number at or above `value`.
-
-    >>> nice(143.0), nice(0.21), nice(0.0)
-    (150.0, 0.3, 1.0)
-    """
-    if not value > 0:
-        return 1.0
-    decade = 10.0 ** math.floor(math.log10(value))
-    return next(round(m * decade, 12) for m in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if m * decade >= value * (1 - 1e-9))

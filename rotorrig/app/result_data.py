@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.app.curves import model_vectors, slow_roll_known, sweeps, vectors
-from rotorrig.app.diagnosis_part import part_of, predictions
+from rotorrig.app.plot_data.curves import model_vectors, slow_roll_known, sweeps, vectors
+from rotorrig.app.plot_data.diagnosis_of_response import part_of, predictions
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Fit, Identification
 from rotorrig.processing.probe_planes import Plane, measured_planes

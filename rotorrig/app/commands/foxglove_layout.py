@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rotorrig.app.curves import slow_roll_known
+from rotorrig.app.plot_data.curves import slow_roll_known
 from rotorrig.processing.probe_planes import measured_planes
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_scene import FRAME

@@ -6,8 +6,8 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.orbit_drawing import nice
 from rotorrig.app.pictures.axes import LIFT, Panel, step_for
+from rotorrig.app.plot_data.nice_numbers import nice
 
 WIDTH, HEIGHT = 186.0, 80.0
 FLATTEST = 1.0  # µm: the axis spans no less

@@ -4,7 +4,9 @@ from html import escape
 
 import numpy as np
 
-from rotorrig.app.centreline_paths import (
+from rotorrig.app.figures.centreline import centreline as centreline_figure
+from rotorrig.app.orbit_drawing import orbit_pictures
+from rotorrig.app.plot_data.centreline_paths import (
     REFERENCE,
     CentrelinePath,
     ClearanceCircle,
@@ -12,8 +14,6 @@ from rotorrig.app.centreline_paths import (
     centreline_words,
     clearance_circle,
 )
-from rotorrig.app.figures.centreline import centreline as centreline_figure
-from rotorrig.app.orbit_drawing import orbit_pictures
 from rotorrig.app.report.html import Section, paragraph, plot, section, table
 from rotorrig.app.report.synchronous import compensation
 from rotorrig.processing.response import OrderTrackedResponse

@@ -15,7 +15,7 @@ from string import Template
 
 from plotly.offline import get_plotlyjs
 
-from rotorrig.app.diagnosis_part import part_of
+from rotorrig.app.plot_data.diagnosis_of_response import part_of
 from rotorrig.app.report.causes import causes, untold
 from rotorrig.app.report.html import Section
 from rotorrig.app.report.identified import identified

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.curves import lag_degrees
+from rotorrig.app.plot_data.curves import lag_degrees
 from rotorrig.app.report.html import Section, items, pairs, paragraph, section, table
 from rotorrig.app.wording import plus_minus_of
 from rotorrig.processing.response import OrderTrackedResponse

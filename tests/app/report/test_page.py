@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.app.curves import curves
-from rotorrig.app.diagnosis_part import part_of
+from rotorrig.app.plot_data.curves import curves
+from rotorrig.app.plot_data.diagnosis_of_response import part_of
 from rotorrig.app.report.page import write_report
 from rotorrig.identify.cause import Figure
 from rotorrig.identify.diagnosis import Diagnosis

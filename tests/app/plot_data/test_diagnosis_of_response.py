@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rotorrig.app.diagnosis_part import extended_sigmas
+from rotorrig.app.plot_data.diagnosis_of_response import extended_sigmas
 from rotorrig.identify.diagnosis import Diagnosis
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rotorrig.app.curves import Curve
-from rotorrig.app.thinning import kept, thinned
+from rotorrig.app.plot_data.curves import Curve
+from rotorrig.app.plot_data.thinning import kept, thinned
 
 
 def test_a_short_run_is_drawn_whole() -> None:

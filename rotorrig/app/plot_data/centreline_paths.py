@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.curves import sweeps
+from rotorrig.app.plot_data.curves import sweeps
 from rotorrig.processing.probe_planes import measured_planes
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rotorrig.app.order_spectrum import order_spectra
+from rotorrig.app.plot_data.order_spectrum import order_spectra
 from rotorrig.processing.response import OrderTrackedResponse
 
 

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rotorrig.app.centreline_paths import centreline_paths, clearance_circle
+from rotorrig.app.plot_data.centreline_paths import centreline_paths, clearance_circle
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 

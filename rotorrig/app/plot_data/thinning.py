@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.curves import Curve
+from rotorrig.app.plot_data.curves import Curve
 
 MOST = 500  # points of a run: a plot is about as many pixels wide
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.curves import binned_rms, slow_roll_known, speed_edges, sweeps
+from rotorrig.app.plot_data.curves import binned_rms, slow_roll_known, speed_edges, sweeps
 from rotorrig.processing.full_spectrum import whirl_vectors
 from rotorrig.processing.probe_planes import Plane
 from rotorrig.processing.response import OrderTrackedResponse

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rotorrig.app.curves import curves, lag_degrees, phase_window, residual_grid, whirl_grid
+from rotorrig.app.plot_data.curves import curves, lag_degrees, phase_window, residual_grid, whirl_grid
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.processing.response import OrderTrackedResponse
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.app.orbits import orbit
+from rotorrig.app.plot_data.orbits import orbit
 from rotorrig.processing.probe_planes import planes
 from rotorrig.rig.description import RigConfig
 
