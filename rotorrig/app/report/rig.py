@@ -2,8 +2,8 @@
 
 import math
 
+from rotorrig.app.report.drawings.rig_drawing import end_view, side_view
 from rotorrig.app.report.html import Section, folded, paragraph, section, table
-from rotorrig.app.rig_drawing import end_view, side_view
 from rotorrig.app.wording import bearing_coefficients
 from rotorrig.rig.description import RigConfig
 

@@ -2,7 +2,7 @@
 
 from xml.etree import ElementTree
 
-from rotorrig.app.rig_drawing import end_view, side_view
+from rotorrig.app.report.drawings.rig_drawing import end_view, side_view
 from rotorrig.rig.description import RigConfig
 
 
