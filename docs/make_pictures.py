@@ -23,10 +23,10 @@ from docs.browser import screenshot
 from docs.origin import origin, save_png
 from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.app.figures.bode import bode as bode_figure
 from rotorrig.app.plot_data.curves import sweeps, vectors
 from rotorrig.app.plot_data.orbits import representative_rows
 from rotorrig.app.report.drawings.orbit_drawing import orbit_pictures
+from rotorrig.app.report.figures.bode import bode as bode_figure
 from rotorrig.app.sinks import Sink, free_port, proxy, quiet_environment, viewer_program
 from rotorrig.app.viewer import LiveView
 from rotorrig.identify.result_files import read_identification

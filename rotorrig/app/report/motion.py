@@ -4,7 +4,6 @@ from html import escape
 
 import numpy as np
 
-from rotorrig.app.figures.centreline import centreline as centreline_figure
 from rotorrig.app.plot_data.centreline_paths import (
     REFERENCE,
     CentrelinePath,
@@ -14,6 +13,7 @@ from rotorrig.app.plot_data.centreline_paths import (
     clearance_circle,
 )
 from rotorrig.app.report.drawings.orbit_drawing import orbit_pictures
+from rotorrig.app.report.figures.centreline import centreline as centreline_figure
 from rotorrig.app.report.html import Section, paragraph, plot, section, table
 from rotorrig.app.report.synchronous import compensation
 from rotorrig.processing.response import OrderTrackedResponse

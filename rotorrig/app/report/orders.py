@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from rotorrig.app.figures.amplitudes import order_amplitudes
-from rotorrig.app.figures.maps import full_spectrum_map
 from rotorrig.app.plot_data.curves import sweeps, vectors
 from rotorrig.app.plot_data.order_spectrum import OrderSpectrum, order_spectra
+from rotorrig.app.report.figures.amplitudes import order_amplitudes
+from rotorrig.app.report.figures.maps import full_spectrum_map
 from rotorrig.app.report.html import Section, name_of_order, paragraph, plot, section, table
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import RPM, UM

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.app.figures.bode import bode
-from rotorrig.app.figures.polar import polar
 from rotorrig.app.plot_data.curves import Curve, curves, model_vectors, slow_roll_known, sweeps, vectors
 from rotorrig.app.plot_data.diagnosis_of_response import Vectors, predictions
+from rotorrig.app.report.figures.bode import bode
+from rotorrig.app.report.figures.polar import polar
 from rotorrig.app.report.html import Section, folded, paragraph, plot, section, table
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Fit, Identification

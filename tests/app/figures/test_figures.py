@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.app.figures.amplitudes import order_amplitudes
-from rotorrig.app.figures.bode import bode
-from rotorrig.app.figures.centreline import centreline
-from rotorrig.app.figures.maps import full_spectrum_map
-from rotorrig.app.figures.polar import labelled, polar
 from rotorrig.app.plot_data.centreline_paths import CentrelinePath, ClearanceCircle
 from rotorrig.app.plot_data.curves import curves
 from rotorrig.app.plot_data.diagnosis_of_response import predictions
 from rotorrig.app.plot_data.order_spectrum import order_spectra
+from rotorrig.app.report.figures.amplitudes import order_amplitudes
+from rotorrig.app.report.figures.bode import bode
+from rotorrig.app.report.figures.centreline import centreline
+from rotorrig.app.report.figures.maps import full_spectrum_map
+from rotorrig.app.report.figures.polar import labelled, polar
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 from rotorrig.processing.response import OrderTrackedResponse

@@ -7,9 +7,9 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from rotorrig.app.figures.look import styled
 from rotorrig.app.plot_data.curves import residual_grid, whirl_grid
 from rotorrig.app.plot_data.order_spectrum import OrderSpectrum
+from rotorrig.app.report.figures.look import styled
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import UM
 

@@ -6,8 +6,8 @@ from html import escape
 import numpy as np
 import plotly.graph_objects as go
 
-from rotorrig.app.figures.look import COLOURS, SHEER, styled
 from rotorrig.app.plot_data.centreline_paths import CentrelinePath, ClearanceCircle
+from rotorrig.app.report.figures.look import COLOURS, SHEER, styled
 
 MOST = 250  # points of a path
 SEEN = 0.02  # of the circle's radius: a path that goes less far would be a dot in it, and is drawn without it
