@@ -9,7 +9,7 @@ from collections.abc import Callable
 import typer
 from rich.text import Text
 
-from rotorrig.app.console import err, out
+from rotorrig.app.terminal.console import err, out
 from rotorrig.app.verbs import data, model, rig
 from rotorrig.rig.errors import RigError
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, Self
 
-from rotorrig.app.console import err
+from rotorrig.app.terminal.console import err
 from rotorrig.rig.errors import RigError
 
 LOOPBACK = "127.0.0.1"

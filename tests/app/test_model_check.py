@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rotorrig.app import cli
-from rotorrig.app.model_drawing import drawing
+from rotorrig.app.terminal.model_drawing import drawing
 from rotorrig.rig.description import RigConfig, from_si
 
 RK4 = Path(__file__).parents[2] / "configs/rk4.toml"

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rotorrig.app import tables
 from rotorrig.app.commands.config_model import check_effects
-from rotorrig.app.console import out
+from rotorrig.app.terminal import tables
+from rotorrig.app.terminal.console import out
 from rotorrig.rig import connect
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError, LinkLost
@@ -48,8 +48,8 @@ def device_facts(rig: RigConfig) -> dict[str, Any]:
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def show_model(rig: RigConfig) -> None:
     """Draw the rotor; print its masses, bearing loads and sag, critical speeds and stability. Raises DataError."""
-    from rotorrig.app import model_summary
-    from rotorrig.app.model_drawing import drawing
+    from rotorrig.app.terminal import model_summary
+    from rotorrig.app.terminal.model_drawing import drawing
     from rotorrig.sims.rotor.assembly import assemble
 
     out.print(drawing(rig, width=out.width, plain=out.options.ascii_only))

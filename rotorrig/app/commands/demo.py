@@ -9,12 +9,12 @@ from rich.progress import Progress
 
 from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.sweep.plans import Step
-from rotorrig.app import tables
 from rotorrig.app.commands import diagnose
 from rotorrig.app.commands.sweep import record_sweep
-from rotorrig.app.console import out as console
-from rotorrig.app.console import progress_bars
 from rotorrig.app.report.page import write_report
+from rotorrig.app.terminal import tables
+from rotorrig.app.terminal.console import out as console
+from rotorrig.app.terminal.console import progress_bars
 from rotorrig.app.viewer import write_result_rrd
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.fit import fit

@@ -6,9 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from rotorrig.app import cause_words, tables
+from rotorrig.app import cause_words
 from rotorrig.app.commands.config_model import check_effects
-from rotorrig.app.console import out, progress_bars
+from rotorrig.app.terminal import tables
+from rotorrig.app.terminal.console import out, progress_bars
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
 from rotorrig.processing.response import OrderTrackedResponse

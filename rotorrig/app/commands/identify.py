@@ -2,7 +2,7 @@
 
 from rich.progress import Progress
 
-from rotorrig.app.console import progress_bars
+from rotorrig.app.terminal.console import progress_bars
 from rotorrig.identify.bootstrap import Resampling
 from rotorrig.identify.fit import fit
 from rotorrig.identify.identification import Identification

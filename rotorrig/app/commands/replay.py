@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.acquisition.replay import ReplayDaq, cut_from
-from rotorrig.app.console import progress_bars
+from rotorrig.app.terminal.console import progress_bars
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.probes.base import Block
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rotorrig.app.console import out
+from rotorrig.app.terminal.console import out
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.trial_mass import read_trial_mass, trial_unbalance

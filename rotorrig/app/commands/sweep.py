@@ -15,8 +15,8 @@ from rotorrig.acquisition.sweep.timeline import timeline
 from rotorrig.app.commands.config_model import criticals_to_pass
 from rotorrig.app.commands.simulate import StandIn, simulated
 from rotorrig.app.commands.sweep_preview import expected_bytes
-from rotorrig.app.console import progress_bars
-from rotorrig.app.terminal import HINT, operator_for
+from rotorrig.app.terminal.console import progress_bars
+from rotorrig.app.terminal.operator import HINT, operator_for
 from rotorrig.rig import connect
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError, DataError

@@ -13,7 +13,7 @@ from rotorrig.acquisition.sweep import critical_speeds, plans
 from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Trial
 from rotorrig.acquisition.sweep.timeline import COAST_SECONDS, Timed, timeline
 from rotorrig.app.commands.config_model import criticals_of
-from rotorrig.app.console import out, tell
+from rotorrig.app.terminal.console import out, tell
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.probes.calibration import channels_used

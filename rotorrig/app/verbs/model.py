@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from rotorrig.app.arguments import AsJson, Out, Response, Seed
-from rotorrig.app.console import err, out, tell, working
+from rotorrig.app.terminal.console import err, out, tell, working
 from rotorrig.rig.description import load
 
 
@@ -27,8 +27,8 @@ def identify(
     seed: Seed = 0,
 ) -> None:
     """Fit bearing stiffness, damping and unbalance."""
-    from rotorrig.app import tables
     from rotorrig.app.commands import identify
+    from rotorrig.app.terminal import tables
     from rotorrig.identify.result_files import identification_table, write_identification
     from rotorrig.processing.response_file import read_response
 

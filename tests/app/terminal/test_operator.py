@@ -9,8 +9,8 @@ from io import TextIOWrapper
 import pytest
 
 from rotorrig.acquisition.sweep.plans import Ask, Ramp
-from rotorrig.app import terminal
-from rotorrig.app.terminal import Terminal, operator_for
+from rotorrig.app.terminal import operator as terminal
+from rotorrig.app.terminal.operator import Terminal, operator_for
 from rotorrig.rig.errors import ConfigError
 
 PLAN = (Ramp(to=60.0, rate=10.0), Ask(request="mount 'disk: 1 g mm at 0 deg'"))

@@ -15,12 +15,12 @@ from typer.testing import CliRunner
 from benchmarks.blind_run import record
 from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.app import cli
-from rotorrig.app.console import tell
+from rotorrig.app.terminal.console import tell
 from rotorrig.rig.description import RigConfig, parse
 from rotorrig.rig.units import RPM
 
 ROTOR = [sys.executable, "-m", "rotorrig.app.cli"]
-RK4 = Path(__file__).parents[2] / "configs/rk4.toml"
+RK4 = Path(__file__).parents[3] / "configs/rk4.toml"
 READ_BY_PROGRAMS = ("check", "sweep", "replay", "track", "identify", "diagnose", "import", "export", "salvage")
 
 
