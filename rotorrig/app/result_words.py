@@ -1,8 +1,8 @@
 """What stands beside the pictures of a result, in Markdown: verdict, causes, values, colours, provenance."""
 
-from rotorrig.app import cause_words
 from rotorrig.app.result_data import Result
-from rotorrig.app.wording import plus_minus, shown
+from rotorrig.app.text import causes
+from rotorrig.app.text.quantities import plus_minus, shown
 from rotorrig.identify.diagnosis import Diagnosis
 
 
@@ -42,11 +42,11 @@ def _causes(found: Diagnosis) -> list[str]:
     said = [cause.words for cause in found.causes if cause.chosen and cause.words not in found.sentence]
     if found.causes:
         rows = [
-            f"| {c.label} | {cause_words.size(c)} | {cause_words.evidence(c)} | {cause_words.heldout(c)} |"
-            for c in cause_words.listed(found)
+            f"| {c.label} | {causes.size(c)} | {causes.evidence(c)} | {causes.heldout(c)} |"
+            for c in causes.listed(found)
         ]
         said.append("\n".join(["| cause | size | evidence | held-out error |", "|---|---|---|---|", *rows]))
     return [
         *said,
-        *(words for words in (cause_words.gain(found), *cause_words.ties(found), cause_words.next_run(found)) if words),
+        *(words for words in (causes.gain(found), *causes.ties(found), causes.next_run(found)) if words),
     ]

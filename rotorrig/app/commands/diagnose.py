@@ -6,10 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from rotorrig.app import cause_words
 from rotorrig.app.commands.config_model import check_effects
 from rotorrig.app.terminal import tables
 from rotorrig.app.terminal.console import out, progress_bars
+from rotorrig.app.text import causes
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
 from rotorrig.processing.response import OrderTrackedResponse
@@ -75,11 +75,11 @@ def show(found: Diagnosis) -> None:
         out.print(tables.causes(found))
     in_sentence = found.verdict in (Verdict.NAMED, Verdict.TIED)  # it has the gain
     said = [
-        *cause_words.ties(found),
-        cause_words.next_run(found),
-        "" if in_sentence else cause_words.gain(found),
+        *causes.ties(found),
+        causes.next_run(found),
+        "" if in_sentence else causes.gain(found),
         found.character,
-        cause_words.not_seen(found),
+        causes.not_seen(found),
     ]
     for words in filter(None, said):
         out.print(words, highlight=False, markup=False)

@@ -1,8 +1,8 @@
 """Causes: what was found, what it explains and what is tied; and what this data cannot tell."""
 
-from rotorrig.app import cause_words
 from rotorrig.app.report.html import Section, items, paragraph, section, table
-from rotorrig.app.wording import long
+from rotorrig.app.text import causes
+from rotorrig.app.text.quantities import long
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 
@@ -20,7 +20,7 @@ def untold(identification: Identification | None, diagnosis: Diagnosis | None) -
     words = [f"{fit.name}: {word}" if len(fits) > 1 else word for fit in fits for word in fit.words]
     if diagnosis is not None:
         words += [diagnosis.character] if diagnosis.character else []
-        words += cause_words.untold(diagnosis)
+        words += causes.untold(diagnosis)
     return section("untold", "What this data cannot tell", items(words)) if words else None
 
 
@@ -28,15 +28,15 @@ def _tried(found: Diagnosis) -> str:
     """Return the causes tried, what is tied and the run that would tell more; empty if none was tried."""
     if not found.causes:
         return ""
-    listed = cause_words.listed(found)
+    listed = causes.listed(found)
     rows = [
         [
             cause.label,
-            cause_words.size(cause),
-            cause_words.evidence(cause),
+            causes.size(cause),
+            causes.evidence(cause),
             f"{'≥ ' if cause.given_up else ''}{cause.lam:.0f}",
-            cause_words.heldout(cause),
-            cause_words.standing(cause, found),
+            causes.heldout(cause),
+            causes.standing(cause, found),
         ]
         for cause in listed
     ]
@@ -48,7 +48,7 @@ def _tried(found: Diagnosis) -> str:
         [
             table("Causes tried, best first", header, rows, marked=chosen, mark="chosen"),
             paragraph(_LEGEND, note),
-            *map(paragraph, cause_words.ties(found)),
+            *map(paragraph, causes.ties(found)),
             paragraph(_next(found)),
         ]
     )
@@ -57,9 +57,9 @@ def _tried(found: Diagnosis) -> str:
 def _gain(found: Diagnosis) -> str:
     """Return what the extended model bought on data no fit saw; empty if nothing was measured."""
     header = ["parameter", "base model", "extended model ± 1 σ", "moved by"]
-    rows = [[long(name), *rest] for name, *rest in cause_words.absorbed(found)]
+    rows = [[long(name), *rest] for name, *rest in causes.absorbed(found)]
     moved = table("What the base model's parameters had absorbed", header, rows) if rows else ""
-    return paragraph(cause_words.gain(found)) + moved
+    return paragraph(causes.gain(found)) + moved
 
 
 _LEGEND = (
@@ -70,5 +70,5 @@ _LEGEND = (
 
 
 def _next(found: Diagnosis) -> str:
-    words = cause_words.next_run(found)
+    words = causes.next_run(found)
     return f"The next run that would tell more: {words}" if words else ""

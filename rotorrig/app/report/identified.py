@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 
 from rotorrig.app.report.html import Section, folded, paragraph, section, table
-from rotorrig.app.wording import at_bound, change, determined, in_sigmas, interval, long, plus_minus, shown
+from rotorrig.app.text.quantities import at_bound, change, determined, in_sigmas, interval, long, plus_minus, shown
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Estimate, Fit, Identification
 from rotorrig.rig.units import RPM

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rotorrig.app.plot_data.curves import lag_degrees
 from rotorrig.app.report.html import Section, items, pairs, paragraph, section, table
-from rotorrig.app.wording import plus_minus_of
+from rotorrig.app.text.quantities import plus_minus_of
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import RPM, UM
 

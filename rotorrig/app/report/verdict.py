@@ -4,9 +4,9 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from rotorrig.app import cause_words
 from rotorrig.app.report.html import Section, items, paragraph
-from rotorrig.app.wording import probability
+from rotorrig.app.text import causes
+from rotorrig.app.text.quantities import probability
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.misfit import Misfit
@@ -81,5 +81,5 @@ def _worst(diagnosis: Diagnosis) -> list[str]:
 
 
 def _next(diagnosis: Diagnosis) -> list[str]:
-    words = cause_words.next_run(diagnosis)
+    words = causes.next_run(diagnosis)
     return [f"Next: {words}"] if words else []

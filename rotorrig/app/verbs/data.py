@@ -51,7 +51,7 @@ def track(
     Trial masses are those the sweep noted; --trial stands instead of them.
     """
     from rotorrig.acquisition.files.recording_mcap import open_recording
-    from rotorrig.app.tracking_words import quality_words, spacing_words, tracked_facts, tracked_words
+    from rotorrig.app.text.tracking import quality_words, spacing_words, tracked_facts, tracked_words
     from rotorrig.processing import pipeline
     from rotorrig.processing.response_file import write_response
     from rotorrig.processing.settings import Spacing, SpeedWindow, Tracking, read_orders

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from rotorrig.app.wording import plus_minus, shown
+from rotorrig.app.text.quantities import plus_minus, shown
 from rotorrig.identify.identification import Estimate
 
 

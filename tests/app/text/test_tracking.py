@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rotorrig.app.tracking_words import quality_words
+from rotorrig.app.text.tracking import quality_words
 from rotorrig.rig.description import RigConfig
 from tests.fuzz.corpus import response
 

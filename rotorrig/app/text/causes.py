@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rotorrig.app.wording import plus_minus_of, shown, unit_of
+from rotorrig.app.text.quantities import plus_minus_of, shown, unit_of
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.separation import NAMEABLE
