@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from rotorrig.app.arguments import AsJson, Out, Recording, Trial, View
 from rotorrig.app.terminal.console import err, progress_bars, tell, working
+from rotorrig.app.verbs.arguments import AsJson, Out, Recording, Trial, View
 from rotorrig.rig.description import load
 from rotorrig.rig.errors import ConfigError
 

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from rotorrig.app.arguments import AsJson, Out, Response, Seed
 from rotorrig.app.terminal.console import err, out, tell, working
+from rotorrig.app.verbs.arguments import AsJson, Out, Response, Seed
 from rotorrig.rig.description import load
 
 
