@@ -23,7 +23,7 @@ from rerun.chunk import RrdReader
 
 from benchmarks.tracking_signal import RunUp, blocks, daq_of, rig_of, standard
 from rotorrig.app.live_view import LiveView
-from rotorrig.app.sinks import LOOPBACK, Sink, proxy, serve
+from rotorrig.app.viewer.sinks import LOOPBACK, Sink, proxy, serve
 from rotorrig.rig.probes.base import Block
 
 CHANNELS, RATE = 8, 50_000.0  # the keyphasor's among them

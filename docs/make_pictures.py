@@ -27,8 +27,8 @@ from rotorrig.app.plot_data.curves import sweeps, vectors
 from rotorrig.app.plot_data.orbits import representative_rows
 from rotorrig.app.report.drawings.orbit_drawing import orbit_pictures
 from rotorrig.app.report.figures.bode import bode as bode_figure
-from rotorrig.app.sinks import Sink, free_port, proxy, quiet_environment, viewer_program
-from rotorrig.app.viewer import LiveView
+from rotorrig.app.viewer.open import LiveView
+from rotorrig.app.viewer.sinks import Sink, free_port, proxy, quiet_environment, viewer_program
 from rotorrig.identify.result_files import read_identification
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import read_response

@@ -7,7 +7,7 @@ import rerun.blueprint as rrb
 from rerun.blueprint.archetypes import TextLogColumns
 from rerun.blueprint.encodings import TextLogColumnKind
 
-from rotorrig.app.blueprint import BACKGROUND, POLAR_BOUNDS, flat, laid_out
+from rotorrig.app.viewer.blueprint import BACKGROUND, POLAR_BOUNDS, flat, laid_out
 from rotorrig.processing.probe_planes import planes
 from rotorrig.rig.description import RigConfig
 

@@ -21,7 +21,7 @@ from rotorrig.app.live_history import STEP
 from rotorrig.app.live_pipe import READY, BlockReader
 from rotorrig.app.live_scene import LiveScene
 from rotorrig.app.pictures.words import displayable
-from rotorrig.app.sinks import Sink
+from rotorrig.app.viewer.sinks import Sink
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.probes.base import Block

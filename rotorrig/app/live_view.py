@@ -16,7 +16,7 @@ from typing import IO, Self
 
 from rotorrig.acquisition.recording import Event
 from rotorrig.app.live_pipe import READY, block_parts, opening
-from rotorrig.app.sinks import Sink, quiet_environment
+from rotorrig.app.viewer.sinks import Sink, quiet_environment
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.probes.base import Block, DaqInfo

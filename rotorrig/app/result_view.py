@@ -19,7 +19,7 @@ from rotorrig.app.result_layout import result_layout
 from rotorrig.app.result_rotor import RotorScene
 from rotorrig.app.result_words import colour_words, verdict_words
 from rotorrig.app.rotor_motion import mode_words, rotor_motion
-from rotorrig.app.sinks import to_file
+from rotorrig.app.viewer.sinks import to_file
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 from rotorrig.processing.response import OrderTrackedResponse

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 from rerun.experimental import ViewerClient
 
-from rotorrig.app.sinks import free_port, proxy, quiet_environment, viewer_program
+from rotorrig.app.viewer.sinks import free_port, proxy, quiet_environment, viewer_program
 
 VULKAN = [Path("/usr/share/vulkan/icd.d"), Path("/etc/vulkan/icd.d")]
 needs_vulkan = pytest.mark.skipif(

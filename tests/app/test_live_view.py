@@ -19,7 +19,7 @@ from rotorrig.acquisition.sweep.fanout import Viewer
 from rotorrig.app import live_view
 from rotorrig.app.live_pipe import BlockReader, Opening, block_parts, opening
 from rotorrig.app.live_view import LiveView
-from rotorrig.app.sinks import Sink, to_file
+from rotorrig.app.viewer.sinks import Sink, to_file
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.probes.base import Block, DaqInfo

@@ -15,7 +15,7 @@ from rotorrig.app.report.page import write_report
 from rotorrig.app.terminal import tables
 from rotorrig.app.terminal.console import out as console
 from rotorrig.app.terminal.console import progress_bars
-from rotorrig.app.viewer import write_result_rrd
+from rotorrig.app.viewer.open import write_result_rrd
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.fit import fit
 from rotorrig.identify.identification import Identification

@@ -13,7 +13,7 @@ from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.probes.base import Block
 
 if TYPE_CHECKING:
-    from rotorrig.app.viewer import LiveView
+    from rotorrig.app.viewer.open import LiveView
 
 
 def play(path: Path, *, rate: str, view: bool, track: Path | None = None, begin: float = 0.0) -> float:
@@ -49,7 +49,7 @@ def _pace(rate: str) -> float | Literal["max"]:
 
 
 def _live_view(recording: RawRecording) -> "LiveView":
-    from rotorrig.app.viewer import LiveView, serve  # Rerun takes a second to import
+    from rotorrig.app.viewer.open import LiveView, serve  # Rerun takes a second to import
 
     return LiveView(recording.rig, recording.daq, serve(), events=recording.events)
 

@@ -27,7 +27,7 @@ from rotorrig.rig.units import RPM
 from rotorrig.sims.wire.launch import BenchPorts
 
 if TYPE_CHECKING:
-    from rotorrig.app.viewer import LiveView
+    from rotorrig.app.viewer.open import LiveView
 
 Progress = Callable[[plans.Step, float, float], None]  # step, fraction of the sweep's steps, speed [rad/s]
 
@@ -145,6 +145,6 @@ def record_sweep(
 
 
 def _live_view(rig: RigConfig, info: DaqInfo) -> "LiveView":
-    from rotorrig.app.viewer import LiveView, serve  # Rerun takes a second to import
+    from rotorrig.app.viewer.open import LiveView, serve  # Rerun takes a second to import
 
     return LiveView(rig, info, serve())

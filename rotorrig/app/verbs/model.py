@@ -117,7 +117,7 @@ def view(
     ] = None,
 ) -> None:
     """Open a file in the Rerun viewer; a response with its fit and diagnosis, and the run for what was recorded."""
-    from rotorrig.app.viewer import Evidence, save_result, view_file
+    from rotorrig.app.viewer.open import Evidence, save_result, view_file
 
     evidence = Evidence(fit=fit, diagnosis=diagnosis, run=run)
     if out_file is None:

@@ -11,8 +11,8 @@ from rotorrig.app.live_process import open_stream
 from rotorrig.app.live_scene import LiveScene
 from rotorrig.app.live_view import LiveView
 from rotorrig.app.result_view import write_result_rrd
-from rotorrig.app.sinks import Sink, serve, show_files, to_file
 from rotorrig.app.terminal.console import working
+from rotorrig.app.viewer.sinks import Sink, serve, show_files, to_file
 from rotorrig.identify.result_files import read_diagnosis, read_identification
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import read_response
