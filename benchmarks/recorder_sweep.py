@@ -17,7 +17,7 @@ from benchmarks.recorder_rig import SPEED
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter
 from rotorrig.acquisition.sweep.engine import run_sweep
 from rotorrig.acquisition.sweep.plans import Dwell, Mark, Ramp
-from rotorrig.app.live_view import LiveView
+from rotorrig.app.viewer.live.view import LiveView
 from rotorrig.app.viewer.sinks import to_file
 from rotorrig.rig import connect
 from rotorrig.rig.description import RigConfig, load

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from rerun.chunk import RrdReader
 
 from benchmarks.tracking_signal import RunUp, blocks, daq_of, rig_of, standard
-from rotorrig.app.live_view import LiveView
+from rotorrig.app.viewer.live.view import LiveView
 from rotorrig.app.viewer.sinks import LOOPBACK, Sink, proxy, serve
 from rotorrig.rig.probes.base import Block
 

@@ -7,11 +7,11 @@ from pathlib import Path
 from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.live_history import history_of, stepped
-from rotorrig.app.live_process import open_stream
 from rotorrig.app.live_scene import LiveScene
-from rotorrig.app.live_view import LiveView
 from rotorrig.app.result_view import write_result_rrd
 from rotorrig.app.terminal.console import working
+from rotorrig.app.viewer.live.process import open_stream
+from rotorrig.app.viewer.live.view import LiveView
 from rotorrig.app.viewer.sinks import Sink, serve, show_files, to_file
 from rotorrig.identify.result_files import read_diagnosis, read_identification
 from rotorrig.processing.response import OrderTrackedResponse

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import IO, Self
 
 from rotorrig.acquisition.recording import Event
-from rotorrig.app.live_pipe import READY, block_parts, opening
+from rotorrig.app.viewer.live.pipe import READY, block_parts, opening
 from rotorrig.app.viewer.sinks import Sink, quiet_environment
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import RigError
@@ -133,7 +133,7 @@ class LiveView:
 def _started(told: bytes) -> subprocess.Popen[bytes]:
     """Start the drawing process, tell it `told`, return it once it is ready. Raises RigError in its own words."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "rotorrig.app.live_process"],
+        [sys.executable, "-m", "rotorrig.app.viewer.live.process"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

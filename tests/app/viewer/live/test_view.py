@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import Event
 from rotorrig.acquisition.sweep.fanout import Viewer
-from rotorrig.app import live_view
-from rotorrig.app.live_pipe import BlockReader, Opening, block_parts, opening
-from rotorrig.app.live_view import LiveView
+from rotorrig.app.viewer.live import view as live_view
+from rotorrig.app.viewer.live.pipe import BlockReader, Opening, block_parts, opening
+from rotorrig.app.viewer.live.view import LiveView
 from rotorrig.app.viewer.sinks import Sink, to_file
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import RigError
@@ -142,7 +142,7 @@ sys.stdin.read()
 
 
 def test_a_view_ends_with_the_program_it_belongs_to(tmp_path: Path) -> None:
-    config = Path(__file__).parents[2] / "configs/rk4.toml"
+    config = Path(__file__).parents[4] / "configs/rk4.toml"
     words = [sys.executable, "-c", ORPHAN, str(config), str(tmp_path / "live.rrd")]
     with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as program:
         assert program.stdout
