@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.live_waveform import Waveform, at_equal_angles
+from rotorrig.app.viewer.live.data.waveform import Waveform, at_equal_angles
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.probes.calibration import ProbeScale

@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 
 from rotorrig.app.live_orbits import at_edges, first_order
 from rotorrig.app.live_readings import readings
-from rotorrig.app.live_slow_roll import FEWEST, SlowRollSoFar, slow_roll_speeds
-from rotorrig.app.live_spectra import SpectraSoFar
-from rotorrig.app.live_tracking import Turns
-from rotorrig.app.live_waveform import POINTS, THETA, Waveform, at_equal_angles
+from rotorrig.app.viewer.live.data.slow_roll import FEWEST, SlowRollSoFar, slow_roll_speeds
+from rotorrig.app.viewer.live.data.spectra import SpectraSoFar
+from rotorrig.app.viewer.live.data.tracker import Turns
+from rotorrig.app.viewer.live.data.waveform import POINTS, THETA, Waveform, at_equal_angles
 from rotorrig.rig.description import RigConfig
 
 RAD = np.pi / 30

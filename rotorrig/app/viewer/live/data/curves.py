@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.live_tracking import Turns
+from rotorrig.app.viewer.live.data.tracker import Turns
 from rotorrig.rig.units import RPM
 
 POINT_TURNS = 8  # averaged into one point

@@ -1,11 +1,11 @@
 """All that is known of a sweep so far, gathered as blocks arrive; nothing of it is drawn here."""
 
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.app.live_curves import SpeedCurves
-from rotorrig.app.live_slow_roll import SlowRollSoFar
-from rotorrig.app.live_spectra import SpectraSoFar
-from rotorrig.app.live_tracking import LiveTracker, Turns
-from rotorrig.app.live_waveform import Waveform
+from rotorrig.app.viewer.live.data.curves import SpeedCurves
+from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
+from rotorrig.app.viewer.live.data.spectra import SpectraSoFar
+from rotorrig.app.viewer.live.data.tracker import LiveTracker, Turns
+from rotorrig.app.viewer.live.data.waveform import Waveform
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block
 

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.live_tracking import Turns
-from rotorrig.app.live_waveform import POINTS, Waveform
+from rotorrig.app.viewer.live.data.tracker import Turns
+from rotorrig.app.viewer.live.data.waveform import POINTS, Waveform
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.sweep_plans import RunUpCoastDown, RunUpRampDown, Stepped
 from rotorrig.rig.units import RPM

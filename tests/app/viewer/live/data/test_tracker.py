@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.app.live_curves import SpeedCurves
-from rotorrig.app.live_tracking import LiveTracker, Turns
+from rotorrig.app.viewer.live.data.curves import SpeedCurves
+from rotorrig.app.viewer.live.data.tracker import LiveTracker, Turns
 from rotorrig.app.viewer.live.process import joined
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
