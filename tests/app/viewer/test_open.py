@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import Event, RawRecording
-from rotorrig.app.live_blueprint import TABS
 from rotorrig.app.pictures.axes import Panel
+from rotorrig.app.viewer.live.parts.blueprint import TABS
 from rotorrig.app.viewer.open import LiveView, as_rrd, view_file, write_recording_rrd
 from rotorrig.app.viewer.sinks import serve, to_file
 from rotorrig.processing.response import OrderTrackedResponse

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.app.live_orbits import at_edges, first_order
-from rotorrig.app.live_readings import readings
 from rotorrig.app.viewer.live.data.slow_roll import FEWEST, SlowRollSoFar, slow_roll_speeds
 from rotorrig.app.viewer.live.data.spectra import SpectraSoFar
 from rotorrig.app.viewer.live.data.tracker import Turns
 from rotorrig.app.viewer.live.data.waveform import POINTS, THETA, Waveform, at_equal_angles
+from rotorrig.app.viewer.live.parts.orbits import at_edges, first_order
+from rotorrig.app.viewer.live.parts.readings import readings
 from rotorrig.rig.description import RigConfig
 
 RAD = np.pi / 30
