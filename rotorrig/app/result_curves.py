@@ -4,18 +4,18 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.against_speed import SpeedPicture
-from rotorrig.app.pictures.axes import DOWN, MODEL_DOWN, MODEL_UP, UP
-from rotorrig.app.pictures.bode import BodePicture, Panels
-from rotorrig.app.pictures.centreline import SMALLEST_PATH, CentrelinePicture
-from rotorrig.app.pictures.gap_trend import PROBE_COLOURS
-from rotorrig.app.pictures.polar import PolarPicture, speed_marks
-from rotorrig.app.pictures.residual import ResidualPicture
-from rotorrig.app.pictures.rotor_3d import BACKWARD, FORWARD
 from rotorrig.app.plot_data.centreline_paths import REFERENCE, CentrelinePath, centreline_paths, clearance_circle
 from rotorrig.app.plot_data.curves import phase_window, residual_grid
 from rotorrig.app.plot_data.diagnosis_of_response import extended_sigmas
 from rotorrig.app.result_data import Result
+from rotorrig.app.viewer.plots.against_speed import SpeedPicture
+from rotorrig.app.viewer.plots.axes import DOWN, MODEL_DOWN, MODEL_UP, UP
+from rotorrig.app.viewer.plots.bode import BodePicture, Panels
+from rotorrig.app.viewer.plots.centreline import SMALLEST_PATH, CentrelinePicture
+from rotorrig.app.viewer.plots.gap_trend import PROBE_COLOURS
+from rotorrig.app.viewer.plots.polar import PolarPicture, speed_marks
+from rotorrig.app.viewer.plots.residual import ResidualPicture
+from rotorrig.app.viewer.plots.rotor_3d import BACKWARD, FORWARD
 from rotorrig.processing.full_spectrum import whirl_vectors
 from rotorrig.rig.units import UM
 

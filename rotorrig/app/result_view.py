@@ -11,7 +11,6 @@ import rerun as rr
 
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app import result_curves
-from rotorrig.app.pictures.words import displayable
 from rotorrig.app.result_by_speed import draw_by_speed, shown_rows
 from rotorrig.app.result_cascade import draw_cascades
 from rotorrig.app.result_data import Result, result_of
@@ -19,6 +18,7 @@ from rotorrig.app.result_layout import result_layout
 from rotorrig.app.result_rotor import RotorScene
 from rotorrig.app.result_words import colour_words, verdict_words
 from rotorrig.app.rotor_motion import mode_words, rotor_motion
+from rotorrig.app.viewer.plots.words import displayable
 from rotorrig.app.viewer.sinks import to_file
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification

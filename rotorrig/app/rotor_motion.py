@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from rotorrig.app.fitted_model import fitted_model, fitted_unbalance
-from rotorrig.app.pictures.rotor_3d import LINE_LIKE
 from rotorrig.app.result_data import Result
+from rotorrig.app.viewer.plots.rotor_3d import LINE_LIKE
 from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.harmonic import steady_response

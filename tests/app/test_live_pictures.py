@@ -10,11 +10,6 @@ import rerun as rr
 import rerun.blueprint as rrb
 from rerun.experimental import ViewerClient
 
-from rotorrig.app.pictures.axes import INK, Panel
-from rotorrig.app.pictures.cascade import CascadePicture, visible
-from rotorrig.app.pictures.centreline import CentrelinePicture
-from rotorrig.app.pictures.scale import FollowingScale
-from rotorrig.app.pictures.words import ALSO, SHOWN, displayable
 from rotorrig.app.viewer.blueprint import flat, laid_out
 from rotorrig.app.viewer.live.parts.blueprint import (
     CASCADE_BOUNDS,
@@ -24,6 +19,11 @@ from rotorrig.app.viewer.live.parts.blueprint import (
     replay_blueprint,
 )
 from rotorrig.app.viewer.live.parts.position import bearing_near
+from rotorrig.app.viewer.plots.axes import INK, Panel
+from rotorrig.app.viewer.plots.cascade import CascadePicture, visible
+from rotorrig.app.viewer.plots.centreline import CentrelinePicture
+from rotorrig.app.viewer.plots.scale import FollowingScale
+from rotorrig.app.viewer.plots.words import ALSO, SHOWN, displayable
 from rotorrig.rig.description import RigConfig, parse
 from rotorrig.rig.errors import ConfigError
 from tests.app.headless import headless_viewer, marked, needs_vulkan, views

@@ -8,7 +8,7 @@ import pytest
 import rerun as rr
 from rerun.chunk import RrdReader
 
-from rotorrig.app.pictures.polar import PolarPicture, speed_marks
+from rotorrig.app.viewer.plots.polar import PolarPicture, speed_marks
 
 MIDDLE = (50.0, 50.0)  # of the picture, whose outer circle has a radius of 50 and whose y points down
 Drawn = Callable[..., np.ndarray]

@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import Event, RawRecording
-from rotorrig.app.pictures.axes import Panel
 from rotorrig.app.viewer.live.parts.blueprint import TABS
 from rotorrig.app.viewer.open import LiveView, as_rrd, view_file, write_recording_rrd
+from rotorrig.app.viewer.plots.axes import Panel
 from rotorrig.app.viewer.sinks import serve, to_file
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import write_response

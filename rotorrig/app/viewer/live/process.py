@@ -16,11 +16,11 @@ from typing import Literal
 import numpy as np
 import rerun as rr
 
-from rotorrig.app.pictures.words import displayable
 from rotorrig.app.viewer.live.data.history import STEP
 from rotorrig.app.viewer.live.parts.blueprint import live_blueprint, replay_blueprint
 from rotorrig.app.viewer.live.parts.scene import LiveScene
 from rotorrig.app.viewer.live.pipe import READY, BlockReader
+from rotorrig.app.viewer.plots.words import displayable
 from rotorrig.app.viewer.sinks import Sink
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import RigError

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.bode import fastest_rpm
 from rotorrig.app.viewer.live.data.tracker import KEPT_TURNS
 from rotorrig.app.viewer.live.data.waveform import Waveform
+from rotorrig.app.viewer.plots.bode import fastest_rpm
 from rotorrig.processing.full_spectrum import full_spectrum
 from rotorrig.processing.probe_planes import planes
 from rotorrig.rig.description import RigConfig

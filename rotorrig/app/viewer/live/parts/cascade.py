@@ -2,10 +2,10 @@
 
 import rerun as rr
 
-from rotorrig.app.pictures.cascade import CascadePicture
 from rotorrig.app.viewer.live.data.curves import WAYS
 from rotorrig.app.viewer.live.data.spectra import SpectraSoFar
 from rotorrig.app.viewer.live.parts.vectors import COLOURS, NAMES
+from rotorrig.app.viewer.plots.cascade import CascadePicture
 from rotorrig.processing.probe_planes import planes
 from rotorrig.rig.description import RigConfig
 

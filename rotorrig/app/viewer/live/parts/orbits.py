@@ -4,11 +4,11 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.axes import UP
-from rotorrig.app.pictures.orbit import OrbitPicture
-from rotorrig.app.pictures.time_base import TimeBasePicture
 from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
 from rotorrig.app.viewer.live.data.waveform import POINTS, THETA, Waveform
+from rotorrig.app.viewer.plots.axes import UP
+from rotorrig.app.viewer.plots.orbit import OrbitPicture
+from rotorrig.app.viewer.plots.time_base import TimeBasePicture
 from rotorrig.processing.probe_planes import Plane, planes
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import UM

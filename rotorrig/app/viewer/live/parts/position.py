@@ -4,12 +4,12 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.centreline import SMALLEST_PATH, CentrelinePicture
-from rotorrig.app.pictures.gap_trend import GapTrendPicture
-from rotorrig.app.pictures.polar import speed_marks
-from rotorrig.app.pictures.words import displayable
 from rotorrig.app.viewer.live.data.curves import WAYS, Points, SpeedCurves
 from rotorrig.app.viewer.live.parts.vectors import COLOURS, NAMES
+from rotorrig.app.viewer.plots.centreline import SMALLEST_PATH, CentrelinePicture
+from rotorrig.app.viewer.plots.gap_trend import GapTrendPicture
+from rotorrig.app.viewer.plots.polar import speed_marks
+from rotorrig.app.viewer.plots.words import displayable
 from rotorrig.processing.probe_planes import planes
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.nameplate import Bearing

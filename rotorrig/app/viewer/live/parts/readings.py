@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.words import displayable
 from rotorrig.app.plot_data.curves import lag_degrees
 from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
 from rotorrig.app.viewer.live.data.waveform import Waveform
 from rotorrig.app.viewer.live.parts.orbits import first_order
+from rotorrig.app.viewer.plots.words import displayable
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM, UM
 

@@ -5,8 +5,6 @@ from collections.abc import Iterable
 import rerun as rr
 
 from rotorrig.acquisition.recording import Event
-from rotorrig.app.pictures.axes import MARK, UP
-from rotorrig.app.pictures.words import displayable
 from rotorrig.app.viewer.live.data.curves import WAYS
 from rotorrig.app.viewer.live.data.history import History
 from rotorrig.app.viewer.live.data.tracker import LiveTracker
@@ -15,6 +13,8 @@ from rotorrig.app.viewer.live.parts.orbits import TURNS, OrbitsPart, first_order
 from rotorrig.app.viewer.live.parts.position import CentrelinesPart, GapsPart
 from rotorrig.app.viewer.live.parts.readings import readings
 from rotorrig.app.viewer.live.parts.vectors import VectorsPart
+from rotorrig.app.viewer.plots.axes import MARK, UP
+from rotorrig.app.viewer.plots.words import displayable
 from rotorrig.processing.runs import ENDS
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo

@@ -4,12 +4,12 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.axes import DOWN, MARK, UP
-from rotorrig.app.pictures.bode import BodePicture, Panels, fastest_rpm
-from rotorrig.app.pictures.polar import PolarPicture
 from rotorrig.app.plot_data.curves import phase_window
 from rotorrig.app.viewer.live.data.curves import WAYS, SpeedCurves
 from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
+from rotorrig.app.viewer.plots.axes import DOWN, MARK, UP
+from rotorrig.app.viewer.plots.bode import BodePicture, Panels, fastest_rpm
+from rotorrig.app.viewer.plots.polar import PolarPicture
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import UM
 

@@ -10,8 +10,8 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.axes import INK, UP, Panel, step_for, texts
 from rotorrig.app.plot_data.nice_numbers import nice
+from rotorrig.app.viewer.plots.axes import INK, UP, Panel, step_for, texts
 
 SMALLEST_SPECTRUM = 1.0  # µm
 TALLEST = 0.24  # of the height of the axes, for the largest amplitude

@@ -4,8 +4,8 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.axes import MARK, UP, Panel, step_for, texts
-from rotorrig.app.pictures.scale import FollowingScale
+from rotorrig.app.viewer.plots.axes import MARK, UP, Panel, step_for, texts
+from rotorrig.app.viewer.plots.scale import FollowingScale
 
 SMALLEST = 1.0  # µm
 WIDTH, HEIGHT, APART = 150.0, 44.0, 12.0

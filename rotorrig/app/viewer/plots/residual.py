@@ -6,8 +6,8 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.axes import GRID, Panel, step_for, texts
-from rotorrig.app.pictures.words import displayable
+from rotorrig.app.viewer.plots.axes import GRID, Panel, step_for, texts
+from rotorrig.app.viewer.plots.words import displayable
 
 WIDTH, HEIGHT = 200, 104  # view units; the height at the least
 STOPS = (

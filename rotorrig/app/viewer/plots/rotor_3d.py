@@ -9,8 +9,8 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.axes import INK, SOFT
-from rotorrig.app.pictures.words import displayable
+from rotorrig.app.viewer.plots.axes import INK, SOFT
+from rotorrig.app.viewer.plots.words import displayable
 from rotorrig.rig.description import RigConfig
 
 FORWARD = (86, 196, 150)

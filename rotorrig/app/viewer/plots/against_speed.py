@@ -6,8 +6,8 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.axes import LIFT, Panel, step_for
 from rotorrig.app.plot_data.nice_numbers import nice
+from rotorrig.app.viewer.plots.axes import LIFT, Panel, step_for
 
 WIDTH, HEIGHT = 186.0, 80.0
 FLATTEST = 1.0  # µm: the axis spans no less

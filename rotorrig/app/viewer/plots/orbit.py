@@ -6,8 +6,8 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.axes import MARK, Panel, step_for, texts
-from rotorrig.app.pictures.scale import FollowingScale
+from rotorrig.app.viewer.plots.axes import MARK, Panel, step_for, texts
+from rotorrig.app.viewer.plots.scale import FollowingScale
 
 SMALLEST_ORBIT = 1.0  # µm, half width
 Colour = tuple[int, int, int]

@@ -4,9 +4,9 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.pictures.axes import Panel, step_for
 from rotorrig.app.plot_data.curves import lag_degrees
 from rotorrig.app.plot_data.nice_numbers import nice
+from rotorrig.app.viewer.plots.axes import Panel, step_for
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
 
