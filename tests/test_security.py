@@ -14,7 +14,7 @@ from mcap.writer import CompressionType, Writer
 from rotorrig.acquisition.files import mcap_records
 from rotorrig.app.commands.import_files import bring_in
 from rotorrig.app.report.page import write_report
-from rotorrig.app.result_view import write_result_rrd
+from rotorrig.app.viewer.result.view import write_result_rrd
 from rotorrig.identify.identification import Estimate, Fit, Identification
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
 from rotorrig.processing.response import Run

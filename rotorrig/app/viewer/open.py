@@ -6,12 +6,12 @@ from pathlib import Path
 
 from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.app.result_view import write_result_rrd
 from rotorrig.app.terminal.console import working
 from rotorrig.app.viewer.live.data.history import history_of, stepped
 from rotorrig.app.viewer.live.parts.scene import LiveScene
 from rotorrig.app.viewer.live.process import open_stream
 from rotorrig.app.viewer.live.view import LiveView
+from rotorrig.app.viewer.result.view import write_result_rrd
 from rotorrig.app.viewer.sinks import Sink, serve, show_files, to_file
 from rotorrig.identify.result_files import read_diagnosis, read_identification
 from rotorrig.processing.response import OrderTrackedResponse

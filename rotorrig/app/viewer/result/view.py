@@ -10,15 +10,15 @@ from pathlib import Path
 import rerun as rr
 
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.app import result_curves
-from rotorrig.app.result_by_speed import draw_by_speed, shown_rows
-from rotorrig.app.result_cascade import draw_cascades
-from rotorrig.app.result_data import Result, result_of
-from rotorrig.app.result_layout import result_layout
-from rotorrig.app.result_rotor import RotorScene
-from rotorrig.app.result_words import colour_words, verdict_words
-from rotorrig.app.rotor_motion import mode_words, rotor_motion
 from rotorrig.app.viewer.plots.words import displayable
+from rotorrig.app.viewer.result import curves
+from rotorrig.app.viewer.result.blueprint import result_layout
+from rotorrig.app.viewer.result.by_speed import draw_by_speed, shown_rows
+from rotorrig.app.viewer.result.cascade import draw_cascades
+from rotorrig.app.viewer.result.data import Result, result_of
+from rotorrig.app.viewer.result.rotor import RotorScene
+from rotorrig.app.viewer.result.rotor_motion import mode_words, rotor_motion
+from rotorrig.app.viewer.result.text import colour_words, verdict_words
 from rotorrig.app.viewer.sinks import to_file
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
@@ -47,12 +47,12 @@ def write_result_rrd(
     stream = rr.RecordingStream(application_of(result, titles), recording_id=f"result-{source}")
     stream.set_sinks(*sink.opened(), default_blueprint=result_layout(result, titles))
     stream.send_recording_name(displayable(f"{response.rig.name}, result"))
-    bodes = result_curves.draw_bodes(stream, result)
-    polars = result_curves.draw_polars(stream, result)
-    result_curves.draw_residuals(stream, result)
-    centrelines = result_curves.draw_centrelines(stream, result)
-    result_curves.draw_gaps(stream, result)
-    result_curves.draw_whirl(stream, result)
+    bodes = curves.draw_bodes(stream, result)
+    polars = curves.draw_polars(stream, result)
+    curves.draw_residuals(stream, result)
+    centrelines = curves.draw_centrelines(stream, result)
+    curves.draw_gaps(stream, result)
+    curves.draw_whirl(stream, result)
     draw_cascades(stream, result, waveforms)
     for name, words in (("verdict", verdict_words(result)), ("colours", colour_words(result))):
         stream.log(name, rr.TextDocument(displayable(words), media_type=rr.MediaType.MARKDOWN), static=True)

@@ -5,8 +5,8 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data.orbits import representative_rows
-from rotorrig.app.result_data import Result
 from rotorrig.app.viewer.plots.cascade import CascadePicture
+from rotorrig.app.viewer.result.data import Result
 from rotorrig.processing.full_spectrum import HIGHEST, full_spectra, whirl_vectors
 from rotorrig.processing.rows import lay_rows
 from rotorrig.processing.tacho import shaft_angle

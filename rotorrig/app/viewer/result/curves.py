@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 from rotorrig.app.plot_data.centreline_paths import REFERENCE, CentrelinePath, centreline_paths, clearance_circle
 from rotorrig.app.plot_data.curves import phase_window, residual_grid
 from rotorrig.app.plot_data.diagnosis_of_response import extended_sigmas
-from rotorrig.app.result_data import Result
 from rotorrig.app.viewer.plots.against_speed import SpeedPicture
 from rotorrig.app.viewer.plots.axes import DOWN, MODEL_DOWN, MODEL_UP, UP
 from rotorrig.app.viewer.plots.bode import BodePicture, Panels
@@ -16,6 +15,7 @@ from rotorrig.app.viewer.plots.gap_trend import PROBE_COLOURS
 from rotorrig.app.viewer.plots.polar import PolarPicture, speed_marks
 from rotorrig.app.viewer.plots.residual import ResidualPicture
 from rotorrig.app.viewer.plots.rotor_3d import BACKWARD, FORWARD
+from rotorrig.app.viewer.result.data import Result
 from rotorrig.processing.full_spectrum import whirl_vectors
 from rotorrig.rig.units import UM
 

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import rerun.blueprint as rrb
 
-from rotorrig.app.result_data import Result
 from rotorrig.app.viewer.blueprint import BACKGROUND, BODE_BOUNDS, ORBIT_BOUNDS, POLAR_BOUNDS, flat, laid_out
+from rotorrig.app.viewer.result.data import Result
 from rotorrig.processing.probe_planes import Plane
 
 SPEED_BOUNDS = rrb.VisualBounds2D(x_range=(-18, 194), y_range=(-11, 110))

@@ -9,10 +9,10 @@ import math
 import numpy as np
 import rerun as rr
 
-from rotorrig.app.result_data import Result
-from rotorrig.app.rotor_motion import RotorMotion
 from rotorrig.app.viewer.plots.axes import UP
 from rotorrig.app.viewer.plots.rotor_3d import RotorPicture
+from rotorrig.app.viewer.result.data import Result
+from rotorrig.app.viewer.result.rotor_motion import RotorMotion
 from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.modes import Mode
 

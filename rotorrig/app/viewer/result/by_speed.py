@@ -6,13 +6,13 @@ from numpy.typing import NDArray
 
 from rotorrig.app.plot_data.curves import slow_roll_known
 from rotorrig.app.plot_data.orbits import Plane, orbit, representative_rows
-from rotorrig.app.result_curves import CentrelineTrack
-from rotorrig.app.result_data import Result
-from rotorrig.app.result_rotor import RotorScene
 from rotorrig.app.viewer.plots.axes import MARK, MODEL_UP, SOFT, UP
 from rotorrig.app.viewer.plots.bode import Panels
 from rotorrig.app.viewer.plots.orbit import OrbitPicture
 from rotorrig.app.viewer.plots.polar import PolarPicture
+from rotorrig.app.viewer.result.curves import CentrelineTrack
+from rotorrig.app.viewer.result.data import Result
+from rotorrig.app.viewer.result.rotor import RotorScene
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.units import RPM, UM
 

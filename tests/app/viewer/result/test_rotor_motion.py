@@ -6,10 +6,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.app.fitted_model import fitted_model, fitted_unbalance
-from rotorrig.app.result_data import result_of
-from rotorrig.app.rotor_motion import mode_words, modes_in_range, rotor_motion
 from rotorrig.app.viewer.plots.rotor_3d import BACKWARD, FORWARD, NEITHER, orbit_loop, sense, sense_colour
+from rotorrig.app.viewer.result.data import result_of
+from rotorrig.app.viewer.result.rotor_motion import (
+    fitted_model,
+    fitted_unbalance,
+    mode_words,
+    modes_in_range,
+    rotor_motion,
+)
 from rotorrig.identify.identification import Estimate, Fit, Identification
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.description import RigConfig, parse

@@ -12,13 +12,13 @@ from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
 
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.app.result_cascade import recorded, tracked
-from rotorrig.app.result_data import result_of
-from rotorrig.app.result_rotor import exaggeration
-from rotorrig.app.result_view import application_of
-from rotorrig.app.result_words import colour_words, verdict_words
 from rotorrig.app.viewer.open import Evidence, as_rrd, save_result
 from rotorrig.app.viewer.plots.residual import coloured
+from rotorrig.app.viewer.result.cascade import recorded, tracked
+from rotorrig.app.viewer.result.data import result_of
+from rotorrig.app.viewer.result.rotor import exaggeration
+from rotorrig.app.viewer.result.text import colour_words, verdict_words
+from rotorrig.app.viewer.result.view import application_of
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.result_files import write_diagnosis, write_identification
