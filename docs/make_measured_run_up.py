@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from docs.origin import origin
 from docs.svg_plot import COLOURS, INK, Figure
-from rotorrig.identify import base_fit
-from rotorrig.identify.base_fit import Assessed
+from rotorrig.identify import joint_fit
 from rotorrig.identify.diagnosis import Diagnosis, diagnose
 from rotorrig.identify.held_out import Prediction, held_out
+from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.vector_table import read_table
@@ -54,7 +54,7 @@ def measured() -> OrderTrackedResponse:
 
 def models(response: OrderTrackedResponse) -> tuple[Model, Model]:
     """Return the quasi-static and the swept base model."""
-    fits = [base_fit.fitted([Recording(response, swept=swept)]) for swept in (False, True)]
+    fits = [joint_fit.fitted([Recording(response, swept=swept)]) for swept in (False, True)]
     still, swept = (held_out(fit.problem, fit.polished.p) for fit in fits)
     return (
         Model(name="quasi-static", fit=fits[0], unseen=still),

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify import base_fit, diagnosis_words, gain, naming, next_run
+from rotorrig.identify import diagnosis_words, gain, joint_fit, naming, next_run
 from rotorrig.identify.adequacy import FALSE_ALARM_RATE, Adequacy
-from rotorrig.identify.base_fit import Assessed
 from rotorrig.identify.candidates import candidates
 from rotorrig.identify.cause import Cause
+from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.misfit import Misfit
 from rotorrig.identify.moving_speed import moving_speed
 from rotorrig.identify.naming import Verdict
@@ -88,7 +88,7 @@ def diagnose(
         progress("base model", 0.0)
         recordings = _recordings(responses, swept=model == "swept")
         known = candidates(recordings, without=without)
-        base = base_fit.fitted(recordings, _in_config(responses[0]), seed=seed)
+        base = joint_fit.fitted(recordings, _in_config(responses[0]), seed=seed)
         progress("causes", 0.1)
         selection = select(
             base.problem,
@@ -99,7 +99,7 @@ def diagnose(
         )
         extended = base
         if selection.problem is not base.problem:
-            extended = base_fit.assessed(selection.problem, selection.polished)
+            extended = joint_fit.assessed(selection.problem, selection.polished)
         progress("held-out data", 0.7)
         unseen = _recordings([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
         predictions = gain.predictions(selection, holdout=unseen)
@@ -135,7 +135,7 @@ def _steady(
     progress("steady and moving speed", 0.0)
     with threadpool_limits(1, user_api="blas"):
         still, moving = (
-            base_fit.fitted(
+            joint_fit.fitted(
                 _recordings(responses, swept=swept),
                 _in_config(responses[0]),
                 seed=seed,

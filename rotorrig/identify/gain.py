@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from rotorrig.identify.base_fit import Assessed
 from rotorrig.identify.held_out import Prediction, held_out, predicted
+from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.recording import Recording
 from rotorrig.identify.selection import Selection, called_for

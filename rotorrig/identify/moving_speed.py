@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_fit import Assessed
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.held_out import held_out
+from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.stage import DETECTED
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import RPM

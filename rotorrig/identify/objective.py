@@ -10,10 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.measurement import Measurement
+from rotorrig.identify.measurement import Measurement, trial_unbalance
 from rotorrig.identify.space import Space
 from rotorrig.identify.steady import Steady
-from rotorrig.identify.trial_masses import trial_unbalance
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import ConfigError, DataError
 

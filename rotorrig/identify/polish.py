@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.forward import Forward, UnitResponse
 from rotorrig.identify.least_squares import TOLERANCE
-from rotorrig.identify.measurement import Measurement
+from rotorrig.identify.measurement import Measurement, trial_unbalance
 from rotorrig.identify.parameters import Parameters, Reals
 from rotorrig.identify.solving import NONE_FIXED, Polished, solve
-from rotorrig.identify.trial_masses import trial_unbalance
 from rotorrig.processing.response import OrderTrackedResponse
 
 Complex = NDArray[np.complex128]

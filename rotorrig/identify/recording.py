@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.extended_parameters import MAINS
-from rotorrig.identify.measurement import Measurement, measure
-from rotorrig.identify.trial_masses import trial_unbalance
+from rotorrig.identify.measurement import Measurement, measure, trial_unbalance
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError

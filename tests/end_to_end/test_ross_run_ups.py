@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from rotorrig.app import cli
-from rotorrig.identify import base_fit
+from rotorrig.identify import joint_fit
 from rotorrig.identify.adequacy import FOCUSED_LIMIT
-from rotorrig.identify.base_fit import Assessed
 from rotorrig.identify.diagnosis import Diagnosis, diagnose
 from rotorrig.identify.held_out import held_out
+from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.naming import Verdict
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
@@ -56,7 +56,7 @@ def healthy(imported: Imported) -> OrderTrackedResponse:
 
 @pytest.fixture(scope="module")
 def fit(healthy: OrderTrackedResponse) -> Assessed:
-    return base_fit.fitted([Recording(healthy)])
+    return joint_fit.fitted([Recording(healthy)])
 
 
 def judged(response: OrderTrackedResponse, *tried: str) -> Diagnosis:
@@ -89,7 +89,7 @@ def test_a_healthy_run_up_is_adequate(healthy: OrderTrackedResponse) -> None:
 
 
 def test_parallel_shafts_show_at_2x_whirling_backward_and_leave_the_fit_at_1x_alone(imported: Imported) -> None:
-    fit = base_fit.fitted([Recording(imported("parallel"))])
+    fit = joint_fit.fitted([Recording(imported("parallel"))])
     assert not fit.adequacy.adequate
     first = fit.adequacy.misfits[0]
     assert first.order == 2
@@ -100,7 +100,7 @@ def test_parallel_shafts_show_at_2x_whirling_backward_and_leave_the_fit_at_1x_al
 
 
 def test_a_crack_shows_at_the_harmonics_where_they_meet_the_critical_speed_along_the_sag(imported: Imported) -> None:
-    fit = base_fit.fitted([Recording(imported("crack"))])
+    fit = joint_fit.fitted([Recording(imported("crack"))])
     second = [misfit for misfit in fit.adequacy.misfits if misfit.order == 2]
     assert not fit.adequacy.adequate
     assert second[0].speed_from * RPM < 1150 < second[0].speed_to * RPM
@@ -108,7 +108,7 @@ def test_a_crack_shows_at_the_harmonics_where_they_meet_the_critical_speed_along
 
 
 def test_shafts_at_an_angle_show_at_3x_alone(imported: Imported) -> None:
-    fit = base_fit.fitted([Recording(imported("angular", "mapping-3x"))])
+    fit = joint_fit.fitted([Recording(imported("angular", "mapping-3x"))])
     loud = [misfit for misfit in fit.adequacy.misfits if misfit.sigma > FOCUSED_LIMIT]
     assert {misfit.order for misfit in loud} == {3.0}
     assert loud[0].speed_from * RPM < 765 < loud[0].speed_to * RPM  # a third of the critical speed
@@ -117,7 +117,7 @@ def test_shafts_at_an_angle_show_at_3x_alone(imported: Imported) -> None:
 def test_taken_as_steady_a_healthy_run_up_is_wrong_and_its_times_put_it_right(
     healthy: OrderTrackedResponse, fit: Assessed
 ) -> None:
-    still = base_fit.fitted([Recording(healthy, swept=False)])
+    still = joint_fit.fitted([Recording(healthy, swept=False)])
     assert not still.adequacy.adequate
     assert still.polished.chi2 > 5 * fit.polished.chi2
     assert held_out(fit.problem, fit.polished.p).over_floor < 1.2

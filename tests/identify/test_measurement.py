@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rotorrig.identify.measurement import measure
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.identify.measurement import measure, trial_unbalance
+from rotorrig.processing.response import OrderTrackedResponse, Run
 
 
 def test_noise_of_the_stated_covariance_whitens_to_one_sigma(
@@ -63,3 +63,22 @@ def test_at_2x_the_share_is_of_the_synchronous_motion(blind_response: OrderTrack
     noise = np.einsum("rii->ri", blind_response.covariance[measured.rows, second])[:, :2].mean(axis=1)
     share = blind_response.rig.prior.probe_linearity * np.abs(blind_response.compensated(1.0)[measured.rows, 0])
     np.testing.assert_allclose(measured.sigma[:-1, 0] ** 2, noise + share**2, rtol=1e-9)
+
+
+MASS = {"disk": 12e-6j}
+
+
+def test_each_row_has_the_mass_of_its_run_and_the_slow_roll_that_of_its_own(healthy: OrderTrackedResponse) -> None:
+    up, down = (replace(run, trial_unbalance={}) for run in healthy.runs)
+    rows = np.array([0, len(healthy.omega) - 1], dtype=np.intp)
+    assert [healthy.runs[i].name for i in healthy.run[rows]] == ["up", "down"]
+    roll = Run(name="slow roll", direction=0, trial_unbalance=MASS)
+    later = replace(healthy, runs=(up, replace(down, trial_unbalance=MASS)))
+    np.testing.assert_array_equal(trial_unbalance(later, rows)["disk"], [0, 12e-6j, 0])
+    always = replace(healthy, runs=(up, down, roll))
+    np.testing.assert_array_equal(trial_unbalance(always, rows)["disk"], [0, 0, 12e-6j])
+
+
+def test_a_rig_without_trial_masses_has_none(healthy: OrderTrackedResponse) -> None:
+    bare = replace(healthy, runs=tuple(replace(run, trial_unbalance={}) for run in healthy.runs))
+    assert trial_unbalance(bare, np.arange(3)) == {}

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify import base_fit
-from rotorrig.identify.base_fit import Assessed
+from rotorrig.identify import joint_fit
+from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.moving_speed import lag, moving_speed
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
@@ -25,7 +25,7 @@ def slow(rig: RigConfig) -> OrderTrackedResponse:
 
 @pytest.fixture(scope="module")
 def fits(slow: OrderTrackedResponse) -> tuple[Assessed, Assessed]:
-    still, swept = (base_fit.fitted([Recording(slow, swept=known)]) for known in (False, True))
+    still, swept = (joint_fit.fitted([Recording(slow, swept=known)]) for known in (False, True))
     return still, swept
 
 

@@ -1,7 +1,7 @@
 """Causes: what was found, what it explains and what is tied; and what this data cannot tell."""
 
 from rotorrig.app.report.html import Section, items, paragraph, section, table
-from rotorrig.app.text import causes
+from rotorrig.app.text import causes as cause_text
 from rotorrig.app.text.quantities import long
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
@@ -20,7 +20,7 @@ def untold(identification: Identification | None, diagnosis: Diagnosis | None) -
     words = [f"{fit.name}: {word}" if len(fits) > 1 else word for fit in fits for word in fit.words]
     if diagnosis is not None:
         words += [diagnosis.character] if diagnosis.character else []
-        words += causes.untold(diagnosis)
+        words += cause_text.untold(diagnosis)
     return section("untold", "What this data cannot tell", items(words)) if words else None
 
 
@@ -28,15 +28,15 @@ def _tried(found: Diagnosis) -> str:
     """Return the causes tried, what is tied and the run that would tell more; empty if none was tried."""
     if not found.causes:
         return ""
-    listed = causes.listed(found)
+    listed = cause_text.listed(found)
     rows = [
         [
             cause.label,
-            causes.size(cause),
-            causes.evidence(cause),
+            cause_text.size(cause),
+            cause_text.evidence(cause),
             f"{'≥ ' if cause.given_up else ''}{cause.lam:.0f}",
-            causes.heldout(cause),
-            causes.standing(cause, found),
+            cause_text.heldout(cause),
+            cause_text.standing(cause, found),
         ]
         for cause in listed
     ]
@@ -48,7 +48,7 @@ def _tried(found: Diagnosis) -> str:
         [
             table("Causes tried, best first", header, rows, marked=chosen, mark="chosen"),
             paragraph(_LEGEND, note),
-            *map(paragraph, causes.ties(found)),
+            *map(paragraph, cause_text.ties(found)),
             paragraph(_next(found)),
         ]
     )
@@ -57,9 +57,9 @@ def _tried(found: Diagnosis) -> str:
 def _gain(found: Diagnosis) -> str:
     """Return what the extended model bought on data no fit saw; empty if nothing was measured."""
     header = ["parameter", "base model", "extended model ± 1 σ", "moved by"]
-    rows = [[long(name), *rest] for name, *rest in causes.absorbed(found)]
+    rows = [[long(name), *rest] for name, *rest in cause_text.absorbed(found)]
     moved = table("What the base model's parameters had absorbed", header, rows) if rows else ""
-    return paragraph(causes.gain(found)) + moved
+    return paragraph(cause_text.gain(found)) + moved
 
 
 _LEGEND = (
@@ -70,5 +70,5 @@ _LEGEND = (
 
 
 def _next(found: Diagnosis) -> str:
-    words = causes.next_run(found)
+    words = cause_text.next_run(found)
     return f"The next run that would tell more: {words}" if words else ""

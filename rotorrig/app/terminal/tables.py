@@ -7,7 +7,7 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from rotorrig.app.text import causes
+from rotorrig.app.text import causes as cause_text
 from rotorrig.app.text.quantities import SHOWN, bearing_coefficients, change, interval
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Estimate, Identification
@@ -43,9 +43,9 @@ def causes(found: Diagnosis) -> Table:
     table = Table(title="Causes tried, best first", box=box.SIMPLE_HEAD, title_justify="left")
     for heading in ("cause", "size", "evidence", "held-out error", ""):
         table.add_column(heading, justify="right" if heading == "evidence" else "left")
-    for cause in causes.listed(found):
-        cells = (cause.label, causes.size(cause), causes.evidence(cause), causes.heldout(cause))
-        table.add_row(*map(escape, cells), causes.standing(cause, found), style="bold" if cause.chosen else "")
+    for cause in cause_text.listed(found):
+        cells = (cause.label, cause_text.size(cause), cause_text.evidence(cause), cause_text.heldout(cause))
+        table.add_row(*map(escape, cells), cause_text.standing(cause, found), style="bold" if cause.chosen else "")
     return table
 
 

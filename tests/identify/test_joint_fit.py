@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.base_fit import Assessed, assessed, fitted
+from rotorrig.identify.joint_fit import Assessed, assessed, fitted
 from rotorrig.identify.recording import Recording
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import find
