@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.blind_run import record
-from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
+from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
 from rotorrig.identify.fit import fit
 from rotorrig.processing.pipeline import track
 from rotorrig.rig.description import load

@@ -15,11 +15,11 @@ from scipy.special import chdtrc
 from threadpoolctl import threadpool_limits
 
 from rotorrig.identify import diagnosis_words, gain, joint_fit, naming, next_run
-from rotorrig.identify.adequacy import FALSE_ALARM_RATE, Adequacy
+from rotorrig.identify.adequacy.misfit import Misfit
+from rotorrig.identify.adequacy.residual_tests import FALSE_ALARM_RATE, Adequacy
 from rotorrig.identify.candidates import candidates
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.joint_fit import Assessed
-from rotorrig.identify.misfit import Misfit
 from rotorrig.identify.moving_speed import moving_speed
 from rotorrig.identify.naming import Verdict
 from rotorrig.identify.recording import Recording

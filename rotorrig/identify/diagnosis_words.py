@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, Adequacy
+from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMIT, Adequacy
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.gain import Predictions
 from rotorrig.identify.naming import Verdict

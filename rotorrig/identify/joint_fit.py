@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rotorrig.identify.adequacy import Adequacy, assess
+from rotorrig.identify.adequacy.residual_tests import Adequacy, assess
 from rotorrig.identify.candidates import background
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.fit import first_fit
@@ -68,7 +68,7 @@ def assessed(problem: ExtendedProblem, polished: Polished) -> Assessed:
 
 
 def _reduced_chi2(problem: ExtendedProblem, polished: Polished) -> float:
-    """Return chi2 per degree of freedom of 1X, priors included, as the limits of adequacy.py were set for."""
+    """Return chi2 per degree of freedom of 1X, priors included, as the limits of residual_tests.py were set for."""
     square, size = 0.0, 0
     for recording, predicted in zip(problem.recordings, problem.predict(polished.p), strict=True):
         measured = recording.measured[1]

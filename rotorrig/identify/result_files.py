@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.cause import Cause, Figure
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
-from rotorrig.identify.misfit import Misfit
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
 

@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from rotorrig.identify.adequacy import STRETCH
+from rotorrig.identify.adequacy.residual_tests import STRETCH
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.solving import Polished
 from rotorrig.identify.stage import DETECTED, Stage, step

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.identify.adequacy import GLOBAL_LIMIT
+from rotorrig.identify.adequacy.residual_tests import GLOBAL_LIMIT
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.held_base import drawn_off, held_fit
 from rotorrig.identify.law_starts import held_scores

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rotorrig.identify.adequacy import STRETCH
+from rotorrig.identify.adequacy.residual_tests import STRETCH
 from rotorrig.identify.beginnings import elsewhere
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.held_base import drawn_off, held_nuisances

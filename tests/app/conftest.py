@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.cause import Cause, Figure
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
-from rotorrig.identify.misfit import Misfit
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.description import RigConfig, load
 from rotorrig.rig.probes.base import DaqInfo

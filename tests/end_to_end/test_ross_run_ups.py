@@ -12,7 +12,7 @@ import pytest
 
 from rotorrig.app import cli
 from rotorrig.identify import joint_fit
-from rotorrig.identify.adequacy import FOCUSED_LIMIT
+from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT
 from rotorrig.identify.diagnosis import Diagnosis, diagnose
 from rotorrig.identify.held_out import held_out
 from rotorrig.identify.joint_fit import Assessed

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.adequacy import Adequacy
+from rotorrig.identify.adequacy.misfit import Misfit
+from rotorrig.identify.adequacy.residual_tests import Adequacy
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.diagnosis_words import character, sentence
 from rotorrig.identify.gain import Predictions
 from rotorrig.identify.held_out import Prediction
-from rotorrig.identify.misfit import Misfit
 from rotorrig.identify.naming import Verdict
 
 RPM = np.pi / 30

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
+from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
 from rotorrig.identify.fit import WHOLE, fit
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.measurement import measure

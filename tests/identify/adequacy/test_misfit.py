@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.identify.misfit import Misfit, Stretch, misfit
+from rotorrig.identify.adequacy.misfit import Misfit, Stretch, misfit
 from rotorrig.processing.response import OrderTrackedResponse
 
 Complex = NDArray[np.complex128]

@@ -9,7 +9,7 @@ The sigmas are of single rows and neighbouring residuals are correlated (a scale
 them), so chi2 tables do not give the false-alarm rate. The thresholds come from simulated healthy rigs instead,
 nameplate errors included: benchmarks/healthy.py, figures in docs/adequacy.md.
 
-How the mean position moves (0X, centreline.py) is described by the same stretches, and decides nothing: no effect says
+How the mean position moves (0X, mean_position.py) is described by the same stretches, and decides nothing: no effect says
 what it should be, so a model that explains everything else would be called wrong for it.
 """
 
@@ -19,9 +19,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.centreline import MEAN, departures
+from rotorrig.identify.adequacy.mean_position import MEAN, departures
+from rotorrig.identify.adequacy.misfit import Misfit, Stretch, misfit
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.misfit import Misfit, Stretch, misfit
 from rotorrig.processing.response import OrderTrackedResponse
 
 Predicted = Mapping[int, NDArray[np.complex128]]  # order -> (speed, probe) m as measured, runout included

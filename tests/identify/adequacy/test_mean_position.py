@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.identify.adequacy import FOCUSED_LIMIT, Adequacy, assess
-from rotorrig.identify.centreline import departures
+from rotorrig.identify.adequacy.mean_position import departures
+from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, Adequacy, assess
 from rotorrig.processing.response import OrderTrackedResponse, Run
 
 SIGMA = 0.04e-6  # m, of a row's mean position

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.centreline import MEAN
+from rotorrig.identify.adequacy.mean_position import MEAN
 from rotorrig.processing.probe_planes import measured_planes, whirl
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import RPM, micrometres
