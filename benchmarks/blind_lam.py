@@ -25,10 +25,10 @@ import numpy as np
 from benchmarks.blind_cases import Case, Design, files, write_whole
 from benchmarks.blind_measured import measured
 from benchmarks.blind_names import Answer, answer
+from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.candidates import background, candidates
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.naming import another
-from rotorrig.identify.parameters import Reals
 from rotorrig.identify.recording import Recording
 from rotorrig.identify.scores import Score, curved_scores, scores
 from rotorrig.identify.separation import DETECTABLE, HOPED, HOPED_OF_LAWS, NAMEABLE, fitted, separation

@@ -32,14 +32,14 @@ from benchmarks.identification_chapter import (
 from benchmarks.identification_table8 import HALF
 from benchmarks.tables import markdown
 from rotorrig.identify import measurement
+from rotorrig.identify.base_model.global_search import search_amplitudes
+from rotorrig.identify.base_model.objectives import Amplitudes, Name
+from rotorrig.identify.base_model.parameters import Parameters
+from rotorrig.identify.base_model.problem import Problem
+from rotorrig.identify.base_model.steady_forward import Steady
+from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.fit import fit
 from rotorrig.identify.measurement import Measurement
-from rotorrig.identify.objective import Amplitudes, Name
-from rotorrig.identify.parameters import Parameters
-from rotorrig.identify.polish import Problem
-from rotorrig.identify.search import search_amplitudes
-from rotorrig.identify.space import Space
-from rotorrig.identify.steady import Steady
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.settings import Tracking

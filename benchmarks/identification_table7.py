@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from benchmarks.identification_searches import black_box
 from benchmarks.tables import markdown
-from rotorrig.identify.objective import Amplitudes, ComplexResidual, Name
-from rotorrig.identify.search import search_amplitudes, search_residual
-from rotorrig.identify.space import Space
-from rotorrig.identify.steady import Steady, shaft_stiffness
+from rotorrig.identify.base_model.global_search import search_amplitudes, search_residual
+from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, Name
+from rotorrig.identify.base_model.steady_forward import Steady, shaft_stiffness
+from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.description import load
 from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import assemble

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.blind_run import record
+from rotorrig.identify.base_model.global_search import search
+from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import measure as measured_rows
-from rotorrig.identify.search import search
-from rotorrig.identify.space import Space
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import write_response

@@ -6,8 +6,8 @@ of them the other is promised by the residual there, less all of it that the unk
 
 import numpy as np
 
+from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.parameters import Reals
 from rotorrig.identify.solving import Polished
 from rotorrig.rig.errors import DataError
 

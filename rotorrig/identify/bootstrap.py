@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.identification import Estimate, Fit
 from rotorrig.identify.intervals import LEVEL
-from rotorrig.identify.parameters import Reals
-from rotorrig.identify.polish import Problem
 from rotorrig.identify.quantities import quantities
 from rotorrig.identify.solving import Polished
 

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
+from rotorrig.identify.base_model.problem import Problem
+from rotorrig.identify.base_model.unknowns import Unknown
 from rotorrig.identify.identifiability import DETERMINED
 from rotorrig.identify.identification import Estimate
-from rotorrig.identify.polish import Problem
 from rotorrig.identify.solving import Polished
-from rotorrig.identify.space import Unknown
 from rotorrig.rig.description import RigConfig
 
 _NUISANCE_UNITS = {"angle": "rad", "runout": "m"}  # the others are ratios

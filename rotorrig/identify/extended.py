@@ -12,16 +12,16 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.base_model.structure import StructuralModel
 from rotorrig.identify.extended_jacobian import MARCHED, columns
 from rotorrig.identify.extended_parameters import ExtendedParameters
 from rotorrig.identify.least_squares import TOLERANCE, Stop, Worth, always
 from rotorrig.identify.moving_rotor import Moving
-from rotorrig.identify.parameters import Reals
 from rotorrig.identify.probe_side import ProbeSide
 from rotorrig.identify.real_amounts import halved_amounts, halved_loads
 from rotorrig.identify.recording import ORDERS, Recording
 from rotorrig.identify.solving import NONE_FIXED, Index, Polished, solve
-from rotorrig.identify.structural import StructuralModel
 from rotorrig.identify.unit_responses import UnitResponses
 from rotorrig.sims.effects.base import Effect, Theta
 from rotorrig.sims.rotor.assembly import RotorModel

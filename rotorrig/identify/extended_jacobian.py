@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended_parameters import MAINS, bends
 from rotorrig.identify.law_columns import LawColumns, under_laws
-from rotorrig.identify.parameters import Reals
 from rotorrig.identify.real_amounts import halved_amounts
 from rotorrig.identify.recording import Recording
 from rotorrig.sims.effects.base import Effect

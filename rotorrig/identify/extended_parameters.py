@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.parameters import Parameters, Reals
+from rotorrig.identify.base_model.parameters import Parameters, Reals
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import Effect
 

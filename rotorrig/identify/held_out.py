@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.least_squares import LinearModel, stepped
-from rotorrig.identify.parameters import Reals
 from rotorrig.identify.recording import Recording
 from rotorrig.rig.errors import DataError
 

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from rotorrig.identify.base_model.parameters import Parameters, Reals
 from rotorrig.identify.identification import Direction
-from rotorrig.identify.parameters import Parameters, Reals
 from rotorrig.identify.solving import Polished, inverse_information
 
 DETERMINED = 0.5  # relative standard deviation from which on the data do not determine something

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Collection, Iterator
 
+from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.identifiability import DETERMINED, Coordinate, Identifiability, Weakness
-from rotorrig.identify.parameters import Reals
-from rotorrig.identify.polish import Problem
 from rotorrig.identify.solving import Polished
 
 _INSEPARABLE = 0.99  # correlation from which two determined quantities are better known together

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.identification import Estimate
-from rotorrig.identify.polish import Problem
 from rotorrig.identify.profile_likelihood import profile_interval
 from rotorrig.identify.quantities import Coefficient, Quantity, quantities
 from rotorrig.identify.solving import Polished

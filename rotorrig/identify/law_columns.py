@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.parameters import Reals
+from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.real_amounts import halved_amounts
 from rotorrig.identify.recording import Recording
 from rotorrig.sims.effects.base import Effect

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.held_base import SETTLED, STEPS, held_nuisances
 from rotorrig.identify.least_squares import LinearModel, Stop
-from rotorrig.identify.parameters import Reals
 from rotorrig.identify.scores import Score
 from rotorrig.identify.solving import Polished
 from rotorrig.rig.errors import DataError

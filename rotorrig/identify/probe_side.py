@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended_parameters import MAINS, ExtendedParameters, bends
-from rotorrig.identify.parameters import Reals
 from rotorrig.identify.recording import Recording
 
 Complex = NDArray[np.complex128]

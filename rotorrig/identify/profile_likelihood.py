@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.identify.parameters import Reals
-from rotorrig.identify.polish import Problem
+from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.quantities import Amount, Phase, Quantity
 from rotorrig.identify.solving import Polished, inverse_information
 

@@ -1,6 +1,6 @@
 """What is sought as functions of the parameter vector of a fit: a coordinate each, in which intervals are set.
 
-Coefficients, modulus and density have their working coordinate (space.py: the logarithm of what cannot be negative),
+Coefficients, modulus and density have their working coordinate (unknowns.py: the logarithm of what cannot be negative),
 an unbalance its amount and its phase, though the fit itself moves its real and imaginary parts.
 """
 
@@ -9,8 +9,8 @@ from typing import Protocol
 
 import numpy as np
 
-from rotorrig.identify.parameters import Parameters, Reals
-from rotorrig.identify.space import Space
+from rotorrig.identify.base_model.parameters import Parameters, Reals
+from rotorrig.identify.base_model.unknowns import Space
 
 
 class Quantity(Protocol):

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.extended_jacobian import acts_on_probes
 from rotorrig.identify.moving_rotor import Moving
-from rotorrig.identify.parameters import Reals
 from rotorrig.identify.real_amounts import halved_loads
 from rotorrig.identify.recording import Recording
 from rotorrig.sims.effects.base import Effect, Parameter

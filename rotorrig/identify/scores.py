@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.parameters import Reals
 from rotorrig.identify.scan import best_place
 from rotorrig.identify.score_columns import score_columns
 from rotorrig.rig.errors import DataError

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rotorrig.identify.adequacy.residual_tests import STRETCH
+from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.beginnings import elsewhere
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.held_base import drawn_off, held_nuisances
 from rotorrig.identify.least_squares import Stop, Worth
-from rotorrig.identify.parameters import Reals
 from rotorrig.identify.scores import Score, relocated
 from rotorrig.identify.solving import Polished
 from rotorrig.rig.errors import DataError

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended_parameters import ExtendedParameters
-from rotorrig.identify.parameters import Reals
 from rotorrig.identify.recording import Recording
 from rotorrig.sims.effects.base import Effect
 from rotorrig.sims.rotor.assembly import RotorModel

@@ -19,7 +19,7 @@ from benchmarks.identification_table7 import (
     text,
     vector,
 )
-from rotorrig.identify.objective import Amplitudes
+from rotorrig.identify.base_model.objectives import Amplitudes
 
 
 def test_the_model_is_the_other_programs() -> None:

@@ -17,8 +17,8 @@ from benchmarks.identification_chapter import (
 from benchmarks.identification_page import page
 from benchmarks.identification_searches import black_box, box, least_of_many
 from benchmarks.identification_table7 import oracle_response, steady
-from rotorrig.identify.objective import Amplitudes
-from rotorrig.identify.search import search_amplitudes
+from rotorrig.identify.base_model.global_search import search_amplitudes
+from rotorrig.identify.base_model.objectives import Amplitudes
 from rotorrig.processing.response import OrderTrackedResponse
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.polish import Problem
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.bootstrap import FEWEST, Bootstrap, Resampling, bootstrap, simulated
 from rotorrig.identify.fit import fit
 from rotorrig.identify.intervals import standard_deviation
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.polish import Problem
 from rotorrig.identify.quantities import quantities
 from rotorrig.identify.solving import Polished
 from rotorrig.processing.response import OrderTrackedResponse

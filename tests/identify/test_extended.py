@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.extended_parameters import KEYPHASOR
-from rotorrig.identify.polish import Problem
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig

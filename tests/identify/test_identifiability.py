@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.identifiability import Identifiability
 from rotorrig.identify.identifiability_words import words
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.polish import Problem
 from rotorrig.identify.solving import Polished
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig, load

@@ -3,10 +3,10 @@
 from rich.progress import Progress
 
 from rotorrig.app.terminal.console import progress_bars
+from rotorrig.identify.base_model.objectives import Name
 from rotorrig.identify.bootstrap import Resampling
 from rotorrig.identify.fit import fit
 from rotorrig.identify.identification import Identification
-from rotorrig.identify.objective import Name
 from rotorrig.processing.response import OrderTrackedResponse
 
 

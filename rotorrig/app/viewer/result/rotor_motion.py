@@ -13,8 +13,8 @@ from threadpoolctl import threadpool_limits
 pass
 from rotorrig.app.viewer.plots.rotor_3d import LINE_LIKE
 from rotorrig.app.viewer.result.data import Result
+from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.identification import Fit
-from rotorrig.identify.space import Space
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, scaled, with_bearing

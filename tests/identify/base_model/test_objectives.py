@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, Name, Vector
+from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.objective import Amplitudes, ComplexResidual, Name, Vector
-from rotorrig.identify.space import Space
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.description import RigConfig, from_si
 from rotorrig.rig.errors import ConfigError, DataError

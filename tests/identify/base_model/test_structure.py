@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.structural import StructuralModel, Structure, with_places
+from rotorrig.identify.base_model.structure import StructuralModel, Structure, with_places
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.directions import between

@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.steady_forward import Steady
+from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import Measurement, trial_unbalance
-from rotorrig.identify.space import Space
-from rotorrig.identify.steady import Steady
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import ConfigError, DataError
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.space import Space
+from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.disk import unbalance_direction

@@ -1,6 +1,6 @@
 """What a refined fit frees, in order, and the priors of what the nameplate cannot know exactly.
 
-The unknowns of the [identify] table (space.py, in working coordinates) and the unbalance vectors are what is sought.
+The unknowns of the [identify] table (unknowns.py, in working coordinates) and the unbalance vectors are what is sought.
 Modulus, disk mass, the other bearings, probe gain and angle are nuisances with the config's priors, and each probe has
 its runout. Freed only later, each of them would be "discovered" in healthy data: +1 % on E alone is a false alarm
 every time.
@@ -9,8 +9,8 @@ every time.
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.space import Space
-from rotorrig.identify.structural import Structure
+from rotorrig.identify.base_model.structure import Structure
+from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.description import RigConfig
 
 Reals = NDArray[np.float64]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.structural import StructuralModel, Structure
+from rotorrig.identify.base_model.structure import StructuralModel, Structure
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.sims.rotor.directions import steady_derivatives
 from rotorrig.sims.rotor.harmonic import columns

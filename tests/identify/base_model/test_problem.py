@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.polish import Problem
 from rotorrig.identify.solving import inverse_information
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig

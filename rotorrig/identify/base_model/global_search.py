@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, Name
+from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.chea.least_absolute import descend_absolute
 from rotorrig.identify.chea.levenberg_marquardt import Counted, descend, evaluate
 from rotorrig.identify.chea.minima import Minima
@@ -19,8 +21,6 @@ from rotorrig.identify.chea.residual_search import RESIDUAL, ResidualSettings, r
 from rotorrig.identify.chea.stopping import StopReason
 from rotorrig.identify.identification import Optimum
 from rotorrig.identify.measurement import Measurement
-from rotorrig.identify.objective import Amplitudes, ComplexResidual, Name
-from rotorrig.identify.space import Space
 from rotorrig.processing.response import OrderTrackedResponse
 
 Real = NDArray[np.float64]

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.base_model.forward import Forward
+from rotorrig.identify.base_model.parameters import Parameters
+from rotorrig.identify.base_model.structure import Structure
 from rotorrig.identify.fit import fit
-from rotorrig.identify.forward import Forward
-from rotorrig.identify.parameters import Parameters
-from rotorrig.identify.structural import Structure
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import from_si
 from rotorrig.rig.errors import ConfigError

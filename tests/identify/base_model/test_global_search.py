@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from rotorrig.identify.base_model.global_search import Found, search, search_amplitudes
+from rotorrig.identify.base_model.objectives import Amplitudes
+from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.objective import Amplitudes
-from rotorrig.identify.search import Found, search, search_amplitudes
-from rotorrig.identify.space import Space
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.plant.truth import draw, identified_truth

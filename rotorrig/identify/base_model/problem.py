@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.forward import Forward, UnitResponse
+from rotorrig.identify.base_model.forward import Forward, UnitResponse
+from rotorrig.identify.base_model.parameters import Parameters, Reals
 from rotorrig.identify.least_squares import TOLERANCE
 from rotorrig.identify.measurement import Measurement, trial_unbalance
-from rotorrig.identify.parameters import Parameters, Reals
 from rotorrig.identify.solving import NONE_FIXED, Polished, solve
 from rotorrig.processing.response import OrderTrackedResponse
 

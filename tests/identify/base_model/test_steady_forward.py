@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.space import Space
-from rotorrig.identify.steady import Steady, shaft_stiffness
+from rotorrig.identify.base_model.steady_forward import Steady, shaft_stiffness
+from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.description import RigConfig, from_si
 from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import assemble, with_bearing
