@@ -1,7 +1,7 @@
 """From responses to a `Diagnosis`: is the model adequate, where does it part from the measurement, and why.
 
 The base model is fitted to all recordings together; what its residual calls for is looked for among the effects of
-sims/effects (selection.py), named or not (naming.py), and what the extended model buys is measured on data that no fit
+sims/effects (stepwise_selection.py), named or not (naming.py), and what the extended model buys is measured on data that no fit
 saw (held_out.py).
 """
 
@@ -17,13 +17,13 @@ from threadpoolctl import threadpool_limits
 from rotorrig.identify import diagnosis_words, gain, joint_fit, naming, next_run
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.adequacy.residual_tests import FALSE_ALARM_RATE, Adequacy
-from rotorrig.identify.candidates import candidates
 from rotorrig.identify.cause import Cause
+from rotorrig.identify.causes.candidates import candidates
+from rotorrig.identify.causes.stepwise_selection import Selection, select
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.moving_speed import moving_speed
 from rotorrig.identify.naming import Verdict
 from rotorrig.identify.recording import Recording
-from rotorrig.identify.selection import Selection, select
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.provenance import Provenance, code_version

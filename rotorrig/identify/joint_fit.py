@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rotorrig.identify.adequacy.residual_tests import Adequacy, assess
-from rotorrig.identify.candidates import background
+from rotorrig.identify.causes.candidates import background
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.fit import first_fit
 from rotorrig.identify.mark_edge import MarkEdge

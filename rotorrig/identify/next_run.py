@@ -6,12 +6,12 @@ cheapest that tells all of them from the best is proposed, or the one that comes
 
 from typing import Any
 
+from rotorrig.identify.causes.candidate_fit import Candidate
+from rotorrig.identify.causes.stepwise_selection import Selection
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.naming import tied_candidates
 from rotorrig.identify.planned import Plan, plans, recorded
-from rotorrig.identify.selection import Selection
 from rotorrig.identify.separation import NAMEABLE, separation
-from rotorrig.identify.trial import Candidate
 from rotorrig.rig.errors import DataError
 
 

@@ -16,7 +16,7 @@ import pytest
 
 from rotorrig.app import cli
 from rotorrig.identify import diagnosis
-from rotorrig.identify.candidates import candidates
+from rotorrig.identify.causes.candidates import candidates
 from rotorrig.rig.description import load
 from rotorrig.sims.effects.base import catalogue
 

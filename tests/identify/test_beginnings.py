@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.beginnings import elsewhere
+from rotorrig.identify.causes.candidate_fit import elsewhere
 from rotorrig.identify.solving import Polished
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, Parameter

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.candidates import candidates
+from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.extended import ExtendedProblem, Models
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse

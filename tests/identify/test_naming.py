@@ -7,11 +7,11 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from rotorrig.identify.causes.candidate_fit import Candidate, plausible
+from rotorrig.identify.causes.stepwise_selection import Selection
 from rotorrig.identify.gain import Predictions
 from rotorrig.identify.held_out import Prediction
 from rotorrig.identify.naming import Verdict, figures, hidden, ties, verdict, visible_share
-from rotorrig.identify.selection import Selection
-from rotorrig.identify.trial import Candidate, plausible
 from rotorrig.sims.effects.base import Effect, Parameter, pair
 
 PLAUSIBLE = 0.5

@@ -34,7 +34,7 @@ class Stretch:
 class UnbalanceStep(Effect):
     """The phasor "step" [kg m] that is added at "time" [s], on the clock that runs through all recordings: loads.py.
 
-    The recordings tell the times worth a try: identify/candidates.py.
+    The recordings tell the times worth a try: identify/causes/candidates.py.
     """
 
     name = "unbalance_step"

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rotorrig.identify.causes.force_law_starts import held_scores
+from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit, held_nuisances
+from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.held_base import drawn_off, held_fit, held_nuisances
-from rotorrig.identify.law_starts import held_scores
 from rotorrig.identify.recording import Recording
-from rotorrig.identify.scores import Score
 from rotorrig.identify.solving import Polished
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig

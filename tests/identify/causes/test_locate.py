@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from rotorrig.identify.scan import best_place
+from rotorrig.identify.causes.locate import best_place
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find
 

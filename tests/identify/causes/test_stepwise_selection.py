@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rotorrig.identify.causes.candidate_fit import NEAR, Candidate, plausible
+from rotorrig.identify.causes.selection_step import DETECTED, Stage, step
+from rotorrig.identify.causes.stepwise_selection import ENOUGH, MODEL_ERROR, Selection, _again, called_for, select
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.recording import Recording
-from rotorrig.identify.selection import ENOUGH, MODEL_ERROR, Selection, _again, called_for, select
 from rotorrig.identify.solving import Polished
-from rotorrig.identify.stage import DETECTED, Stage, step
-from rotorrig.identify.trial import NEAR, Candidate, plausible
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find

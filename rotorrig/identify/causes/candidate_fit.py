@@ -10,11 +10,12 @@ import numpy as np
 
 from rotorrig.identify.adequacy.residual_tests import STRETCH
 from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.beginnings import elsewhere
+
+pass
+from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_nuisances
+from rotorrig.identify.causes.score_test import Score, relocated
 from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.held_base import drawn_off, held_nuisances
 from rotorrig.identify.least_squares import Stop, Worth
-from rotorrig.identify.scores import Score, relocated
 from rotorrig.identify.solving import Polished
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, magnitudes
@@ -163,3 +164,29 @@ def refit(problem: ExtendedProblem, start: Reals) -> Polished:
     """Fit a problem from next to where it ends, to the end."""
     steps = _CURVED_STEPS if problem.curved else _STEPS
     return problem.solve(start, tolerance=_SETTLED, max_steps=steps)
+
+
+_BETTER = 2.0  # of chi2
+
+
+def elsewhere(problem: ExtendedProblem, fit: Polished) -> Reals | None:
+    """Return where to begin anew, one unknown of the last effect moved to that of a beginning; None: nowhere better.
+
+    `fit` is that of `problem`, its Jacobian included.
+    """
+    effect, part = problem.effects[-1], problem.parameters.theta[-1]
+    length = np.linalg.norm(fit.jacobian, axis=0)
+    basis = np.linalg.qr(fit.jacobian[:, length > 0] / length[length > 0])[0]
+    best, lowest = None, fit.chi2 - _BETTER
+    for i, q in enumerate(effect.parameters, start=part.start):
+        for value in sorted({begun[q.name] / q.size for begun in effect.beginnings if q.name in begun}):
+            moved = fit.p.copy()
+            moved[i] = value
+            try:
+                r = problem.residual(moved)
+            except DataError:
+                continue  # no motion that is bounded: nowhere to begin
+            left = float(r @ r - np.sum((basis.T @ r) ** 2))
+            if left < lowest:
+                best, lowest = moved, left
+    return best

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.causes.locate import best_place
+from rotorrig.identify.causes.score_jacobian import score_columns
 from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.scan import best_place
-from rotorrig.identify.score_columns import score_columns
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect
 

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.identify.adequacy.residual_tests import GLOBAL_LIMIT
+from rotorrig.identify.causes.candidate_fit import Candidate, on_trial, plausible
+from rotorrig.identify.causes.force_law_starts import held_scores
+from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit
+from rotorrig.identify.causes.score_test import Score, curved_scores, scores
 from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.held_base import drawn_off, held_fit
-from rotorrig.identify.law_starts import held_scores
-from rotorrig.identify.scores import Score, curved_scores, scores
 from rotorrig.identify.solving import Polished
-from rotorrig.identify.trial import Candidate, on_trial, plausible
 from rotorrig.sims.effects.base import Effect
 
 DETECTED = 18.0  # of chi2

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.candidates import background, candidates
+from rotorrig.identify.causes.candidates import background, candidates
 from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.sims.effects.base import Effect, catalogue

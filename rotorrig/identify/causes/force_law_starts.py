@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.causes.pinned_nuisances import SETTLED, STEPS, held_nuisances
+from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.held_base import SETTLED, STEPS, held_nuisances
 from rotorrig.identify.least_squares import LinearModel, Stop
-from rotorrig.identify.scores import Score
 from rotorrig.identify.solving import Polished
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, Parameter

@@ -1,6 +1,6 @@
 """Which causes the data call for: forward by evidence, then backward; each fitted together with the base model.
 
-A cause is taken up if BIC (trial.py) falls by more than `ENOUGH` and chi2 by more than `DETECTED`: no score of eleven
+A cause is taken up if BIC (candidate_fit.py) falls by more than `ENOUGH` and chi2 by more than `DETECTED`: no score of eleven
 simulated healthy rigs exceeded 10.3. A step of unbalance, which is looked for at every moment, needs more: on one of 47
 other healthy rigs it had 21.5. The next is looked for beside it, and has to explain more than a small error of that
 one's model would leave. What was found beside other causes than it has in the end is then looked for once more: what
@@ -14,10 +14,10 @@ from functools import partial
 import numpy as np
 
 from rotorrig.identify.adequacy.residual_tests import STRETCH
+from rotorrig.identify.causes.candidate_fit import Candidate, named_by_place, price, refit
+from rotorrig.identify.causes.selection_step import DETECTED, Stage, step
 from rotorrig.identify.extended import ExtendedProblem
 from rotorrig.identify.solving import Polished
-from rotorrig.identify.stage import DETECTED, Stage, step
-from rotorrig.identify.trial import Candidate, named_by_place, price, refit
 from rotorrig.sims.effects.base import Effect
 
 ENOUGH = 4.0  # of BIC
