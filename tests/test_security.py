@@ -30,7 +30,7 @@ MODULES = sorted(ROOT.rglob("*.py"))
 
 #: modules that can run what a file holds -> where they may be imported, and why
 RUNS_DATA = {
-    "pickle": {"identify/chea/workers.py"},  # functions on their way to this program's own child processes
+    "pickle": {"identify/chea/calls/workers.py"},  # functions on their way to this program's own child processes
     "marshal": set(),
     "shelve": set(),
     "dill": set(),

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import OptimizeResult
 
-from rotorrig.identify.chea.calling import Objective
-from rotorrig.identify.chea.evaluation import Evaluation, Map
+from rotorrig.identify.chea.calls.call import Objective
+from rotorrig.identify.chea.calls.evaluation import Evaluation, Map
 from rotorrig.identify.chea.profiles import Profile
 from rotorrig.identify.chea.result import CheaResult
 from rotorrig.identify.chea.scaling import Box

@@ -13,7 +13,7 @@ import numpy as np
 import psutil
 import pytest
 
-from rotorrig.identify.chea.workers import Workers
+from rotorrig.identify.chea.calls.workers import Workers
 
 POINTS = np.arange(12.0)[:, None]
 

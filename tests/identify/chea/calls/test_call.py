@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.calling import call
+from rotorrig.identify.chea.calls.call import call
 
 X = np.array([0.5, 2.0])
 

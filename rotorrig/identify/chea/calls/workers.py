@@ -11,7 +11,7 @@ from multiprocessing.connection import Connection, wait
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.calling import Objective, Outcome, call, failed
+from rotorrig.identify.chea.calls.call import Objective, Outcome, call, failed
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import rosen
 
+from rotorrig.identify.chea.calls.evaluation import Evaluation
 from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.evaluation import Evaluation
 from rotorrig.identify.chea.stopping import StopReason
 
 BOX = [(-2.0, 2.0), (-2.0, 2.0)]

@@ -8,8 +8,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.calling import Objective, Outcome, call
-from rotorrig.identify.chea.workers import Workers
+from rotorrig.identify.chea.calls.call import Objective, Outcome, call
+from rotorrig.identify.chea.calls.workers import Workers
 
 Array = NDArray[np.float64]
 Map = Callable[[Callable[[Array], Any], Iterable[Array]], Iterable[Any]]
