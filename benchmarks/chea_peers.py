@@ -17,10 +17,10 @@ from scipy.stats import qmc
 
 from benchmarks.chea_counting import BudgetSpent, Counted
 from benchmarks.chea_functions import Array
+from rotorrig.identify.chea.chapter.genetic import Colony
+from rotorrig.identify.chea.chapter.settings import SEED
 from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.genetic import Colony
 from rotorrig.identify.chea.profiles import Profile
-from rotorrig.identify.chea.settings import SEED
 
 UNIMPROVED = 10  # generations after which the elitist genetic algorithm ends
 STARTS = 32

@@ -7,12 +7,12 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.clustering import Clustering, cluster
-from rotorrig.identify.chea.genetic import Colony
+from rotorrig.identify.chea.chapter.clustering import Clustering, cluster
+from rotorrig.identify.chea.chapter.genetic import Colony
+from rotorrig.identify.chea.chapter.settings import SEED
 from rotorrig.identify.chea.profiles import Profile
 from rotorrig.identify.chea.record import Evaluations, Record
 from rotorrig.identify.chea.search import Search
-from rotorrig.identify.chea.settings import SEED
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

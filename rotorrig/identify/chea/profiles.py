@@ -4,14 +4,18 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rotorrig.identify.chea import modern, seed
+from rotorrig.identify.chea import modern
+from rotorrig.identify.chea.chapter import chapter
 from rotorrig.identify.chea.record import Evaluations, Record
 from rotorrig.identify.chea.stopping import StopReason
 
 Profile = Literal["modern", "seed"]
 
 #: name -> the search, (record, rng, settings) -> Evaluations[StopReason], and its usual settings
-_PROFILES: dict[str, tuple[Any, Any]] = {"modern": (modern.search, modern.MODERN), "seed": (seed.search, seed.SEED)}
+_PROFILES: dict[str, tuple[Any, Any]] = {
+    "modern": (modern.search, modern.MODERN),
+    "seed": (chapter.search, chapter.SEED),
+}
 
 
 def begin(profile: str, settings: Any, dim: int, rng: np.random.Generator) -> tuple[Record, Evaluations[StopReason]]:

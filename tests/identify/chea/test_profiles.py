@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 
+from rotorrig.identify.chea.chapter.settings import SEED
 from rotorrig.identify.chea.chea import chea
 from rotorrig.identify.chea.modern import MODERN
 from rotorrig.identify.chea.profiles import begin
-from rotorrig.identify.chea.settings import SEED
 
 SETTINGS = {"seed": SEED, "modern": MODERN}
 

@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.chea.chapter.settings import SEED
 from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.settings import SEED
 
 PEAKS = np.array([[a * 0.43880, b * 0.30585] for a in (1, -1) for b in (1, -1)])  # chapter, Table 3
 RK4 = np.array([33.9e3, 34.6e3, 15.0, 15.0, 15e-6])  # kxx, kyy, cxx, cyy, u

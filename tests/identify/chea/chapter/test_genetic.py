@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.genetic import Colony, gray_to_integer
+from rotorrig.identify.chea.chapter.genetic import Colony, gray_to_integer
+from rotorrig.identify.chea.chapter.settings import SEED, Settings
 from rotorrig.identify.chea.record import Record
-from rotorrig.identify.chea.settings import SEED, Settings
 from tests.identify.chea.driving import drive
 
 CUBE = np.array([[0.0, 0.0], [1.0, 1.0]])

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.chea.chapter.chapter import search
+from rotorrig.identify.chea.chapter.settings import SEED, Settings
 from rotorrig.identify.chea.record import Record
-from rotorrig.identify.chea.seed import search
-from rotorrig.identify.chea.settings import SEED, Settings
 from rotorrig.identify.chea.stopping import StopReason
 from tests.identify.chea.driving import drive
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from rotorrig.identify.chea.art_knn import classify
-from rotorrig.identify.chea.settings import Settings
+from rotorrig.identify.chea.chapter.art_knn import classify
+from rotorrig.identify.chea.chapter.settings import Settings
 
 Array = NDArray[np.float64]
 

@@ -6,12 +6,12 @@ A box is an array (2, dim) of its lower and upper corner in the unit cube.
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.clustering import Clustering, cluster
+from rotorrig.identify.chea.chapter.clustering import Clustering, cluster
+from rotorrig.identify.chea.chapter.genetic import Colony
+from rotorrig.identify.chea.chapter.settings import SEED, Settings
 from rotorrig.identify.chea.far_search import farthest
-from rotorrig.identify.chea.genetic import Colony
 from rotorrig.identify.chea.minima import one_point
 from rotorrig.identify.chea.record import Evaluations, Record
-from rotorrig.identify.chea.settings import SEED, Settings
 from rotorrig.identify.chea.sqp import descend
 from rotorrig.identify.chea.stopping import StopReason
 

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.chea.chapter.settings import Settings
 from rotorrig.identify.chea.record import Evaluations
-from rotorrig.identify.chea.settings import Settings
 
 Array = NDArray[np.float64]
 Bits = NDArray[np.uint8]
@@ -30,7 +30,7 @@ class Colony:
     - Tournaments of three, and every individual enters three: drawn at random, 5 % would never enter. With two the
       search takes 4 to 14 % more calls; with four 2 to 7 % fewer, but 96.5 rather than 98 % of 200 runs succeed on
       eq. (4) in shifted boxes (no more than chance could do; three keeps the variety).
-    - Elitism is up to the caller, who knows the clusters: the best of each, see seed.py.
+    - Elitism is up to the caller, who knows the clusters: the best of each, see chapter.py.
     - A chromosome met before keeps its value and costs no call.
     """
 
