@@ -4,8 +4,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rotorrig.identify.chea import modern
 from rotorrig.identify.chea.chapter import chapter
+from rotorrig.identify.chea.modern import modern
 from rotorrig.identify.chea.record import Evaluations, Record
 from rotorrig.identify.chea.stopping import StopReason
 

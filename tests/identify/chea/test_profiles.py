@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.identify.chea.chapter.settings import SEED
 from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.modern import MODERN
+from rotorrig.identify.chea.modern.modern import MODERN
 from rotorrig.identify.chea.profiles import begin
 
 SETTINGS = {"seed": SEED, "modern": MODERN}

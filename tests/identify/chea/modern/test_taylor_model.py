@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.taylor_model import TaylorModel, fit
+from rotorrig.identify.chea.modern.taylor_model import TaylorModel, fit
 
 CENTRE = np.array([0.4, 0.7])
 HESSIAN = np.array([[4.0, 1.0], [1.0, 2.0]])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rotorrig.identify.chea.natural_stop import NaturalStop
+from rotorrig.identify.chea.modern.natural_stop import NaturalStop
 
 
 def stop(*, descents: int, patience: float = 2.0, idle: int = 1000) -> NaturalStop:

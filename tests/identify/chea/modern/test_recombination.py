@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.recombination import offspring, spacing
+from rotorrig.identify.chea.modern.recombination import offspring, spacing
 
 NOWHERE = np.empty((0, 2))
 

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.chea import sqp
-from rotorrig.identify.chea.funnel import fit_funnel
-from rotorrig.identify.chea.local_search import descend
-from rotorrig.identify.chea.natural_stop import NaturalStop
+from rotorrig.identify.chea.modern.funnel import fit_funnel
+from rotorrig.identify.chea.modern.local_search import descend
+from rotorrig.identify.chea.modern.natural_stop import NaturalStop
+from rotorrig.identify.chea.modern.recombination import offspring, spacing
 from rotorrig.identify.chea.nearest_better import heads
-from rotorrig.identify.chea.recombination import offspring, spacing
 from rotorrig.identify.chea.record import Evaluations, Record
 from rotorrig.identify.chea.sampling import far_points, spread
 from rotorrig.identify.chea.stopping import StopReason

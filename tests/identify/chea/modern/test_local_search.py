@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.local_search import End, descend
+from rotorrig.identify.chea.modern.local_search import End, descend
 from rotorrig.identify.chea.record import Record
 
 Fun = Callable[[np.ndarray], np.ndarray]

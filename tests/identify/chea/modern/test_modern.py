@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.modern import MODERN
+from rotorrig.identify.chea.modern.modern import MODERN
 from rotorrig.identify.chea.result import CheaResult
 from rotorrig.identify.chea.stopping import StopReason
 

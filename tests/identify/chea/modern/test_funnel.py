@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.funnel import fit_funnel
+from rotorrig.identify.chea.modern.funnel import fit_funnel
 
 BOTTOM = np.array([0.62, 0.33, 0.5])
 
