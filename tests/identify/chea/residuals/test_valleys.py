@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from rotorrig.identify.chea.levenberg_marquardt import Point
-from rotorrig.identify.chea.valleys import Valleys
+from rotorrig.identify.chea.residuals.levenberg_marquardt import Point
+from rotorrig.identify.chea.residuals.valleys import Valleys
 
 
 def end(u, cost, normal=None):

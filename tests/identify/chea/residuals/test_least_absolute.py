@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.least_absolute import descend_absolute
+from rotorrig.identify.chea.residuals.least_absolute import descend_absolute
 
 
 def test_a_constant_fitted_to_numbers_is_their_median():

@@ -7,8 +7,8 @@ residuals that vanish there, and convergence is quadratic (Osborne and Watson 19
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.box_absolute import minimize_absolute_on_box
-from rotorrig.identify.chea.levenberg_marquardt import Residual
+from rotorrig.identify.chea.residuals.box_lp import minimize_absolute_on_box
+from rotorrig.identify.chea.residuals.levenberg_marquardt import Residual
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.levenberg_marquardt import Counted, Point, descend, evaluate
+from rotorrig.identify.chea.residuals.levenberg_marquardt import Counted, Point, descend, evaluate
 
 USUAL = {"tolerance": 1e-12, "reach": 0.25, "max_steps": 100}
 

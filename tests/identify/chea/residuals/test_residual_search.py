@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.residual_search import residual_search
+from rotorrig.identify.chea.residuals.residual_search import residual_search
 from rotorrig.identify.chea.stopping import StopReason
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.levenberg_marquardt import Point
+from rotorrig.identify.chea.residuals.levenberg_marquardt import Point
 
 Array = NDArray[np.float64]
 

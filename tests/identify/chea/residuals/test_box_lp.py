@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from rotorrig.identify.chea.box_absolute import minimize_absolute_on_box
+from rotorrig.identify.chea.residuals.box_lp import minimize_absolute_on_box
 
 Array = NDArray[np.float64]
 
