@@ -10,9 +10,9 @@ from scipy.optimize import least_squares
 from benchmarks import valley_search
 from rotorrig.identify.base_model.objectives import Amplitudes, Name
 from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.record import Record
 from rotorrig.identify.chea.residuals.least_absolute import descend_absolute
 from rotorrig.identify.chea.residuals.levenberg_marquardt import Residual
+from rotorrig.identify.chea.session.record import Record
 
 Real = NDArray[np.float64]
 Misfit = Callable[[Real], Real]  # points (n, dim) -> shares of the amplitudes (n,)

@@ -11,8 +11,8 @@ from rotorrig.identify.chea.chapter.clustering import Clustering, cluster
 from rotorrig.identify.chea.chapter.genetic import Colony
 from rotorrig.identify.chea.chapter.settings import SEED
 from rotorrig.identify.chea.profiles import Profile
-from rotorrig.identify.chea.record import Evaluations, Record
 from rotorrig.identify.chea.search import Search
+from rotorrig.identify.chea.session.record import Evaluations, Record
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

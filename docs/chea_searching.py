@@ -9,7 +9,7 @@ from docs.chea_runs import BANANA, MULTIMODAL, Function, answered, bred, cluster
 from docs.svg_plot import COLOURS, FAINT, INK, Figure
 from rotorrig.identify.chea.chapter.settings import SEED
 from rotorrig.identify.chea.far_search import farthest
-from rotorrig.identify.chea.record import Record
+from rotorrig.identify.chea.session.record import Record
 from rotorrig.identify.chea.sqp import descend
 
 Array = NDArray[np.float64]

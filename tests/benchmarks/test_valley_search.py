@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.valley_search import descend
-from rotorrig.identify.chea.record import Record
+from rotorrig.identify.chea.session.record import Record
 from tests.identify.chea.driving import drive
 
 Fun = Callable[[np.ndarray], np.ndarray]

@@ -14,11 +14,11 @@ from scipy.optimize import OptimizeResult
 from rotorrig.identify.chea.calls.call import Objective
 from rotorrig.identify.chea.calls.evaluation import Evaluation, Map
 from rotorrig.identify.chea.profiles import Profile
-from rotorrig.identify.chea.result import CheaResult
-from rotorrig.identify.chea.scaling import Box
 from rotorrig.identify.chea.search import Search
-from rotorrig.identify.chea.state import SearchState
-from rotorrig.identify.chea.stopping import StopReason
+from rotorrig.identify.chea.session.result import CheaResult
+from rotorrig.identify.chea.session.scaling import Box
+from rotorrig.identify.chea.session.state import SearchState
+from rotorrig.identify.chea.session.stopping import StopReason
 
 Callback = Callable[..., object]
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.chea.profiles import Profile, begin
-from rotorrig.identify.chea.record import Evaluations, Record
-from rotorrig.identify.chea.result import CheaResult, assemble
-from rotorrig.identify.chea.scaling import Box, from_bounds
-from rotorrig.identify.chea.state import SearchState
-from rotorrig.identify.chea.stopping import StopReason
+from rotorrig.identify.chea.session.record import Evaluations, Record
+from rotorrig.identify.chea.session.result import CheaResult, assemble
+from rotorrig.identify.chea.session.scaling import Box, from_bounds
+from rotorrig.identify.chea.session.state import SearchState
+from rotorrig.identify.chea.session.stopping import StopReason
 
 Array = NDArray[np.float64]
 

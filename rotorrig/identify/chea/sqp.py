@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.chea.box_quadratic import minimize_on_box
-from rotorrig.identify.chea.record import Evaluations, Record
+from rotorrig.identify.chea.session.record import Evaluations, Record
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from rotorrig.identify.chea.record import Evaluations, Record
+from rotorrig.identify.chea.session.record import Evaluations, Record
 
 T = TypeVar("T")
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from rotorrig.identify.chea.lockstep import in_lockstep
-from rotorrig.identify.chea.record import Evaluations
+from rotorrig.identify.chea.session.record import Evaluations
 
 
 def asks(name: str, sizes: list[int]) -> Evaluations[tuple[str, list[float]]]:

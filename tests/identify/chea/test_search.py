@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.result import CheaResult
 from rotorrig.identify.chea.search import Search
-from rotorrig.identify.chea.stopping import StopReason
+from rotorrig.identify.chea.session.result import CheaResult
+from rotorrig.identify.chea.session.stopping import StopReason
 
 BOX = [(-1.0, 1.0), (-1.0, 1.0)]
 

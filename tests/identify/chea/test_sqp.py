@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.record import Record
+from rotorrig.identify.chea.session.record import Record
 from rotorrig.identify.chea.sqp import descend
 from tests.identify.chea.driving import drive
 

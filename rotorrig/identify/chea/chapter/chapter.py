@@ -10,10 +10,10 @@ from rotorrig.identify.chea.chapter.clustering import Clustering, cluster
 from rotorrig.identify.chea.chapter.genetic import Colony
 from rotorrig.identify.chea.chapter.settings import SEED, Settings
 from rotorrig.identify.chea.far_search import farthest
-from rotorrig.identify.chea.minima import one_point
-from rotorrig.identify.chea.record import Evaluations, Record
+from rotorrig.identify.chea.session.minima import one_point
+from rotorrig.identify.chea.session.record import Evaluations, Record
+from rotorrig.identify.chea.session.stopping import StopReason
 from rotorrig.identify.chea.sqp import descend
-from rotorrig.identify.chea.stopping import StopReason
 
 __all__ = ["SEED", "search"]
 

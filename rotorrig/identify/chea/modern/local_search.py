@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.chea.box_quadratic import minimize_on_box
 from rotorrig.identify.chea.modern.taylor_model import SIZES, TaylorModel, fit
-from rotorrig.identify.chea.record import Evaluations, Record
+from rotorrig.identify.chea.session.record import Evaluations, Record
 
 Array = NDArray[np.float64]
 

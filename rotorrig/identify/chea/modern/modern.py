@@ -16,9 +16,9 @@ from rotorrig.identify.chea.modern.local_search import descend
 from rotorrig.identify.chea.modern.natural_stop import NaturalStop
 from rotorrig.identify.chea.modern.recombination import offspring, spacing
 from rotorrig.identify.chea.nearest_better import heads
-from rotorrig.identify.chea.record import Evaluations, Record
 from rotorrig.identify.chea.sampling import far_points, spread
-from rotorrig.identify.chea.stopping import StopReason
+from rotorrig.identify.chea.session.record import Evaluations, Record
+from rotorrig.identify.chea.session.stopping import StopReason
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from rotorrig.identify.chea.nearest_better import heads
 from rotorrig.identify.chea.residuals.levenberg_marquardt import Counted, Point, Residual, descend, evaluate
 from rotorrig.identify.chea.residuals.valleys import Valleys
 from rotorrig.identify.chea.sampling import spread
-from rotorrig.identify.chea.stopping import StopReason
+from rotorrig.identify.chea.session.stopping import StopReason
 
 Array = NDArray[np.float64]
 Starts = Callable[[Array], Array]  # points (n, dim) spread evenly over the cube -> where to begin, (n, dim)

@@ -7,8 +7,8 @@ import pytest
 
 from rotorrig.identify.chea.chapter.chapter import search
 from rotorrig.identify.chea.chapter.settings import SEED, Settings
-from rotorrig.identify.chea.record import Record
-from rotorrig.identify.chea.stopping import StopReason
+from rotorrig.identify.chea.session.record import Record
+from rotorrig.identify.chea.session.stopping import StopReason
 from tests.identify.chea.driving import drive
 
 NO_FAR = replace(SEED, far_iterations=0)

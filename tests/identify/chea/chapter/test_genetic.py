@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.identify.chea.chapter.genetic import Colony, gray_to_integer
 from rotorrig.identify.chea.chapter.settings import SEED, Settings
-from rotorrig.identify.chea.record import Record
+from rotorrig.identify.chea.session.record import Record
 from tests.identify.chea.driving import drive
 
 CUBE = np.array([[0.0, 0.0], [1.0, 1.0]])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.chea.modern.local_search import End, descend
-from rotorrig.identify.chea.record import Record
+from rotorrig.identify.chea.session.record import Record
 
 Fun = Callable[[np.ndarray], np.ndarray]
 TARGET = np.array([0.4, 0.6])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.chea.residuals.residual_search import residual_search
-from rotorrig.identify.chea.stopping import StopReason
+from rotorrig.identify.chea.session.stopping import StopReason
 
 
 def peak(level=0.0):

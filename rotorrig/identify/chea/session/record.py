@@ -6,7 +6,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.minima import Minima
+from rotorrig.identify.chea.session.minima import Minima
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.record import Record
+from rotorrig.identify.chea.session.record import Record
 
 FIVE = np.array([[0.5, 0.1], [0.4, 0.1], [0.6, 0.1], [0.2, 0.1], [0.3, 0.1]])
 

@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult
 
-from rotorrig.identify.chea.record import Record
-from rotorrig.identify.chea.state import SearchState
-from rotorrig.identify.chea.stopping import StopReason
+from rotorrig.identify.chea.session.record import Record
+from rotorrig.identify.chea.session.state import SearchState
+from rotorrig.identify.chea.session.stopping import StopReason
 
 Array = NDArray[np.float64]
 

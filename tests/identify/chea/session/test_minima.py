@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rotorrig.identify.chea.minima import Minima, one_point
+from rotorrig.identify.chea.session.minima import Minima, one_point
 
 
 def test_ends_close_together_are_one_minimum_kept_at_its_lowest() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import Bounds
 
-from rotorrig.identify.chea.scaling import from_bounds
+from rotorrig.identify.chea.session.scaling import from_bounds
 
 
 def test_linear_and_logarithmic_middles_are_the_two_means() -> None:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.scaling import Scaling
+from rotorrig.identify.chea.session.scaling import Scaling
 
 Array = NDArray[np.float64]
 
