@@ -15,9 +15,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.box_quadratic import minimize_on_box
 from rotorrig.identify.chea.modern.taylor_model import SIZES, TaylorModel, fit
 from rotorrig.identify.chea.session.record import Evaluations, Record
+from rotorrig.identify.chea.steps.box_qp import minimize_on_box
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.box_quadratic import minimize_on_box
+from rotorrig.identify.chea.steps.box_qp import minimize_on_box
 
 ONE = np.ones(2)
 

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from rotorrig.identify.chea.far_search import farthest
+from rotorrig.identify.chea.steps.far_search import farthest
 
 
 def test_the_candidate_with_the_most_distant_neighbour_wins() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
 
-from rotorrig.identify.chea.sampling import far_points, spread
+from rotorrig.identify.chea.steps.sampling import far_points, spread
 
 
 @pytest.mark.parametrize("dim", [1, 2, 5, 20])

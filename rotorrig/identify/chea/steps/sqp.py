@@ -8,8 +8,8 @@ generator, so that a search can be asked for its next points.
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.box_quadratic import minimize_on_box
 from rotorrig.identify.chea.session.record import Evaluations, Record
+from rotorrig.identify.chea.steps.box_qp import minimize_on_box
 
 Array = NDArray[np.float64]
 

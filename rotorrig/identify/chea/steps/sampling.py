@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.far_search import farthest
+from rotorrig.identify.chea.steps.far_search import farthest
 
 Array = NDArray[np.float64]
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from rotorrig.identify.chea.nearest_better import heads
-from rotorrig.identify.chea.sampling import spread
+from rotorrig.identify.chea.steps.nearest_better_clustering import heads
+from rotorrig.identify.chea.steps.sampling import spread
 
 
 def test_each_of_two_valleys_has_one_head_the_lower_one_first() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.chea.session.record import Record
-from rotorrig.identify.chea.sqp import descend
+from rotorrig.identify.chea.steps.sqp import descend
 from tests.identify.chea.driving import drive
 
 Fun = Callable[[np.ndarray], np.ndarray]
