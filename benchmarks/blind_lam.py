@@ -28,9 +28,9 @@ from benchmarks.blind_names import Answer, answer
 from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.causes.candidates import background, candidates
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
-from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.naming import another
-from rotorrig.identify.recording import Recording
 from rotorrig.identify.separation import DETECTABLE, HOPED, HOPED_OF_LAWS, NAMEABLE, fitted, separation
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError

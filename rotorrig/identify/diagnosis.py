@@ -20,10 +20,10 @@ from rotorrig.identify.adequacy.residual_tests import FALSE_ALARM_RATE, Adequacy
 from rotorrig.identify.cause import Cause
 from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.causes.stepwise_selection import Selection, select
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.moving_speed import moving_speed
 from rotorrig.identify.naming import Verdict
-from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.provenance import Provenance, code_version

@@ -7,10 +7,10 @@ import numpy as np
 
 from rotorrig.identify.adequacy.residual_tests import Adequacy, assess
 from rotorrig.identify.causes.candidates import background
-from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.fit import first_fit
-from rotorrig.identify.mark_edge import MarkEdge
-from rotorrig.identify.recording import Recording
 from rotorrig.identify.solving import Polished
 from rotorrig.sims.effects.base import Effect
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from rotorrig.identify.causes.candidate_fit import Candidate
 from rotorrig.identify.causes.stepwise_selection import Selection
-from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.naming import tied_candidates
 from rotorrig.identify.planned import Plan, plans, recorded
 from rotorrig.identify.separation import NAMEABLE, separation

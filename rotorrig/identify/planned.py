@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.mark_edge import MarkEdge
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.least_squares import Worth, always
 from rotorrig.identify.solving import Polished
 from rotorrig.rig.errors import DataError

@@ -14,10 +14,10 @@ from rotorrig.app import cli
 from rotorrig.identify import joint_fit
 from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT
 from rotorrig.identify.diagnosis import Diagnosis, diagnose
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.held_out import held_out
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.naming import Verdict
-from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import read_response
 from rotorrig.rig.units import RPM

@@ -7,8 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.problem import Problem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from tests.identify.matched import sought

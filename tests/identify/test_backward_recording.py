@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.recording import Recording, told_by_falling_angle
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording, told_by_falling_angle
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.held_out import BLOCK, BLOCKS, held_out, predicted
-from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError

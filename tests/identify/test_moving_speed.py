@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rotorrig.identify import joint_fit
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.moving_speed import lag, moving_speed
-from rotorrig.identify.recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM

@@ -7,10 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.causes.stepwise_selection import Selection, select
-from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.next_run import cheapest
 from rotorrig.identify.planned import plans
-from rotorrig.identify.recording import Recording
 from rotorrig.identify.separation import NAMEABLE, separation
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig

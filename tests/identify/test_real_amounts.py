@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rotorrig.identify.real_amounts import halved_amounts, halved_loads
+from rotorrig.identify.extended_model.excited_rotor import halved_amounts, halved_loads
 from rotorrig.sims.rotor.loads import Load
 
 

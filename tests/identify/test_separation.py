@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.separation import NAMEABLE, fitted, separation
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig

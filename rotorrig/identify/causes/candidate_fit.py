@@ -14,7 +14,7 @@ from rotorrig.identify.base_model.parameters import Reals
 pass
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_nuisances
 from rotorrig.identify.causes.score_test import Score, relocated
-from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.least_squares import Stop, Worth
 from rotorrig.identify.solving import Polished
 from rotorrig.rig.errors import DataError

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.measurement import SLOW_ROLL
-from rotorrig.identify.recording import Recording
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import Effect, catalogue
 from rotorrig.sims.effects.internal_damping import InternalDamping

@@ -7,7 +7,7 @@ that cause does not find back. Held, they leave the rotor what it is.
 import numpy as np
 
 from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.solving import Polished
 
 SETTLED = 1.0  # of chi2: where a fit that only begins another may end

@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.extended_jacobian import acts_on_probes
-from rotorrig.identify.moving_rotor import Moving
-from rotorrig.identify.real_amounts import halved_loads
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.excited_rotor import Moving, halved_loads
+from rotorrig.identify.extended_model.jacobian import acts_on_probes
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.effects.base import Effect, Parameter
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.directions import Direction, between

@@ -12,7 +12,7 @@ import numpy as np
 from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.causes.locate import best_place
 from rotorrig.identify.causes.score_jacobian import score_columns
-from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.causes.candidates import background, candidates
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.sims.effects.base import Effect, catalogue
 

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from rotorrig.identify.causes.force_law_starts import held_scores
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit, held_nuisances
 from rotorrig.identify.causes.score_test import Score
-from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.solving import Polished
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig

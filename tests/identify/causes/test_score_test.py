@@ -6,9 +6,9 @@ import pytest
 from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.causes.score_jacobian import score_columns
 from rotorrig.identify.causes.score_test import curved_scores, scores
-from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.extended_parameters import ExtendedParameters
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.parameters import ExtendedParameters
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.solving import Polished
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import find

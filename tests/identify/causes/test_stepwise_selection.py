@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from rotorrig.identify.causes.candidate_fit import NEAR, Candidate, plausible
 from rotorrig.identify.causes.selection_step import DETECTED, Stage, step
 from rotorrig.identify.causes.stepwise_selection import ENOUGH, MODEL_ERROR, Selection, _again, called_for, select
-from rotorrig.identify.extended import ExtendedProblem
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.least_squares import Stop
-from rotorrig.identify.recording import Recording
 from rotorrig.identify.solving import Polished
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig

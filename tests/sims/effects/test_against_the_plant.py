@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from benchmarks.blind_run import record
 from rotorrig.identify import joint_fit
-from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.settings import Tracking
 from rotorrig.rig.description import RigConfig

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.real_amounts import halved_amounts
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.excited_rotor import halved_amounts
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.effects.base import Effect
 from rotorrig.sims.rotor.directions import Direction
 from rotorrig.sims.rotor.force_law import ForceLaw
@@ -18,8 +18,8 @@ from rotorrig.sims.rotor.law_changes import LawChange
 from rotorrig.sims.rotor.loads import Load
 
 if TYPE_CHECKING:
-    from rotorrig.identify.extended import ExtendedProblem
-    from rotorrig.identify.moving_rotor import Moving
+    from rotorrig.identify.extended_model.excited_rotor import Moving
+    from rotorrig.identify.extended_model.problem import ExtendedProblem
 
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]

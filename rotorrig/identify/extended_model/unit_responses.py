@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.extended_parameters import ExtendedParameters
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.parameters import ExtendedParameters
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.effects.base import Effect
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.loads import Load

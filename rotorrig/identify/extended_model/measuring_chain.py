@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.extended_parameters import MAINS, ExtendedParameters, bends
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.parameters import MAINS, ExtendedParameters, bends
+from rotorrig.identify.extended_model.tracked_recording import Recording
 
 Complex = NDArray[np.complex128]
 

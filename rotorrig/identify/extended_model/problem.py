@@ -2,7 +2,7 @@
 
 What polish.Problem is for one recording at 1X, with the same unknowns first. Columns by the rotor's own parameters are
 exact; so are those by an effect's matrices and by loads that are linear, others are differences. Under a force law the
-motion is not linear in anything: its columns come from the march, law_columns.py.
+motion is not linear in anything: its columns come from the march, force_law_jacobian.py.
 """
 
 import copy
@@ -14,15 +14,14 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.base_model.structure import StructuralModel
-from rotorrig.identify.extended_jacobian import MARCHED, columns
-from rotorrig.identify.extended_parameters import ExtendedParameters
+from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts, halved_loads
+from rotorrig.identify.extended_model.jacobian import MARCHED, columns
+from rotorrig.identify.extended_model.measuring_chain import ProbeSide
+from rotorrig.identify.extended_model.parameters import ExtendedParameters
+from rotorrig.identify.extended_model.tracked_recording import ORDERS, Recording
+from rotorrig.identify.extended_model.unit_responses import UnitResponses
 from rotorrig.identify.least_squares import TOLERANCE, Stop, Worth, always
-from rotorrig.identify.moving_rotor import Moving
-from rotorrig.identify.probe_side import ProbeSide
-from rotorrig.identify.real_amounts import halved_amounts, halved_loads
-from rotorrig.identify.recording import ORDERS, Recording
 from rotorrig.identify.solving import NONE_FIXED, Index, Polished, solve
-from rotorrig.identify.unit_responses import UnitResponses
 from rotorrig.sims.effects.base import Effect, Theta
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.directions import Direction, between

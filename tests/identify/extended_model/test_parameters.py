@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.causes.candidates import background
-from rotorrig.identify.extended_parameters import BEYOND, KEYPHASOR, ExtendedParameters
+from rotorrig.identify.extended_model.parameters import BEYOND, KEYPHASOR, ExtendedParameters
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import Effect, Parameter, find
 

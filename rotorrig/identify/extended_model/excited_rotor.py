@@ -1,8 +1,12 @@
 """`Moving`: the rotor of one vector of unknowns, and everything that moves it."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
-from rotorrig.identify.recording import Recording
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.loads import Load
@@ -25,3 +29,21 @@ class Moving:
     def loads(self, recording: Recording, order: int) -> list[Load]:
         """Return the loads of effects of that order in a recording."""
         return [load for where, load in self.effects if where in (None, recording.number) and load.order == order]
+
+
+Complex = NDArray[np.complex128]
+
+
+def halved_loads(loads: Sequence[Load]) -> tuple[Load, ...]:
+    """Return each load, then the same times j: those of the real and of the imaginary part of its amount."""
+    return tuple(half for load in loads for half in (load, replace(load, pattern=1j * load.pattern)))
+
+
+def halved_amounts(amounts: Complex) -> Complex:
+    """Return the parts (..., 2 load) of amounts (..., load) in that order, real but for their type.
+
+    >>> halved_amounts(np.array([3 + 4j, 1 - 2j])).real
+    array([ 3.,  4.,  1., -2.])
+    """
+    parts = np.stack([amounts.real, amounts.imag], axis=-1).astype(complex)
+    return parts.reshape(*amounts.shape[:-1], 2 * amounts.shape[-1])

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.base_model.problem import Problem
-from rotorrig.identify.extended import ExtendedProblem
-from rotorrig.identify.extended_parameters import KEYPHASOR
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.parameters import KEYPHASOR
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find

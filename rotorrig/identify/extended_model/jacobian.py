@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.extended_parameters import MAINS, bends
-from rotorrig.identify.law_columns import LawColumns, under_laws
-from rotorrig.identify.real_amounts import halved_amounts
-from rotorrig.identify.recording import Recording
+from rotorrig.identify.extended_model.excited_rotor import halved_amounts
+from rotorrig.identify.extended_model.force_law_jacobian import LawColumns, under_laws
+from rotorrig.identify.extended_model.parameters import MAINS, bends
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.effects.base import Effect
 
 if TYPE_CHECKING:
-    from rotorrig.identify.extended import ExtendedProblem
-    from rotorrig.identify.moving_rotor import Moving
+    from rotorrig.identify.extended_model.excited_rotor import Moving
+    from rotorrig.identify.extended_model.problem import ExtendedProblem
 
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.extended_parameters import MAINS
+from rotorrig.identify.extended_model.parameters import MAINS
 from rotorrig.identify.measurement import Measurement, measure, trial_unbalance
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
