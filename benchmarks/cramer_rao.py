@@ -9,8 +9,8 @@ linear in the noise: where it comes to half a parameter or more, it says no more
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.least_squares.solve import inverse_information
 from rotorrig.identify.measurement import Measurement
-from rotorrig.identify.solving import inverse_information
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -22,8 +22,8 @@ from rotorrig.identify.identifiability import Identifiability
 from rotorrig.identify.identifiability_words import words
 from rotorrig.identify.identification import Fit, Identification
 from rotorrig.identify.intervals import with_intervals
+from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.identify.measurement import Measurement, measure
-from rotorrig.identify.solving import Polished
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError, DataError

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.least_squares import LinearModel, stepped
+from rotorrig.identify.least_squares.levenberg_marquardt import LinearModel, stepped
 from rotorrig.rig.errors import DataError
 
 Complex = NDArray[np.complex128]

@@ -11,7 +11,7 @@ from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.fit import first_fit
-from rotorrig.identify.solving import Polished
+from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.sims.effects.base import Effect
 
 _SETTLED = 0.1  # of chi2

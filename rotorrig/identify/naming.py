@@ -12,7 +12,7 @@ from rotorrig.identify.causes.selection_step import Stage
 from rotorrig.identify.causes.stepwise_selection import Selection, called_for
 from rotorrig.identify.gain import Predictions
 from rotorrig.identify.held_out import Prediction
-from rotorrig.identify.least_squares import Stop
+from rotorrig.identify.least_squares.levenberg_marquardt import Stop
 from rotorrig.identify.separation import DETECTABLE, NAMEABLE
 from rotorrig.sims.effects.base import Effect, Parameter, magnitudes
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.least_squares import Worth, always
-from rotorrig.identify.solving import Polished
+from rotorrig.identify.least_squares.levenberg_marquardt import Worth, always
+from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.causes.candidate_fit import elsewhere
-from rotorrig.identify.solving import Polished
+from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, Parameter
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rotorrig.identify.least_squares import minimise
+from rotorrig.identify.least_squares.levenberg_marquardt import minimise
+from rotorrig.identify.least_squares.solve import Polished, inverse_information
 from rotorrig.identify.profile_likelihood import profile_interval
 from rotorrig.identify.quantities import Amount, Phase
-from rotorrig.identify.solving import Polished, inverse_information
 
 RISE = 3.841459  # 95 % of chi2 with one degree of freedom
 HALF = 1.959964

@@ -15,8 +15,8 @@ pass
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_nuisances
 from rotorrig.identify.causes.score_test import Score, relocated
 from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.least_squares import Stop, Worth
-from rotorrig.identify.solving import Polished
+from rotorrig.identify.least_squares.levenberg_marquardt import Stop, Worth
+from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, magnitudes
 

@@ -16,8 +16,8 @@ from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.causes.pinned_nuisances import SETTLED, STEPS, held_nuisances
 from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.least_squares import LinearModel, Stop
-from rotorrig.identify.solving import Polished
+from rotorrig.identify.least_squares.levenberg_marquardt import LinearModel, Stop
+from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, Parameter
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.solving import Polished
+from rotorrig.identify.least_squares.solve import Polished
 
 SETTLED = 1.0  # of chi2: where a fit that only begins another may end
 STEPS = 15

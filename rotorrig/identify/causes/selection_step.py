@@ -15,7 +15,7 @@ from rotorrig.identify.causes.force_law_starts import held_scores
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
 from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.solving import Polished
+from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.sims.effects.base import Effect
 
 DETECTED = 18.0  # of chi2

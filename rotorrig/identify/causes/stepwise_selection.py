@@ -17,7 +17,7 @@ from rotorrig.identify.adequacy.residual_tests import STRETCH
 from rotorrig.identify.causes.candidate_fit import Candidate, named_by_place, price, refit
 from rotorrig.identify.causes.selection_step import DETECTED, Stage, step
 from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.solving import Polished
+from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.sims.effects.base import Effect
 
 ENOUGH = 4.0  # of BIC

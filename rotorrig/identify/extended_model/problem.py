@@ -20,8 +20,8 @@ from rotorrig.identify.extended_model.measuring_chain import ProbeSide
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.tracked_recording import ORDERS, Recording
 from rotorrig.identify.extended_model.unit_responses import UnitResponses
-from rotorrig.identify.least_squares import TOLERANCE, Stop, Worth, always
-from rotorrig.identify.solving import NONE_FIXED, Index, Polished, solve
+from rotorrig.identify.least_squares.levenberg_marquardt import TOLERANCE, Stop, Worth, always
+from rotorrig.identify.least_squares.solve import NONE_FIXED, Index, Polished, solve
 from rotorrig.sims.effects.base import Effect, Theta
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.directions import Direction, between

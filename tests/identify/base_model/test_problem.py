@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.base_model.problem import Problem
+from rotorrig.identify.least_squares.solve import inverse_information
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.solving import inverse_information
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from tests.identify.matched import matched_response, sought

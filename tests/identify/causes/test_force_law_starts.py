@@ -9,7 +9,7 @@ from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit, held_
 from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.solving import Polished
+from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import find

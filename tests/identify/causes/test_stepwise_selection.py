@@ -13,8 +13,8 @@ from rotorrig.identify.causes.selection_step import DETECTED, Stage, step
 from rotorrig.identify.causes.stepwise_selection import ENOUGH, MODEL_ERROR, Selection, _again, called_for, select
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.least_squares import Stop
-from rotorrig.identify.solving import Polished
+from rotorrig.identify.least_squares.levenberg_marquardt import Stop
+from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find

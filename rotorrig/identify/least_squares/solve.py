@@ -8,7 +8,15 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.least_squares import TOLERANCE, Solution, Stop, Worth, always, minimise, triangle
+from rotorrig.identify.least_squares.levenberg_marquardt import (
+    TOLERANCE,
+    Solution,
+    Stop,
+    Worth,
+    always,
+    minimise,
+    triangle,
+)
 from rotorrig.rig.errors import DataError
 
 Reals = NDArray[np.float64]

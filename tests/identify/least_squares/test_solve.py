@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from rotorrig.identify.solving import Index, Reals, inverse_information, solve
+from rotorrig.identify.least_squares.solve import Index, Reals, inverse_information, solve
 from rotorrig.rig.errors import DataError
 
 

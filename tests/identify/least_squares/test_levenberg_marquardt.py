@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.least_squares import Stop, minimise, triangle
+from rotorrig.identify.least_squares.levenberg_marquardt import Stop, minimise, triangle
 
 FREE = (np.full(2, -np.inf), np.full(2, np.inf))
 
