@@ -24,8 +24,8 @@ from threadpoolctl import threadpool_limits
 from benchmarks.coverage_groups import GROUPS, NAMES
 from benchmarks.matched_run import draw
 from benchmarks.uncertainty_page import page, table
-from rotorrig.identify.bootstrap import Resampling
 from rotorrig.identify.fit import fit
+from rotorrig.identify.uncertainty.bootstrap import Resampling
 from rotorrig.rig.description import RigConfig, load
 
 ROOT = Path(__file__).parents[1]

@@ -7,8 +7,8 @@ from typing import Any
 from benchmarks.coverage_groups import GROUPS, NAMES
 from benchmarks.matched_run import LOOKS
 from benchmarks.tables import markdown
-from rotorrig.identify.bootstrap import FEWEST
-from rotorrig.identify.intervals import CURVED, NEAR
+from rotorrig.identify.uncertainty.bootstrap import FEWEST
+from rotorrig.identify.uncertainty.intervals import CURVED, NEAR
 
 _METHODS = (
     (

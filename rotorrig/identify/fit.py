@@ -12,18 +12,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify import estimates
 from rotorrig.identify.base_model.global_search import Found, search
 from rotorrig.identify.base_model.objectives import Name
 from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.base_model.problem import MOST_STEPS, Problem
-from rotorrig.identify.bootstrap import Resampling, resampled
-from rotorrig.identify.identifiability import Identifiability
-from rotorrig.identify.identifiability_words import words
 from rotorrig.identify.identification import Fit, Identification
-from rotorrig.identify.intervals import with_intervals
 from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.identify.measurement import Measurement, measure
+from rotorrig.identify.uncertainty import estimates
+from rotorrig.identify.uncertainty.bootstrap import Resampling, resampled
+from rotorrig.identify.uncertainty.identifiability import Identifiability
+from rotorrig.identify.uncertainty.identifiability_text import words
+from rotorrig.identify.uncertainty.intervals import with_intervals
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import ConfigError, DataError

@@ -4,9 +4,9 @@ from rich.progress import Progress
 
 from rotorrig.app.terminal.console import progress_bars
 from rotorrig.identify.base_model.objectives import Name
-from rotorrig.identify.bootstrap import Resampling
 from rotorrig.identify.fit import fit
 from rotorrig.identify.identification import Identification
+from rotorrig.identify.uncertainty.bootstrap import Resampling
 from rotorrig.processing.response import OrderTrackedResponse
 
 

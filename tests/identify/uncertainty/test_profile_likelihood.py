@@ -9,8 +9,8 @@ import pytest
 
 from rotorrig.identify.least_squares.levenberg_marquardt import minimise
 from rotorrig.identify.least_squares.solve import Polished, inverse_information
-from rotorrig.identify.profile_likelihood import profile_interval
-from rotorrig.identify.quantities import Amount, Phase
+from rotorrig.identify.uncertainty.profile_likelihood import profile_interval
+from rotorrig.identify.uncertainty.quantities import Amount, Phase
 
 RISE = 3.841459  # 95 % of chi2 with one degree of freedom
 HALF = 1.959964

@@ -19,9 +19,9 @@ from threadpoolctl import threadpool_limits
 from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.identification import Estimate, Fit
-from rotorrig.identify.intervals import LEVEL
 from rotorrig.identify.least_squares.solve import Polished
-from rotorrig.identify.quantities import quantities
+from rotorrig.identify.uncertainty.intervals import LEVEL
+from rotorrig.identify.uncertainty.quantities import quantities
 
 FEWEST = 40  # draws, of which one is beyond either end of a 95 % interval
 Progress = Callable[[int], None]  # is told how many draws are done

@@ -6,9 +6,9 @@ import numpy as np
 
 from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.base_model.unknowns import Unknown
-from rotorrig.identify.identifiability import DETERMINED
 from rotorrig.identify.identification import Estimate
 from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.uncertainty.identifiability import DETERMINED
 from rotorrig.rig.description import RigConfig
 
 _NUISANCE_UNITS = {"angle": "rad", "runout": "m"}  # the others are ratios

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.base_model.problem import Problem
-from rotorrig.identify.bootstrap import FEWEST, Bootstrap, Resampling, bootstrap, simulated
 from rotorrig.identify.fit import fit
-from rotorrig.identify.intervals import standard_deviation
 from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.quantities import quantities
+from rotorrig.identify.uncertainty.bootstrap import FEWEST, Bootstrap, Resampling, bootstrap, simulated
+from rotorrig.identify.uncertainty.intervals import standard_deviation
+from rotorrig.identify.uncertainty.quantities import quantities
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from tests.identify.matched import matched_response, sought

@@ -15,7 +15,7 @@ import numpy as np
 from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.least_squares.solve import Polished, inverse_information
-from rotorrig.identify.quantities import Amount, Phase, Quantity
+from rotorrig.identify.uncertainty.quantities import Amount, Phase, Quantity
 
 _CLOSE = 0.01  # of the rise: half a per cent of an interval's half width
 _SETTLED = 0.003  # of the rise: what a trial may still promise

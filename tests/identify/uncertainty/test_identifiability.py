@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.base_model.problem import Problem
-from rotorrig.identify.identifiability import Identifiability
-from rotorrig.identify.identifiability_words import words
 from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.identify.measurement import measure
+from rotorrig.identify.uncertainty.identifiability import Identifiability
+from rotorrig.identify.uncertainty.identifiability_text import words
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig, load
 from tests.conftest import CONFIGS

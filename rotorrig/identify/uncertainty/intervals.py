@@ -13,8 +13,8 @@ import numpy as np
 from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.identification import Estimate
 from rotorrig.identify.least_squares.solve import Polished
-from rotorrig.identify.profile_likelihood import profile_interval
-from rotorrig.identify.quantities import Coefficient, Quantity, quantities
+from rotorrig.identify.uncertainty.profile_likelihood import profile_interval
+from rotorrig.identify.uncertainty.quantities import Coefficient, Quantity, quantities
 
 LEVEL = 0.95
 HALF_WIDTH = 1.959964  # standard deviations: the normal distribution's for LEVEL

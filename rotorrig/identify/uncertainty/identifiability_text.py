@@ -5,8 +5,8 @@ from collections.abc import Collection, Iterator
 
 from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.base_model.problem import Problem
-from rotorrig.identify.identifiability import DETERMINED, Coordinate, Identifiability, Weakness
 from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.uncertainty.identifiability import DETERMINED, Coordinate, Identifiability, Weakness
 
 _INSEPARABLE = 0.99  # correlation from which two determined quantities are better known together
 _LIMITED = 0.9  # share of a variance that is the nameplate's, from which on less noise would not help

@@ -8,9 +8,9 @@ import pytest
 from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.fit import fit
 from rotorrig.identify.identification import Estimate, Fit
-from rotorrig.identify.intervals import HALF_WIDTH, RISE
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.quantities import quantities
+from rotorrig.identify.uncertainty.intervals import HALF_WIDTH, RISE
+from rotorrig.identify.uncertainty.quantities import quantities
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from tests.identify.matched import matched_response, sought
