@@ -30,8 +30,8 @@ from rotorrig.identify.causes.candidates import background, candidates
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.naming import another
-from rotorrig.identify.separation import DETECTABLE, HOPED, HOPED_OF_LAWS, NAMEABLE, fitted, separation
+from rotorrig.identify.verdict.separability import DETECTABLE, HOPED, HOPED_OF_LAWS, NAMEABLE, fitted, separation
+from rotorrig.identify.verdict.verdict import another
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, find

@@ -9,7 +9,7 @@ from benchmarks.blind_cases import Design
 from benchmarks.blind_names import effect_of
 from benchmarks.blind_score import Rate, Score, rates
 from benchmarks.tables import markdown
-from rotorrig.identify.separation import DETECTABLE, NAMEABLE
+from rotorrig.identify.verdict.separability import DETECTABLE, NAMEABLE
 
 WORDS = {
     "detectable": f"detectable: lam >= {DETECTABLE:g}",

@@ -16,7 +16,7 @@ from scipy.stats import binomtest
 from benchmarks.blind_cases import Case, Kind
 from benchmarks.blind_lam import Lam
 from benchmarks.blind_names import Answer, answer
-from rotorrig.identify.separation import DETECTABLE, NAMEABLE
+from rotorrig.identify.verdict.separability import DETECTABLE, NAMEABLE
 from rotorrig.sims.plant.truth import Truth, identified_truth
 
 WITHIN = 1.959964  # standard deviations: 95 %

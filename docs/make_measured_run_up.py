@@ -15,8 +15,8 @@ from docs.svg_plot import COLOURS, INK, Figure
 from rotorrig.identify import joint_fit
 from rotorrig.identify.diagnosis import Diagnosis, diagnose
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.held_out import Prediction, held_out
 from rotorrig.identify.joint_fit import Assessed
+from rotorrig.identify.verdict.cross_validation import Prediction, held_out
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.vector_table import read_table
 from rotorrig.rig.description import load

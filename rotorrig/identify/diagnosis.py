@@ -1,8 +1,8 @@
 """From responses to a `Diagnosis`: is the model adequate, where does it part from the measurement, and why.
 
 The base model is fitted to all recordings together; what its residual calls for is looked for among the effects of
-sims/effects (stepwise_selection.py), named or not (naming.py), and what the extended model buys is measured on data that no fit
-saw (held_out.py).
+sims/effects (stepwise_selection.py), named or not (verdict.py), and what the extended model buys is measured on data that no fit
+saw (cross_validation.py).
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -14,16 +14,18 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify import diagnosis_words, gain, joint_fit, naming, next_run
+from rotorrig.identify import joint_fit
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.adequacy.residual_tests import FALSE_ALARM_RATE, Adequacy
-from rotorrig.identify.cause import Cause
 from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.causes.stepwise_selection import Selection, select
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.joint_fit import Assessed
-from rotorrig.identify.moving_speed import moving_speed
-from rotorrig.identify.naming import Verdict
+from rotorrig.identify.verdict import gain, next_run, sentences
+from rotorrig.identify.verdict import verdict as naming
+from rotorrig.identify.verdict.cause import Cause
+from rotorrig.identify.verdict.sweep_lag import moving_speed
+from rotorrig.identify.verdict.verdict import Verdict
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.provenance import Provenance, code_version
@@ -153,7 +155,7 @@ def _with_moving_speed(found: Diagnosis, still: Assessed, cause: Cause) -> Diagn
         found,
         model="quasi-static",
         verdict=Verdict.NAMED if found.verdict is Verdict.ADEQUATE else found.verdict,
-        sentence=diagnosis_words.moving(cause, found.sentence),
+        sentence=sentences.moving(cause, found.sentence),
         chi2=still.polished.chi2,
         dof=still.polished.dof,
         p=float(chdtrc(still.polished.dof, still.polished.chi2)),
@@ -199,10 +201,10 @@ def _report(
     causes = naming.causes(selection, predictions.by_label)
     tied = naming.ties(selection)
     source = responses[0].source
-    concluded = diagnosis_words.sentence(verdict, adequacy, extended.adequacy, causes, tied, predictions)
+    concluded = sentences.sentence(verdict, adequacy, extended.adequacy, causes, tied, predictions)
     return Diagnosis(
         verdict=verdict,
-        sentence=f"{concluded} {diagnosis_words.centreline(adequacy)}".rstrip(),
+        sentence=f"{concluded} {sentences.centreline(adequacy)}".rstrip(),
         false_alarm_rate=FALSE_ALARM_RATE,
         noise_floor=adequacy.noise_floor,
         chi2=base.polished.chi2,
@@ -215,7 +217,7 @@ def _report(
         tied=tied,
         gain=gain.table(base, selection, predictions) if selection.problem.effects != base.problem.effects else {},
         hidden=naming.hidden(selection),
-        character=diagnosis_words.character(extended.adequacy) if verdict is Verdict.UNEXPLAINED else "",
+        character=sentences.character(extended.adequacy) if verdict is Verdict.UNEXPLAINED else "",
         extended_residual=extended.adequacy.residual if extended is not base else None,
         responses=tuple((r.source.source_hash, len(r.omega)) for r in responses),
         source=replace(source, code_version=code_version()),

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy.misfit import Misfit
-from rotorrig.identify.cause import Cause, Figure
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
+from rotorrig.identify.verdict.cause import Cause, Figure
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
 

@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy.misfit import Misfit
-from rotorrig.identify.cause import Cause, Figure
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
+from rotorrig.identify.verdict.cause import Cause, Figure
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.description import RigConfig, load
 from rotorrig.rig.probes.base import DaqInfo

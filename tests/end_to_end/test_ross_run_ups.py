@@ -15,9 +15,9 @@ from rotorrig.identify import joint_fit
 from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT
 from rotorrig.identify.diagnosis import Diagnosis, diagnose
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.held_out import held_out
 from rotorrig.identify.joint_fit import Assessed
-from rotorrig.identify.naming import Verdict
+from rotorrig.identify.verdict.cross_validation import held_out
+from rotorrig.identify.verdict.verdict import Verdict
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import read_response
 from rotorrig.rig.units import RPM

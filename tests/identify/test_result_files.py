@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.adequacy.misfit import Misfit
-from rotorrig.identify.cause import Cause, Figure
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
+from rotorrig.identify.verdict.cause import Cause, Figure
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
 

@@ -10,8 +10,8 @@ from rotorrig.app.commands.config_model import check_effects
 from rotorrig.app.terminal import tables
 from rotorrig.app.terminal.console import out, progress_bars
 from rotorrig.app.text import causes
-from rotorrig.identify.cause import Cause
 from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
+from rotorrig.identify.verdict.cause import Cause
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.response_file import read_response
 from rotorrig.rig.description import RigConfig

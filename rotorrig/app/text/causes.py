@@ -5,9 +5,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rotorrig.app.text.quantities import plus_minus_of, shown, unit_of
-from rotorrig.identify.cause import Cause
 from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.separation import NAMEABLE
+from rotorrig.identify.verdict.cause import Cause
+from rotorrig.identify.verdict.separability import NAMEABLE
 from rotorrig.rig.units import UM
 
 LISTED = 8  # causes in a table

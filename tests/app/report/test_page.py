@@ -10,9 +10,9 @@ import pytest
 from rotorrig.app.plot_data.curves import curves
 from rotorrig.app.plot_data.diagnosis_of_response import part_of
 from rotorrig.app.report.page import write_report
-from rotorrig.identify.cause import Figure
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
+from rotorrig.identify.verdict.cause import Figure
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.errors import DataError
 from tests.app.conftest import make_cause

@@ -6,8 +6,8 @@ import math
 import pytest
 
 from rotorrig.app.text import causes
-from rotorrig.identify.cause import Figure
 from rotorrig.identify.diagnosis import Diagnosis
+from rotorrig.identify.verdict.cause import Figure
 from tests.app.conftest import make_cause
 
 BOW = make_cause("bow", "residual bow", chosen=True, evidence=800.0, after=4.1e-7)

@@ -8,7 +8,7 @@ import pytest
 from rotorrig.identify import joint_fit
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.joint_fit import Assessed
-from rotorrig.identify.moving_speed import lag, moving_speed
+from rotorrig.identify.verdict.sweep_lag import lag, moving_speed
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM

@@ -5,7 +5,7 @@ import pytest
 
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.separation import NAMEABLE, fitted, separation
+from rotorrig.identify.verdict.separability import NAMEABLE, fitted, separation
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.effects.base import find

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from rotorrig.identify.causes.stepwise_selection import Selection, select
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.next_run import cheapest
-from rotorrig.identify.planned import plans
-from rotorrig.identify.separation import NAMEABLE, separation
+from rotorrig.identify.verdict.next_run import cheapest
+from rotorrig.identify.verdict.planned_runs import plans
+from rotorrig.identify.verdict.separability import NAMEABLE, separation
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM

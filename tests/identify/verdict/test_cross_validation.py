@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.held_out import BLOCK, BLOCKS, held_out, predicted
+from rotorrig.identify.verdict.cross_validation import BLOCK, BLOCKS, held_out, predicted
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError

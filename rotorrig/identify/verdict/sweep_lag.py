@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.cause import Cause
 from rotorrig.identify.causes.selection_step import DETECTED
-from rotorrig.identify.held_out import held_out
 from rotorrig.identify.joint_fit import Assessed
+from rotorrig.identify.verdict.cause import Cause
+from rotorrig.identify.verdict.cross_validation import held_out
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.units import RPM
 

@@ -7,11 +7,11 @@ import pytest
 
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.adequacy.residual_tests import Adequacy
-from rotorrig.identify.cause import Cause
-from rotorrig.identify.diagnosis_words import character, sentence
-from rotorrig.identify.gain import Predictions
-from rotorrig.identify.held_out import Prediction
-from rotorrig.identify.naming import Verdict
+from rotorrig.identify.verdict.cause import Cause
+from rotorrig.identify.verdict.cross_validation import Prediction
+from rotorrig.identify.verdict.gain import Predictions
+from rotorrig.identify.verdict.sentences import character, sentence
+from rotorrig.identify.verdict.verdict import Verdict
 
 RPM = np.pi / 30
 LOUD = Misfit(

@@ -8,9 +8,9 @@ import numpy as np
 from rotorrig.identify.causes.candidate_fit import Candidate
 from rotorrig.identify.causes.stepwise_selection import Selection, called_for
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.held_out import Prediction, held_out, predicted
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.least_squares.levenberg_marquardt import Stop
+from rotorrig.identify.verdict.cross_validation import Prediction, held_out, predicted
 
 _WORSE = 1.1  # times the error of the base: a cause at 2X leaves it as it was, give or take
 _MEASURED = 3  # causes whose prediction is measured

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.planned import plans, recorded
+from rotorrig.identify.verdict.planned_runs import plans, recorded
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM

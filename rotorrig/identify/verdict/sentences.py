@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMIT, Adequacy
-from rotorrig.identify.cause import Cause
-from rotorrig.identify.gain import Predictions
-from rotorrig.identify.naming import Verdict
+from rotorrig.identify.verdict.cause import Cause
+from rotorrig.identify.verdict.gain import Predictions
+from rotorrig.identify.verdict.verdict import Verdict
 from rotorrig.rig.units import micrometres
 
 

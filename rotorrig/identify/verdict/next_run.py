@@ -1,6 +1,6 @@
 """The cheapest run that would separate causes the data at hand cannot: computed, for this rig and these causes.
 
-Every plan is simulated with the best cause, as it was fitted, and fitted with each of its rivals (separation.py); the
+Every plan is simulated with the best cause, as it was fitted, and fitted with each of its rivals (separability.py); the
 cheapest that tells all of them from the best is proposed, or the one that comes nearest.
 """
 
@@ -9,9 +9,9 @@ from typing import Any
 from rotorrig.identify.causes.candidate_fit import Candidate
 from rotorrig.identify.causes.stepwise_selection import Selection
 from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.naming import tied_candidates
-from rotorrig.identify.planned import Plan, plans, recorded
-from rotorrig.identify.separation import NAMEABLE, separation
+from rotorrig.identify.verdict.planned_runs import Plan, plans, recorded
+from rotorrig.identify.verdict.separability import NAMEABLE, separation
+from rotorrig.identify.verdict.verdict import tied_candidates
 from rotorrig.rig.errors import DataError
 
 
