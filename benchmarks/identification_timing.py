@@ -18,9 +18,9 @@ from benchmarks.blind_run import record
 from rotorrig.identify.base_model.global_search import search
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import measure as measured_rows
+from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import write_response
 from rotorrig.rig.description import load
 
 ROOT = Path(__file__).parents[1]

@@ -17,8 +17,8 @@ from rotorrig.identify.diagnosis import Diagnosis, diagnose
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.verdict.cross_validation import Prediction, held_out
+from rotorrig.processing.files.bode_table import read_table
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.vector_table import read_table
 from rotorrig.rig.description import load
 from rotorrig.rig.units import RPM
 

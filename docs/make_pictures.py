@@ -30,8 +30,8 @@ from rotorrig.app.report.figures.bode import bode as bode_figure
 from rotorrig.app.viewer.open import LiveView
 from rotorrig.app.viewer.sinks import Sink, free_port, proxy, quiet_environment, viewer_program
 from rotorrig.identify.result_files import read_identification
+from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import read_response
 from rotorrig.rig.errors import RigError
 
 COMMAND = "python -m docs.make_pictures demo"

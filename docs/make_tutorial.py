@@ -23,8 +23,8 @@ from docs.origin import origin, save_png
 from docs.svg_plot import COLOURS, INK, Figure
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.result_files import read_diagnosis
+from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import read_response
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.units import RPM, UM
 

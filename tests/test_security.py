@@ -17,8 +17,8 @@ from rotorrig.app.report.page import write_report
 from rotorrig.app.viewer.result.view import write_result_rrd
 from rotorrig.identify.identification import Estimate, Fit, Identification
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
+from rotorrig.processing.files.response_mcap import read_response, write_response
 from rotorrig.processing.response import Run
-from rotorrig.processing.response_file import read_response, write_response
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import LONGEST, DataError, RigError
 from rotorrig.rig.provenance import Provenance

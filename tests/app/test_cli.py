@@ -8,8 +8,8 @@ import pytest
 
 from rotorrig.app import cli
 from rotorrig.identify.result_files import read_identification
+from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import write_response
 from rotorrig.rig.description import RigConfig
 from tests.identify.matched import matched_response, sought
 

@@ -9,8 +9,8 @@ import pytest
 
 from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.app import cli
+from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import read_response
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
 from tests.processing.synthetic import chirp, recording_of

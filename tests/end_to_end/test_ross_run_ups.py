@@ -18,8 +18,8 @@ from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.verdict.cross_validation import held_out
 from rotorrig.identify.verdict.verdict import Verdict
+from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import read_response
 from rotorrig.rig.units import RPM
 from rotorrig.sims.effects.base import catalogue
 

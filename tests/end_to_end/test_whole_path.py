@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from rotorrig.acquisition.files.recording_mcap import read_recording
-from rotorrig.processing.response_file import read_response
+from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.rig.description import RigConfig
 from rotorrig.sims.plant.truth import FaultSpec, draw, identified_truth, seal, unseal
 

@@ -17,8 +17,8 @@ from rotorrig.acquisition.exporters.csv import write_csv
 from rotorrig.acquisition.exporters.uff import write_uff
 from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
+from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.processing.response_file import write_response
 from rotorrig.rig.description import RigConfig, load
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance

@@ -11,7 +11,7 @@ from rotorrig.acquisition.files.recording_mcap import open_recording, read_recor
 from rotorrig.acquisition.importers.channel_mapping import load_channels
 from rotorrig.app.commands.export_files import write_out
 from rotorrig.app.commands.import_files import bring_in
-from rotorrig.processing.vector_table import read_table
+from rotorrig.processing.files.bode_table import read_table
 from rotorrig.rig.description import load
 from rotorrig.rig.errors import BadFrame, RigError
 from rotorrig.rig.motor import line_frames

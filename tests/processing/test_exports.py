@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import pyuff
 
-from rotorrig.processing import order_functions, vector_export
+from rotorrig.processing.files import response_csv, response_uff
+from rotorrig.processing.files.bode_table import read_table
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.vector_table import read_table
 from rotorrig.rig.description import RigConfig
-from tests.processing.test_vector_table import PLAIN, Files
+from tests.processing.files.test_bode_table import PLAIN, Files
 
 RPM = np.pi / 30
 
@@ -26,7 +26,7 @@ def response(tmp_path: Path, rk4: RigConfig) -> OrderTrackedResponse:
 
 
 def test_pyuff_reads_the_order_functions(response: OrderTrackedResponse, tmp_path: Path) -> None:
-    assert order_functions.write_uff(tmp_path / "out.uff", response) == 1
+    assert response_uff.write_uff(tmp_path / "out.uff", response) == 1
     units, vectors = pyuff.UFF(str(tmp_path / "out.uff")).read_sets()
     assert (units["type"], units["units_code"], units["length"], units["temp_offset"]) == (164, 1, 1.0, 273.15)
     assert (vectors["func_type"], vectors["ord_data_type"], vectors["z_axis_value"]) == (27, 6, 1.0)
@@ -40,7 +40,7 @@ def test_pyuff_reads_the_order_functions(response: OrderTrackedResponse, tmp_pat
 
 
 def test_the_bytes_are_in_the_columns_of_the_specification(response: OrderTrackedResponse, tmp_path: Path) -> None:
-    order_functions.write_uff(tmp_path / "out.uff", response)
+    response_uff.write_uff(tmp_path / "out.uff", response)
     lines = (tmp_path / "out.uff").read_text().splitlines()
     at = lines.index("    58")
     assert lines[at - 1] == "    -1" and lines[-1] == "    -1"
@@ -55,7 +55,7 @@ def test_the_bytes_are_in_the_columns_of_the_specification(response: OrderTracke
 
 
 def test_a_csv_of_vectors_comes_back_through_a_mapping(response: OrderTrackedResponse, tmp_path: Path) -> None:
-    assert vector_export.write_csv(tmp_path / "out.csv", response) == 2
+    assert response_csv.write_csv(tmp_path / "out.csv", response) == 2
     mapping = (
         PLAIN.replace('"rpm"', '"speed [rpm]"')
         .replace('"amp"', '"1x 1X amplitude [um]"')
@@ -69,7 +69,7 @@ def test_a_csv_of_vectors_comes_back_through_a_mapping(response: OrderTrackedRes
 
 
 def test_the_convention_stands_in_the_csv(response: OrderTrackedResponse, tmp_path: Path) -> None:
-    vector_export.write_csv(tmp_path / "out.csv", response)
+    response_csv.write_csv(tmp_path / "out.csv", response)
     head = (tmp_path / "out.csv").read_text().splitlines()
     assert head[0] == "# order vectors, raw; amplitude um 0-peak; phase lag deg = -arg z, z = 2 mean(x exp(-j theta)),"
     assert "rotation from x to y" in head[3] and "forward" in head[4]
@@ -103,7 +103,7 @@ def whirling(response: OrderTrackedResponse) -> OrderTrackedResponse:
 
 
 def test_forward_and_backward_whirl_stand_in_the_csv(whirling: OrderTrackedResponse, tmp_path: Path) -> None:
-    vector_export.write_csv(tmp_path / "out.csv", whirling)
+    response_csv.write_csv(tmp_path / "out.csv", whirling)
     lines = (tmp_path / "out.csv").read_text().splitlines()
     assert lines[6] == "# slow roll: too fast"
     rows = [dict(zip(lines[7].split(","), line.split(","), strict=True)) for line in lines[8:]]
@@ -124,16 +124,16 @@ def test_the_window_that_a_model_has_to_apply_is_told(
     whirling: OrderTrackedResponse, tmp_path: Path, turns: tuple[float, float], csv: str, uff: str
 ) -> None:
     windowed = replace(whirling, window="hann", method="resampling", revolutions=np.array(turns))
-    vector_export.write_csv(tmp_path / "out.csv", windowed)
+    response_csv.write_csv(tmp_path / "out.csv", windowed)
     said = f"# a row is the mean of its vector over {csv} under the weights 'hann'; method resampling"
     assert said in (tmp_path / "out.csv").read_text().splitlines()
-    order_functions.write_uff(tmp_path / "out.uff", windowed)
+    response_uff.write_uff(tmp_path / "out.uff", windowed)
     _, vectors, *_ = pyuff.UFF(str(tmp_path / "out.uff")).read_sets()
     assert vectors["id4"] == f"theta = 0 at keyphasor edge; rotor x-to-y; x to probe; {uff}"
 
 
 def test_pyuff_reads_forward_and_backward_whirl(whirling: OrderTrackedResponse, tmp_path: Path) -> None:
-    assert order_functions.write_uff(tmp_path / "out.uff", whirling) == 4
+    assert response_uff.write_uff(tmp_path / "out.uff", whirling) == 4
     *_, forward, backward = pyuff.UFF(str(tmp_path / "out.uff")).read_sets()
     assert (forward["z_axis_value"], backward["z_axis_value"]) == (1.0, -1.0)
     assert (forward["id1"], backward["id1"]) == ("1x/1y +1X forward, run up", "1x/1y -1X backward, run up")

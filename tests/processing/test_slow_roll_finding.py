@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from rotorrig.acquisition.recording import RawRecording
+from rotorrig.processing.files.response_mcap import read_response, write_response
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import read_response, write_response
 from rotorrig.processing.settings import SpeedWindow, Tracking
 from rotorrig.processing.slow_roll_finding import chosen_rows
 from rotorrig.rig.errors import DataError

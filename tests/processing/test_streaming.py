@@ -11,8 +11,8 @@ import pytest
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter, open_recording, read_recording
 from rotorrig.acquisition.recording import Event, RawRecording
 from rotorrig.processing import noise
+from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.pipeline import track
-from rotorrig.processing.response_file import write_response
 from rotorrig.processing.settings import Tracking
 from rotorrig.rig.probes.base import Block
 from tests.processing.synthetic import chirp

@@ -20,9 +20,9 @@ from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.fit import fit
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.result_files import write_diagnosis, write_identification
+from rotorrig.processing.files.response_mcap import read_response, write_response
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import read_response, write_response
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
 from rotorrig.sims.plant.truth import FaultSpec, Truth, draw, identified_truth, seal, unseal

@@ -12,8 +12,8 @@ from rotorrig.app.terminal.console import out, progress_bars
 from rotorrig.app.text import causes
 from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
 from rotorrig.identify.verdict.cause import Cause
+from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import read_response
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.extended_config import extended_by

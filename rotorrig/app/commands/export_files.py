@@ -26,15 +26,15 @@ def write_out(file: Path, out: Path) -> str:
 
 def _response(file: Path, out: Path) -> str:
     from rotorrig.app.commands.foxglove_layout import write_foxglove_layout
-    from rotorrig.processing import order_functions, vector_export
-    from rotorrig.processing.response_file import read_response
+    from rotorrig.processing.files import response_csv, response_uff
+    from rotorrig.processing.files.response_mcap import read_response
 
     response = read_response(file)
     if out.suffix.lower() == LAYOUT:
         return f"{write_foxglove_layout(out, response)} panels for Foxglove: Import from file, in its layout menu"
     if out.suffix.lower() == ".csv":
-        return f"{vector_export.write_csv(out, response)} rows"
-    return f"{order_functions.write_uff(out, response)} order functions"
+        return f"{response_csv.write_csv(out, response)} rows"
+    return f"{response_uff.write_uff(out, response)} order functions"
 
 
 def _run(file: Path, out: Path) -> str:

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from rotorrig.app.plot_data.curves import slow_roll_known
+from rotorrig.processing.files.response_scene import FRAME
 from rotorrig.processing.probe_planes import measured_planes
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_scene import FRAME
 from rotorrig.rig.errors import DataError
 
 SPEED = "exact_speed_rpm"

@@ -44,8 +44,8 @@ def _refuse_source(file: Path, out: Path) -> None:
 
 
 def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
-    from rotorrig.processing.response_file import write_response
-    from rotorrig.processing.vector_table import read_table
+    from rotorrig.processing.files.bode_table import read_table
+    from rotorrig.processing.files.response_mcap import write_response
 
     response = read_table(file, mapping, rig)
     write_response(out, response)

@@ -80,7 +80,7 @@ def _played(recording: RawRecording, pace: float | Literal["max"], live: "LiveVi
 
 
 def _track(recording: RawRecording, out: Path) -> None:
+    from rotorrig.processing.files.response_mcap import write_response
     from rotorrig.processing.pipeline import track
-    from rotorrig.processing.response_file import write_response
 
     write_response(out, track(recording))

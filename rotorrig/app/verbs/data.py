@@ -53,7 +53,7 @@ def track(
     from rotorrig.acquisition.files.recording_mcap import open_recording
     from rotorrig.app.text.tracking import quality_words, spacing_words, tracked_facts, tracked_words
     from rotorrig.processing import pipeline
-    from rotorrig.processing.response_file import write_response
+    from rotorrig.processing.files.response_mcap import write_response
     from rotorrig.processing.settings import Spacing, SpeedWindow, Tracking, read_orders
     from rotorrig.rig.trial_mass import read_trial_mass
 

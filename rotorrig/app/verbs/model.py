@@ -30,7 +30,7 @@ def identify(
     from rotorrig.app.commands import identify
     from rotorrig.app.terminal import tables
     from rotorrig.identify.result_files import identification_table, write_identification
-    from rotorrig.processing.response_file import read_response
+    from rotorrig.processing.files.response_mcap import read_response
 
     measured = read_response(response)
     found = identify.identified(
@@ -95,7 +95,7 @@ def report(
     """Write one self-contained HTML file: verdict, Bode plots, values, provenance."""
     from rotorrig.app.report.page import write_report
     from rotorrig.identify.result_files import read_diagnosis, read_identification
-    from rotorrig.processing.response_file import read_response
+    from rotorrig.processing.files.response_mcap import read_response
 
     with working(f"writing {out_file.name}"):
         write_report(

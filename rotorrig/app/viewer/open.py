@@ -14,8 +14,8 @@ from rotorrig.app.viewer.live.view import LiveView
 from rotorrig.app.viewer.result.view import write_result_rrd
 from rotorrig.app.viewer.sinks import Sink, serve, show_files, to_file
 from rotorrig.identify.result_files import read_diagnosis, read_identification
+from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import read_response
 from rotorrig.rig.errors import DataError
 
 __all__ = ["LiveView", "Sink", "serve", "to_file", "view_file", "write_recording_rrd", "write_result_rrd"]

@@ -11,8 +11,8 @@ from rotorrig.app.commands import demo
 from rotorrig.app.commands import diagnose as diagnosing
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.result_files import read_diagnosis
+from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import write_response
 from rotorrig.rig.description import load
 
 

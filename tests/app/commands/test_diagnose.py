@@ -14,8 +14,8 @@ from rotorrig.app.commands import diagnose as diagnosing
 from rotorrig.app.commands.config_model import check_effects
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.result_files import read_diagnosis
+from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import write_response
 from rotorrig.rig.description import load, parse
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.extended_config import extended_by

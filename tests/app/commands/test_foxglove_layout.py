@@ -10,8 +10,8 @@ from mcap.reader import make_reader
 
 from rotorrig.app.commands.export_files import write_out
 from rotorrig.app.commands.foxglove_layout import foxglove_layout
+from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import write_response
 from rotorrig.rig.errors import DataError
 
 NUMBERS = {descriptor_pb2.FieldDescriptorProto.TYPE_DOUBLE, descriptor_pb2.FieldDescriptorProto.TYPE_INT64}

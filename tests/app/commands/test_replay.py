@@ -13,8 +13,8 @@ from rotorrig.acquisition.files.recording_mcap import read_recording, write_reco
 from rotorrig.acquisition.recording import Event
 from rotorrig.acquisition.replay import cut_from
 from rotorrig.app.commands import replay
+from rotorrig.processing.files.response_mcap import read_response, write_response
 from rotorrig.processing.pipeline import track
-from rotorrig.processing.response_file import read_response, write_response
 from rotorrig.rig.description import RigConfig, parse
 from rotorrig.rig.errors import ConfigError
 

@@ -13,8 +13,8 @@ from rotorrig.app.viewer.live.parts.blueprint import TABS
 from rotorrig.app.viewer.open import LiveView, as_rrd, view_file, write_recording_rrd
 from rotorrig.app.viewer.plots.axes import Panel
 from rotorrig.app.viewer.sinks import serve, to_file
+from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import write_response
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError, RigError
 from rotorrig.rig.probes.base import Block, DaqInfo

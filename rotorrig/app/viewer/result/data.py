@@ -11,9 +11,9 @@ from rotorrig.app.plot_data.curves import model_vectors, slow_roll_known, sweeps
 from rotorrig.app.plot_data.diagnosis_of_response import part_of, predictions
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Fit, Identification
+from rotorrig.processing.files.response_topics import order_name
 from rotorrig.processing.probe_planes import Plane, measured_planes
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_topics import order_name
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.units import RPM
 

@@ -22,9 +22,9 @@ from rotorrig.app.viewer.result.view import application_of
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.result_files import write_diagnosis, write_identification
+from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_file import write_response
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError

@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.processing.vector_table import read_table, scatter_variance
+from rotorrig.processing.files.bode_table import read_table, scatter_variance
 from rotorrig.rig.description import RigConfig, load
 from rotorrig.rig.errors import ConfigError, DataError
 
-KFUPM = Path(__file__).parents[1] / "data" / "kfupm-rk4"
-CONFIGS = Path(__file__).parents[2] / "configs"
+KFUPM = Path(__file__).parents[2] / "data" / "kfupm-rk4"
+CONFIGS = Path(__file__).parents[3] / "configs"
 RPM = np.pi / 30
 
 HEAD = """

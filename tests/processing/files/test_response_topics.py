@@ -11,9 +11,9 @@ from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from mcap.reader import make_reader
 from numpy.typing import NDArray
 
+from rotorrig.processing.files.response_mcap import write_response
+from rotorrig.processing.files.response_scene import FALLING, KEYPHASOR, RISING, exaggeration
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.processing.response_file import write_response
-from rotorrig.processing.response_scene import FALLING, KEYPHASOR, RISING, exaggeration
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.provenance import Provenance
 

@@ -9,13 +9,13 @@ import pytest
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from mcap.reader import make_reader
 
+from rotorrig.processing.files.response_mcap import read_response, write_response
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.processing.response_file import read_response, write_response
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
 
-DOCS = Path(__file__).parents[2] / "docs" / "response-file.md"
+DOCS = Path(__file__).parents[3] / "docs" / "response-file.md"
 ROWS, PROBES, ORDERS = 30, 4, (0.0, 0.5, 1.0)
 
 
@@ -86,7 +86,7 @@ def test_what_is_read_is_what_was_written_bit_by_bit(tmp_path: Path, response: O
 def test_arrays_larger_than_a_message_come_in_pieces(
     tmp_path: Path, response: OrderTrackedResponse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rotorrig.processing.response_file.PIECE", 1000)
+    monkeypatch.setattr("rotorrig.processing.files.response_mcap.PIECE", 1000)
     write_response(tmp_path / "r.mcap", response)
     np.testing.assert_array_equal(read_response(tmp_path / "r.mcap").covariance, response.covariance)
 

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.files.foxglove_schemas import INFO, LOG, POINT_CLOUD, WARNING, cloud_values, log_values
+from rotorrig.processing.files.response_topics import Message, row_times
 from rotorrig.processing.probe_planes import Plane, measured_planes
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.response_topics import Message, row_times
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition.files.recording_mcap import Contents, FileKind, FileWriter, read_file
 from rotorrig.acquisition.files.schemas import message_type
-from rotorrig.processing import response_scene, response_topics
+from rotorrig.processing.files import response_scene, response_topics
 from rotorrig.processing.response import Method, OrderTrackedResponse, Run, Window
 from rotorrig.rig.errors import DataError
 

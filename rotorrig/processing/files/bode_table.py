@@ -15,10 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing import slow_roll
-from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.processing.slow_roll_checks import FirstOrder, validity
-from rotorrig.processing.slow_roll_finding import chosen_rows
-from rotorrig.processing.table_mapping import (
+from rotorrig.processing.files.bode_table_mapping import (
     DIRECTIONS,
     StatedSlowRoll,
     TableMapping,
@@ -27,6 +24,9 @@ from rotorrig.processing.table_mapping import (
     VectorColumns,
     load_mapping,
 )
+from rotorrig.processing.response import OrderTrackedResponse, Run
+from rotorrig.processing.slow_roll_checks import FirstOrder, validity
+from rotorrig.processing.slow_roll_finding import chosen_rows
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance, code_version, file_hash
