@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing.noise import NoiseSpectrum, row_covariance
+from rotorrig.processing.noise.covariance import NoiseSpectrum, row_covariance
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.processing.rows import Rows
 from rotorrig.rig.description import RigConfig, from_si

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.processing import least_squares, resampling
-from rotorrig.processing.noise import NoiseSpectrum, row_covariance
+from rotorrig.processing.noise.covariance import NoiseSpectrum, row_covariance
 from rotorrig.processing.rows import Rows
 
 TURNS = 8

@@ -10,8 +10,8 @@ import pytest
 
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter, open_recording, read_recording
 from rotorrig.acquisition.recording import Event, RawRecording
-from rotorrig.processing import noise
 from rotorrig.processing.files.response_mcap import write_response
+from rotorrig.processing.noise import covariance
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.settings import Tracking
 from rotorrig.rig.probes.base import Block
@@ -92,10 +92,10 @@ def test_memory_is_flat_with_the_length_of_the_recording(
 
 def test_no_more_segments_are_kept_than_the_noise_needs(short: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     kept: list[int] = []
-    average = noise._average
-    monkeypatch.setattr(noise, "MOST", 20)
+    average = covariance._average
+    monkeypatch.setattr(covariance, "MOST", 20)
     monkeypatch.setattr(
-        noise, "_average", lambda f, spectra, *rest: kept.append(len(spectra)) or average(f, spectra, *rest)
+        covariance, "_average", lambda f, spectra, *rest: kept.append(len(spectra)) or average(f, spectra, *rest)
     )
     track(read_recording(short))
     assert kept == [11]  # of 22, every other

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from rotorrig.processing.noise import NoiseSpectrum, row_covariance
+from rotorrig.processing.noise.covariance import NoiseSpectrum, row_covariance
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.rows import Rows

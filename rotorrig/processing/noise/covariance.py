@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.signal.windows import kaiser
 
 from rotorrig.processing import resampling
-from rotorrig.processing.line_interference import Line, LineSearch
 from rotorrig.processing.methods import NoiseResponse
+from rotorrig.processing.noise.mains_lines import Line, LineSearch
 from rotorrig.processing.rows import Rows
 from rotorrig.processing.tacho import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms

@@ -9,8 +9,8 @@ from scipy.signal import lfilter
 
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.keyphasor import read_keyphasor
-from rotorrig.processing.line_interference import Line, line_remarks, passed_by
-from rotorrig.processing.noise import NoiseSpectrum
+from rotorrig.processing.noise.covariance import NoiseSpectrum
+from rotorrig.processing.noise.mains_lines import Line, line_remarks, passed_by
 from rotorrig.processing.pipeline import noise_between_orders, track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.rows import Rows, lay_rows
