@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.noise.covariance import NoiseSpectrum, row_covariance
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.processing.rows import Rows
+from rotorrig.processing.rows.rows import Rows
 from rotorrig.rig.description import RigConfig, from_si
 from rotorrig.rig.provenance import Provenance
 from rotorrig.rig.units import RPM

@@ -8,14 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import Recorded
-from rotorrig.processing import quality, slow_roll
+from rotorrig.processing import slow_roll
 from rotorrig.processing.keyphasor import read_keyphasor
 from rotorrig.processing.methods import METHODS, TrackingMethod
 from rotorrig.processing.noise import covariance as noise
 from rotorrig.processing.noise.mains_lines import line_remarks
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows import Rows, lay_rows
-from rotorrig.processing.runs import Span, find_runs
+from rotorrig.processing.rows import quality
+from rotorrig.processing.rows.rows import Rows, lay_rows
+from rotorrig.processing.rows.runs import Span, find_runs
 from rotorrig.processing.settings import USUAL, Tracking
 from rotorrig.processing.slow_roll_finding import with_slow_roll
 from rotorrig.processing.tacho import TURN, ShaftAngle

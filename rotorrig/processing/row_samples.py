@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rotorrig.processing.rows import Rows
+from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.tacho import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.equal_angles import margin, resampled
-from rotorrig.processing.rows import Rows
+from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.tacho import ShaftAngle
 from rotorrig.processing.waveform import Waveforms
 

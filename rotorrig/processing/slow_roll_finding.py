@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rotorrig.processing import slow_roll
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows import Rows
+from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.slow_roll_checks import FirstOrder, validity
 from rotorrig.processing.slow_roll_waveform import slow_roll_waveform
 from rotorrig.processing.tacho import ShaftAngle

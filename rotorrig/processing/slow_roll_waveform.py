@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from rotorrig.processing.row_waveform import first_point, row_waveform
-from rotorrig.processing.rows import Rows
+from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.slow_roll import SlowRoll
 from rotorrig.processing.tacho import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms

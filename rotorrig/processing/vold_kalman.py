@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.envelope_splines import SPAN, EnvelopeSplines
 from rotorrig.processing.row_samples import angle_and_speed
-from rotorrig.processing.rows import Rows
+from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.tacho import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms
 

@@ -12,7 +12,7 @@ from rotorrig.processing.keyphasor import read_keyphasor
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.probe_planes import planes
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows import lay_rows
+from rotorrig.processing.rows.rows import lay_rows
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.description import RigConfig
 from tests.processing.synthetic import chirp

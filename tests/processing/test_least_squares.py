@@ -5,7 +5,7 @@ import pytest
 
 from rotorrig.processing import least_squares, resampling
 from rotorrig.processing.noise.covariance import NoiseSpectrum, row_covariance
-from rotorrig.processing.rows import Rows
+from rotorrig.processing.rows.rows import Rows
 
 TURNS = 8
 PSI = np.arange(-np.pi * TURNS, np.pi * TURNS, 2 * np.pi / 61.3)  # no whole number of samples per turn

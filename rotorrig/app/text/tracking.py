@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows import too_close
+from rotorrig.processing.rows.rows import too_close
 from rotorrig.processing.settings import Tracking
 from rotorrig.rig.units import RPM
 

@@ -18,7 +18,7 @@ from scipy.signal.windows import kaiser
 from rotorrig.processing import resampling
 from rotorrig.processing.methods import NoiseResponse
 from rotorrig.processing.noise.mains_lines import Line, LineSearch
-from rotorrig.processing.rows import Rows
+from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.tacho import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import BLACKMAN_BANDWIDTH

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.response import OrderTrackedResponse, Window
-from rotorrig.processing.rows import Rows
+from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.tacho import TURN
 from rotorrig.processing.vold_kalman import support
 from rotorrig.processing.windows import blackman, hann

@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 from rotorrig.processing.noise.covariance import NoiseSpectrum, row_covariance
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows import Rows
+from rotorrig.processing.rows.rows import Rows
 from tests.processing.synthetic import chirp, falling_notch
 
 RPM = np.pi / 30

@@ -13,7 +13,7 @@ from rotorrig.processing.noise.covariance import NoiseSpectrum
 from rotorrig.processing.noise.mains_lines import Line, line_remarks, passed_by
 from rotorrig.processing.pipeline import noise_between_orders, track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows import Rows, lay_rows
+from rotorrig.processing.rows.rows import Rows, lay_rows
 from rotorrig.processing.waveform import Waveforms
 from tests.processing.synthetic import chirp
 

@@ -15,7 +15,7 @@ from rotorrig.app.viewer.live.parts.readings import readings
 from rotorrig.app.viewer.live.parts.vectors import VectorsPart
 from rotorrig.app.viewer.plots.axes import MARK, UP
 from rotorrig.app.viewer.plots.words import displayable
-from rotorrig.processing.runs import ENDS
+from rotorrig.processing.rows.runs import ENDS
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.units import RPM

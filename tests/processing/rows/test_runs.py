@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.acquisition.recording import Event
-from rotorrig.processing.runs import find_runs
+from rotorrig.processing.rows.runs import find_runs
 from rotorrig.processing.tacho import TURN, ShaftAngle, shaft_angle
 
 RPM = np.pi / 30

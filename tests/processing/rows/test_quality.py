@@ -7,8 +7,8 @@ import pytest
 
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
-from rotorrig.processing.quality import blind_orders, probe_faults, together
-from rotorrig.processing.rows import Rows
+from rotorrig.processing.rows.quality import blind_orders, probe_faults, together
+from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.settings import Tracking
 from rotorrig.processing.waveform import Stretch
 from rotorrig.rig.description import RigConfig

@@ -8,8 +8,8 @@ importers refuse a file that holds others, with the place.
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing.rows import Rows
-from rotorrig.processing.runs import Span
+from rotorrig.processing.rows.rows import Rows
+from rotorrig.processing.rows.runs import Span
 from rotorrig.processing.tacho import TURN, Flaw, ShaftAngle
 from rotorrig.processing.waveform import Stretch, Waveforms
 from rotorrig.rig.description import Probe
