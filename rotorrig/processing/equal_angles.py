@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.signal.windows import kaiser
 
-from rotorrig.processing.tacho import TURN, ShaftAngle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.waveform import Stretch
 
 CROSSINGS = 12  # zero crossings of the sinc on either side

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.row_samples import samples_by_row
 from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.tacho import TURN, ShaftAngle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms
 
 SINGULAR = 1e-12  # of the largest singular value

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rotorrig.processing import least_squares, resampling, vold_kalman
 from rotorrig.processing.response import Method, Window
 from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.tacho import ShaftAngle
+from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import BLACKMAN_BANDWIDTH, HANN_BANDWIDTH
 

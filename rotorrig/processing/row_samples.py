@@ -8,7 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.tacho import TURN, ShaftAngle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms
 
 Reals = NDArray[np.float64]

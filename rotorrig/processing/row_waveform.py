@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.equal_angles import margin, resampled
 from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.tacho import ShaftAngle
+from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle
 from rotorrig.processing.waveform import Waveforms
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.processing.equal_angles import margin, resampled
-from rotorrig.processing.tacho import TURN, ShaftAngle, shaft_angle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle, shaft_angle
 from rotorrig.processing.waveform import Stretch
 from tests.processing.synthetic import chirp
 

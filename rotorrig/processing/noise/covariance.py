@@ -19,7 +19,7 @@ from rotorrig.processing import resampling
 from rotorrig.processing.methods import NoiseResponse
 from rotorrig.processing.noise.mains_lines import Line, LineSearch
 from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.tacho import TURN, ShaftAngle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import BLACKMAN_BANDWIDTH
 from rotorrig.rig.errors import DataError

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.rows.runs import Span
-from rotorrig.processing.tacho import TURN, Flaw, ShaftAngle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, Flaw, ShaftAngle
 from rotorrig.processing.waveform import Stretch, Waveforms
 from rotorrig.rig.description import Probe
 

@@ -10,7 +10,7 @@ from scipy.signal import savgol_filter
 
 from rotorrig.acquisition.recording import Event
 from rotorrig.processing.response import Run
-from rotorrig.processing.tacho import TURN, ShaftAngle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
 from rotorrig.rig.units import RPM
 
 DIRECTION = {"slow roll": 0, "up": 1, "down": -1, "dwell": 0}  # of a mark's first word or words; others are no runs

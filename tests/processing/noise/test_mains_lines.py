@@ -8,12 +8,12 @@ import pytest
 from scipy.signal import lfilter
 
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.processing.keyphasor import read_keyphasor
 from rotorrig.processing.noise.covariance import NoiseSpectrum
 from rotorrig.processing.noise.mains_lines import Line, line_remarks, passed_by
 from rotorrig.processing.pipeline import noise_between_orders, track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.rows.rows import Rows, lay_rows
+from rotorrig.processing.shaft_angle.read_keyphasor import read_keyphasor
 from rotorrig.processing.waveform import Waveforms
 from tests.processing.synthetic import chirp
 

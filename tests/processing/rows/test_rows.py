@@ -9,7 +9,7 @@ from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.rows.rows import Rows, lay_rows, too_close
 from rotorrig.processing.settings import Spacing, Tracking
-from rotorrig.processing.tacho import TURN, ShaftAngle, shaft_angle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle, shaft_angle
 from tests.processing.synthetic import chirp
 
 RPM = np.pi / 30

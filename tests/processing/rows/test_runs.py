@@ -5,7 +5,7 @@ import pytest
 
 from rotorrig.acquisition.recording import Event
 from rotorrig.processing.rows.runs import find_runs
-from rotorrig.processing.tacho import TURN, ShaftAngle, shaft_angle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle, shaft_angle
 
 RPM = np.pi / 30
 

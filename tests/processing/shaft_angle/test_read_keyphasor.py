@@ -7,9 +7,9 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.processing.keyphasor import read_keyphasor
 from rotorrig.processing.pipeline import track
-from rotorrig.processing.tacho import TURN, UNMARKED
+from rotorrig.processing.shaft_angle.read_keyphasor import read_keyphasor
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, UNMARKED
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError

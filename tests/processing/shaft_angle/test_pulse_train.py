@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rotorrig.processing.pulse_train import count_pulses
-from rotorrig.processing.smooth_angle import TURN
+from rotorrig.processing.shaft_angle.pulse_train import count_pulses
+from rotorrig.processing.shaft_angle.smooth_angle import TURN
 from rotorrig.rig.errors import DataError
 
 RPM = np.pi / 30

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.processing.smooth_angle import TURN
-from rotorrig.processing.tacho import UNMARKED, ShaftAngle, shaft_angle
+from rotorrig.processing.shaft_angle.shaft_angle import UNMARKED, ShaftAngle, shaft_angle
+from rotorrig.processing.shaft_angle.smooth_angle import TURN
 from rotorrig.rig.errors import DataError
 
 RPM = np.pi / 30

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing.edges import EdgeFinder, LevelFinder, Levels
-from rotorrig.processing.tacho import ShaftAngle, shaft_angle
+from rotorrig.processing.shaft_angle.edges import EdgeFinder, LevelFinder, Levels
+from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle, shaft_angle
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.devices import Keyphasor
 from rotorrig.rig.errors import DataError

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.processing.smooth_angle import TURN, SmoothAngle, fit_angle
+from rotorrig.processing.shaft_angle.smooth_angle import TURN, SmoothAngle, fit_angle
 
 RPM = np.pi / 30
 START, RATE = 600 * RPM, 180 * RPM  # 600 to 6000 rpm in 30 s

@@ -15,8 +15,8 @@ from numba import njit
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from rotorrig.processing.pulse_train import FEWEST, MOST_MISSED, WANTED, WORST, Gaps, PulseTrain, across
-from rotorrig.processing.smooth_angle import TURN, fit_angle
+from rotorrig.processing.shaft_angle.pulse_train import FEWEST, MOST_MISSED, WANTED, WORST, Gaps, PulseTrain, across
+from rotorrig.processing.shaft_angle.smooth_angle import TURN, fit_angle
 from rotorrig.rig.errors import DataError
 
 MARK = 0.1  # of an even interval: how much wider the widest is to be

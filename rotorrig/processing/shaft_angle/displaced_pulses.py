@@ -12,7 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from rotorrig.processing.pulse_train import PulseTrain
+from rotorrig.processing.shaft_angle.pulse_train import PulseTrain
 
 FAR = 8.0  # times what pulses are usually off by: no timing error
 LEAST = 0.005  # of the step to the next pulse: less does no harm

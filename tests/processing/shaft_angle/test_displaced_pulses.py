@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.processing.displaced import without_displaced
-from rotorrig.processing.pulse_train import count_pulses
-from rotorrig.processing.smooth_angle import TURN
-from rotorrig.processing.tacho import shaft_angle
-from tests.processing.test_smooth_angle import RATE, START, hunting, pulses_of, ramp_pulses, tripped
+from rotorrig.processing.shaft_angle.displaced_pulses import without_displaced
+from rotorrig.processing.shaft_angle.pulse_train import count_pulses
+from rotorrig.processing.shaft_angle.shaft_angle import shaft_angle
+from rotorrig.processing.shaft_angle.smooth_angle import TURN
+from tests.processing.shaft_angle.test_smooth_angle import RATE, START, hunting, pulses_of, ramp_pulses, tripped
 
 
 @pytest.mark.parametrize("jitter", [0.0, 5e-6])

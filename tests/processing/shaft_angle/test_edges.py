@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from rotorrig.processing.edges import EdgeFinder, LevelFinder, find_edges, levels
-from rotorrig.processing.smooth_angle import TURN
+from rotorrig.processing.shaft_angle.edges import EdgeFinder, LevelFinder, find_edges, levels
+from rotorrig.processing.shaft_angle.smooth_angle import TURN
 from rotorrig.rig.errors import DataError
 from tests.processing.synthetic import chirp, falling_notch
 

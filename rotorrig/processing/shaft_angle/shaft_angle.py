@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
-from rotorrig.processing.displaced import without_displaced
-from rotorrig.processing.pulse_train import Gaps, PulseTrain, count_pulses
-from rotorrig.processing.smooth_angle import TURN, SmoothAngle, fit_angle
-from rotorrig.processing.teeth import count_teeth, tooth_angles
+from rotorrig.processing.shaft_angle.displaced_pulses import without_displaced
+from rotorrig.processing.shaft_angle.multi_tooth import count_teeth, tooth_angles
+from rotorrig.processing.shaft_angle.pulse_train import Gaps, PulseTrain, count_pulses
+from rotorrig.processing.shaft_angle.smooth_angle import TURN, SmoothAngle, fit_angle
 from rotorrig.processing.windows import BLACKMAN_BANDWIDTH
 
 BRIDGED = 0.02  # rad (1.1 deg), 1 sigma of the angle amid missed pulses: beyond, its turns are not to be used

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 from scipy.ndimage import median_filter, uniform_filter1d
 
-from rotorrig.processing import angle_filter
+from rotorrig.processing.shaft_angle import kalman_smoother
 
 TURN = 2 * np.pi
 LENGTHS = 2.0 ** (np.arange(-8, 25) / 2)  # pulses; below 1/16 the curve passes through every one, 4096 is a parabola
@@ -57,7 +57,7 @@ class SmoothAngle:
     def variance(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the variances (time, 3) of theta [rad^2], omega [rad^2/s^2], alpha [rad^2/s^4] at times t [s]."""
         at = np.ascontiguousarray(np.ravel(t), dtype=np.float64)
-        return angle_filter.covariance_between(at, self.curve.x, self.drift, self.smoothed, self.so_far)
+        return kalman_smoother.covariance_between(at, self.curve.x, self.drift, self.smoothed, self.so_far)
 
 
 def fit_angle(
@@ -143,7 +143,7 @@ def _timing_error(pulses: _Pulses, sigma: NDArray[np.float64]) -> NDArray[np.flo
         log_s[:, m] += np.add.reduceat(each_log_s, starts)
     count = np.add.reduceat(sum(_judged(n)), starts)
     mean_square = np.add.reduceat(sigma**2, starts) / np.diff(ends)
-    path = angle_filter.smoothest_scales(
+    path = kalman_smoother.smoothest_scales(
         chi2, log_s, count, SIGMAS**2 / mean_square[:, None], SIGMA_PRICE, LENGTH_PRICE
     )
     return np.exp(np.interp(np.arange(n), (starts + ends[1:]) / 2, np.log(SIGMAS[path])))
@@ -157,14 +157,14 @@ def _averaging_length(pulses: _Pulses, sigma: NDArray[np.float64]) -> NDArray[np
     evidence = np.zeros((len(sigma), len(LENGTHS)), dtype=np.float32)
     for m, chi2, log_s in _foreseen(pulses, sigma):
         evidence[:, m] -= 0.25 * (chi2 + log_s)
-    return LENGTHS[angle_filter.smoothest_path(evidence, LENGTH_PRICE)]
+    return LENGTHS[kalman_smoother.smoothest_path(evidence, LENGTH_PRICE)]
 
 
 def _smooth(
     pulses: _Pulses, sigma: NDArray[np.float64], length: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     r = (pulses.omega * sigma) ** 2
-    return angle_filter.smooth(pulses.h, pulses.turned, r, pulses.drift(sigma) / _between(length) ** 6)
+    return kalman_smoother.smooth(pulses.h, pulses.turned, r, pulses.drift(sigma) / _between(length) ** 6)
 
 
 def _between(length: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -216,7 +216,7 @@ def _foreseen(
         r, drift = (seen.omega * sigma[::step]) ** 2, seen.drift(sigma[::step])
         for m, length in enumerate(LENGTHS):
             chi2, log_s = np.empty(n), np.empty(n)
-            angle_filter.innovations(seen.h, seen.turned, r, drift / length**6, chi2, log_s)
+            kalman_smoother.innovations(seen.h, seen.turned, r, drift / length**6, chi2, log_s)
             yield m, mask * chi2[::step], mask * log_s[::step]
 
 

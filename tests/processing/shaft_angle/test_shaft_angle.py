@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.processing.tacho import TURN, shaft_angle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, shaft_angle
 from rotorrig.rig.errors import DataError
 
 RPM = np.pi / 30
