@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing import slow_roll
 from rotorrig.processing.files.bode_table_mapping import (
     DIRECTIONS,
     StatedSlowRoll,
@@ -25,8 +24,9 @@ from rotorrig.processing.files.bode_table_mapping import (
     load_mapping,
 )
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.processing.slow_roll_checks import FirstOrder, validity
-from rotorrig.processing.slow_roll_finding import chosen_rows
+from rotorrig.processing.slow_roll import vector as slow_roll
+from rotorrig.processing.slow_roll.checks import FirstOrder, validity
+from rotorrig.processing.slow_roll.find import chosen_rows
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance, code_version, file_hash

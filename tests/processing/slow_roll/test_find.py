@@ -12,7 +12,7 @@ from rotorrig.processing.files.response_mcap import read_response, write_respons
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.settings import SpeedWindow, Tracking
-from rotorrig.processing.slow_roll_finding import chosen_rows
+from rotorrig.processing.slow_roll.find import chosen_rows
 from rotorrig.rig.errors import DataError
 
 RPM = np.pi / 30

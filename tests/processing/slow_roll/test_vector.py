@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.processing import slow_roll
+from rotorrig.processing.slow_roll import vector as slow_roll
 from rotorrig.rig.errors import DataError
 
 TRUE = np.array([[3e-6 + 1e-6j, 0.5e-6j], [-2e-6, 1e-7]])  # (probe, order)

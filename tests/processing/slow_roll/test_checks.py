@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rotorrig.processing import slow_roll
-from rotorrig.processing.slow_roll_checks import FirstOrder, dynamic_part, validity
+from rotorrig.processing.slow_roll import vector as slow_roll
+from rotorrig.processing.slow_roll.checks import FirstOrder, dynamic_part, validity
 
 RPM = np.pi / 30
 CRITICAL = 2200 * RPM

@@ -10,7 +10,7 @@ from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.settings import Spacing, SpeedWindow, Tracking
-from rotorrig.processing.slow_roll_waveform import at_angles, points_for, restore, subtract, turn_average
+from rotorrig.processing.slow_roll.waveform import at_angles, points_for, restore, subtract, turn_average
 from rotorrig.rig.errors import DataError
 
 RPM = np.pi / 30

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.slow_roll import SlowRoll
+from rotorrig.processing.slow_roll.vector import SlowRoll
 from rotorrig.rig.units import RPM, micrometres
 
 SLOW = 0.25  # of the speed of the largest 1X: there an unbalance still moves the shaft by 1/15 of its eccentricity
