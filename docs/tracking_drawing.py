@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from docs.svg_plot import COLOURS, FAINT, Figure
-from rotorrig.processing import least_squares, resampling, vold_kalman
-from rotorrig.processing.envelope_splines import SPAN, EnvelopeSplines
 from rotorrig.processing.settings import ORDERS
+from rotorrig.processing.tracking import angular_resampling, harmonic_least_squares, vold_kalman
+from rotorrig.processing.tracking.envelope_splines import SPAN, EnvelopeSplines
 
 TURNS = 8
 PER_TURN = 64  # samples
@@ -67,8 +67,8 @@ def passing(orders: Reals) -> dict[str, Reals]:
     row = {"orders": ORDERS, "turns": TURNS}
     psi, even = 2 * np.pi * turn[inside], np.ones(int(inside.sum()))
     found = {
-        "resampling": resampling.order_vectors(waves[inside], psi, even, **row)[:, OWN],
-        "least-squares": least_squares.order_vectors(waves[inside], psi, even, **row)[:, OWN],
+        "resampling": angular_resampling.order_vectors(waves[inside], psi, even, **row)[:, OWN],
+        "least-squares": harmonic_least_squares.order_vectors(waves[inside], psi, even, **row)[:, OWN],
         "vold-kalman": _by_splines(turn, waves),
     }
     half = len(orders)

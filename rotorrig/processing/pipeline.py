@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import Recorded
-from rotorrig.processing.methods import METHODS, TrackingMethod
 from rotorrig.processing.noise import covariance as noise
 from rotorrig.processing.noise.mains_lines import line_remarks
 from rotorrig.processing.response import OrderTrackedResponse
@@ -20,6 +19,7 @@ from rotorrig.processing.shaft_angle.read_keyphasor import read_keyphasor
 from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.slow_roll import vector as slow_roll
 from rotorrig.processing.slow_roll.find import with_slow_roll
+from rotorrig.processing.tracking.methods import METHODS, TrackingMethod
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import code_version

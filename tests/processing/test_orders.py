@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.processing.pipeline import track
-from rotorrig.processing.resampling import order_vectors
+from rotorrig.processing.tracking.angular_resampling import order_vectors
 from rotorrig.processing.windows import blackman
 from tests.processing.synthetic import chirp
 

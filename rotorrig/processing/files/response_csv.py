@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from rotorrig.acquisition.exporters.whole_file import whole_file
-from rotorrig.processing.full_spectrum import WhirlVectors, whirl_vectors
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.tracking.full_spectrum import WhirlVectors, whirl_vectors
 from rotorrig.rig.units import RPM, UM
 
 _HEAD = (

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.files.schemas import MessageType, message_type
-from rotorrig.processing.full_spectrum import WhirlVectors, whirl_vectors
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.tracking.full_spectrum import WhirlVectors, whirl_vectors
 from rotorrig.rig.units import RPM, UM
 
 # Of a message, Rerun plots the first four doubles: the speed, thousands beside hundreds, stands behind them.

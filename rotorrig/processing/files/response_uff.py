@@ -24,9 +24,9 @@ from rotorrig.acquisition.exporters.uff58 import (
     units_in_si,
 )
 from rotorrig.acquisition.exporters.whole_file import whole_file
-from rotorrig.processing.full_spectrum import whirl_vectors
 from rotorrig.processing.probe_planes import whirl
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.tracking.full_spectrum import whirl_vectors
 from rotorrig.rig import units
 
 _CONVENTION = "m 0-peak, z = 2 mean(x e^-j theta), x = Re(z e^j theta); phase lag = -arg z"

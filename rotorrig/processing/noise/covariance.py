@@ -15,11 +15,11 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.signal.windows import kaiser
 
-from rotorrig.processing import resampling
-from rotorrig.processing.methods import NoiseResponse
 from rotorrig.processing.noise.mains_lines import Line, LineSearch
 from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.tracking import angular_resampling
+from rotorrig.processing.tracking.methods import NoiseResponse
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import BLACKMAN_BANDWIDTH
 from rotorrig.rig.errors import DataError
@@ -88,7 +88,7 @@ def row_covariance(
     rows: Rows,
     *,
     orders: tuple[float, ...],
-    response: NoiseResponse = resampling.noise_response,
+    response: NoiseResponse = angular_resampling.noise_response,
 ) -> NDArray[np.float64]:
     """Return the covariance (row, order, 2 probe, 2 probe) [m^2] that the noise spectrum gives each row.
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rotorrig.processing.response import OrderTrackedResponse, Window
 from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.shaft_angle.shaft_angle import TURN
-from rotorrig.processing.vold_kalman import support
+from rotorrig.processing.tracking.vold_kalman import support
 from rotorrig.processing.windows import blackman, hann
 from rotorrig.rig.units import micrometres
 

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from rotorrig.app.plot_data.orbits import representative_rows
 from rotorrig.app.viewer.plots.cascade import CascadePicture
 from rotorrig.app.viewer.result.data import Result
-from rotorrig.processing.full_spectrum import HIGHEST, full_spectra, whirl_vectors
 from rotorrig.processing.rows.rows import lay_rows
 from rotorrig.processing.shaft_angle.shaft_angle import shaft_angle
+from rotorrig.processing.tracking.full_spectrum import HIGHEST, full_spectra, whirl_vectors
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.units import RPM, UM
 

@@ -16,7 +16,7 @@ from rotorrig.app.viewer.plots.polar import PolarPicture, speed_marks
 from rotorrig.app.viewer.plots.residual import ResidualPicture
 from rotorrig.app.viewer.plots.rotor_3d import BACKWARD, FORWARD
 from rotorrig.app.viewer.result.data import Result
-from rotorrig.processing.full_spectrum import whirl_vectors
+from rotorrig.processing.tracking.full_spectrum import whirl_vectors
 from rotorrig.rig.units import UM
 
 BEFORE = (176, 132, 214)  # the model that was extended

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from rotorrig.app.viewer.live.data.tracker import KEPT_TURNS
 from rotorrig.app.viewer.live.data.waveform import Waveform
 from rotorrig.app.viewer.plots.bode import fastest_rpm
-from rotorrig.processing.full_spectrum import full_spectrum
 from rotorrig.processing.probe_planes import planes
+from rotorrig.processing.tracking.full_spectrum import full_spectrum
 from rotorrig.rig.description import RigConfig
 from rotorrig.rig.units import RPM, UM
 

@@ -12,7 +12,7 @@ both ends, so the sum converges fast: with 20 samples per turn it is off by 1e-6
 order, such as the 0.47X of an oil whirl, leaks a fifth of what Hann's window lets through (see windows).
 
 Measured on a run-up from 600 to 6000 rpm in 30 s at 25.6 kS/s, rows of 8 turns: the sum is off by less than 1e-9 of
-the amplitude and takes 45 ms; by way of a grid of 64 points per turn, filled by the filter of equal_angles.py, 1e-6 and
+the amplitude and takes 45 ms; by way of a grid of 64 points per turn, filled by the filter of synchronous_waveform.py, 1e-6 and
 265 ms; filled by linear interpolation, 3e-5 and 1.4 times the noise, as most samples take no part. With turns * n
 whole, all orders are powers of e^{-j psi / turns}, of which w is made too.
 """
@@ -24,9 +24,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rotorrig.processing.row_samples import samples_by_row
 from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.tracking.row_samples import samples_by_row
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import BLACKMAN, blackman_response
 

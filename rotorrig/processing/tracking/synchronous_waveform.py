@@ -16,6 +16,10 @@ from scipy.signal.windows import kaiser
 from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.waveform import Stretch
 
+pass
+from rotorrig.processing.rows.rows import Rows
+from rotorrig.processing.waveform import Waveforms
+
 CROSSINGS = 12  # zero crossings of the sinc on either side
 BETA = 10.0  # of its Kaiser window: -100 dB
 _FINE = 2048  # entries of the filter's table per zero crossing; straight lines between them are right to 3e-7
@@ -72,3 +76,26 @@ def _filtered(
         for p in range(probes):
             found[k, p] /= total
     return found
+
+
+def row_waveform(
+    waveforms: Waveforms, shaft: ShaftAngle, rows: Rows, row: int, *, points: int
+) -> NDArray[np.float64] | None:
+    """Return the displacement [m] over a row's turns, (turns * points, probe); None where samples are missing.
+
+    The first point is `first_point` of the row, so all points lie at whole steps of a turn / `points` from a keyphasor
+    edge, wherever the row begins. The samples on either side of the row take part where there are any, so that its
+    first and last points are as good as the others.
+    """
+    first = first_point(rows, row, points=points) / points
+    begin, end = shaft.time_at(np.array([first, first + rows.turns]))
+    reach = margin(float(rows.omega[row]), points=points, rate=waveforms.rate)
+    stretch = waveforms.between(begin - reach, end + reach) or waveforms.between(begin, end)
+    if stretch is None or len(stretch.t) < 2:
+        return None
+    return resampled(stretch, shaft, first_turn=first, turns=rows.turns, points=points)
+
+
+def first_point(rows: Rows, row: int, *, points: int) -> int:
+    """Return how many steps of a turn / `points` after turn 0 the first point within a row is."""
+    return int(np.ceil(float(rows.first_turn[row]) * points - 1e-6))

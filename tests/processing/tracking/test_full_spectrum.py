@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.processing.full_spectrum import full_spectra, full_spectrum, points_for, whirl_vectors
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.probe_planes import planes
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.rows.rows import lay_rows
 from rotorrig.processing.shaft_angle.read_keyphasor import read_keyphasor
+from rotorrig.processing.tracking.full_spectrum import full_spectra, full_spectrum, points_for, whirl_vectors
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.description import RigConfig
 from tests.processing.synthetic import chirp

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rotorrig.processing import vold_kalman
 from rotorrig.processing.rows.rows import Rows, lay_rows
 from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle, shaft_angle
+from rotorrig.processing.tracking import vold_kalman
 from rotorrig.processing.waveform import Waveforms
 from tests.processing.synthetic import chirp
 

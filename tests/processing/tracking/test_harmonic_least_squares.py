@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rotorrig.processing import least_squares, resampling
 from rotorrig.processing.noise.covariance import NoiseSpectrum, row_covariance
 from rotorrig.processing.rows.rows import Rows
+from rotorrig.processing.tracking import angular_resampling, harmonic_least_squares
 
 TURNS = 8
 PSI = np.arange(-np.pi * TURNS, np.pi * TURNS, 2 * np.pi / 61.3)  # no whole number of samples per turn
@@ -13,11 +13,11 @@ EVEN = np.ones(len(PSI))
 
 
 def fitted(x: np.ndarray, orders: tuple[float, ...]) -> np.ndarray:
-    return least_squares.order_vectors(x[:, None], PSI, EVEN, orders=orders, turns=TURNS)[0]
+    return harmonic_least_squares.order_vectors(x[:, None], PSI, EVEN, orders=orders, turns=TURNS)[0]
 
 
 def summed(x: np.ndarray, orders: tuple[float, ...]) -> np.ndarray:
-    return resampling.order_vectors(x[:, None], PSI, EVEN, orders=orders, turns=TURNS)[0]
+    return angular_resampling.order_vectors(x[:, None], PSI, EVEN, orders=orders, turns=TURNS)[0]
 
 
 def test_every_order_of_a_steady_sum_is_found_to_rounding() -> None:
@@ -55,7 +55,9 @@ def test_a_backward_order_of_one_probe_is_the_conjugate() -> None:
 
 def test_too_few_samples_to_tell_the_orders_apart_give_finite_vectors() -> None:
     few = np.arange(-np.pi * TURNS, np.pi * TURNS, 2 * np.pi / 4)  # order 4 looks like order 0, order 3 like order 1
-    z = least_squares.order_vectors(np.cos(few)[:, None], few, np.ones(len(few)), orders=(1.0, 3.0), turns=TURNS)
+    z = harmonic_least_squares.order_vectors(
+        np.cos(few)[:, None], few, np.ones(len(few)), orders=(1.0, 3.0), turns=TURNS
+    )
     assert np.abs(z.sum() - 1) < 1e-6
     assert np.abs(z).max() < 1
 
@@ -67,7 +69,7 @@ def test_the_noise_response_is_what_a_tone_beside_the_order_leaves(order: float,
     of_cosine = np.array([fitted(np.cos(tone * PSI), orders)[orders.index(order)] for tone in tones])
     of_sine = np.array([fitted(np.sin(tone * PSI), orders)[orders.index(order)] for tone in tones])
     power = np.abs(of_cosine + 1j * of_sine) ** 2 / (4 if order else 1)
-    found = least_squares.noise_response(beside, order=order, orders=orders, turns=TURNS)
+    found = harmonic_least_squares.noise_response(beside, order=order, orders=orders, turns=TURNS)
     np.testing.assert_allclose(found, power, rtol=1e-6, atol=1e-7)
     assert found[4] == pytest.approx(1.0)
 
@@ -75,7 +77,7 @@ def test_the_noise_response_is_what_a_tone_beside_the_order_leaves(order: float,
 def test_the_stated_variance_is_that_of_many_draws_for_close_orders_too(rng: np.random.Generator) -> None:
     orders, draws = (1.0, 1 + 1 / TURNS, 2.0), 4000
     noise = rng.standard_normal((len(PSI), draws))
-    z = least_squares.order_vectors(noise, PSI, EVEN, orders=orders, turns=TURNS)
+    z = harmonic_least_squares.order_vectors(noise, PSI, EVEN, orders=orders, turns=TURNS)
     found = (z.real.var(axis=0) + z.imag.var(axis=0)) / 2
     rate, speed = 61.3 * 10.0, 2 * np.pi * 10.0  # samples per second at ten turns a second
     spectrum = NoiseSpectrum(frequency=np.arange(0, 300, 0.25), density=np.full((1200, 1, 1), 1 / rate, dtype=complex))
@@ -90,6 +92,6 @@ def test_the_stated_variance_is_that_of_many_draws_for_close_orders_too(rng: np.
         omega=nothing + speed,
         alpha=nothing,
     )
-    stated = row_covariance(spectrum, rows, orders=orders, response=least_squares.noise_response)
+    stated = row_covariance(spectrum, rows, orders=orders, response=harmonic_least_squares.noise_response)
     np.testing.assert_allclose(stated[0, :, 0, 0], found, rtol=0.06)
     assert stated[0, 0, 0, 0] > 1.2 * stated[0, 2, 0, 0]  # what telling close orders apart costs

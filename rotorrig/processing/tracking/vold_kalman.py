@@ -24,10 +24,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing.envelope_splines import SPAN, EnvelopeSplines
-from rotorrig.processing.row_samples import angle_and_speed
 from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.tracking.envelope_splines import SPAN, EnvelopeSplines
+from rotorrig.processing.tracking.row_samples import angle_and_speed
 from rotorrig.processing.waveform import Waveforms
 
 CUTOFF = 2 * math.sqrt(2) / math.pi  # f0 times turns: equal to the noise bandwidth of a Hann window, 1.5 / turns

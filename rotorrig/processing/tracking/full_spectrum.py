@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.probe_planes import Plane, measured_planes, whirl
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.row_waveform import row_waveform
 from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.tracking.synchronous_waveform import row_waveform
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import hann
 from rotorrig.rig.description import RigConfig

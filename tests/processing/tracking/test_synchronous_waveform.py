@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rotorrig.processing.equal_angles import margin, resampled
 from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle, shaft_angle
+from rotorrig.processing.tracking.synchronous_waveform import margin, resampled
 from rotorrig.processing.waveform import Stretch
 from tests.processing.synthetic import chirp
 

@@ -7,10 +7,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing import least_squares, resampling, vold_kalman
 from rotorrig.processing.response import Method, Window
 from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle
+from rotorrig.processing.tracking import angular_resampling, harmonic_least_squares, vold_kalman
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import BLACKMAN_BANDWIDTH, HANN_BANDWIDTH
 
@@ -63,17 +63,17 @@ def _vold_kalman_noise(
 
 METHODS: dict[Method, TrackingMethod] = {
     "resampling": TrackingMethod(
-        track=resampling.track,
+        track=angular_resampling.track,
         window="blackman",
         revolutions=_all_of,
-        noise_response=resampling.noise_response,
+        noise_response=angular_resampling.noise_response,
         bandwidth=BLACKMAN_BANDWIDTH,
     ),
     "least-squares": TrackingMethod(
-        track=least_squares.track,
+        track=harmonic_least_squares.track,
         window="hann",
         revolutions=_all_of,
-        noise_response=least_squares.noise_response,
+        noise_response=harmonic_least_squares.noise_response,
         bandwidth=HANN_BANDWIDTH,
     ),
     "vold-kalman": TrackingMethod(
