@@ -26,7 +26,7 @@ from rotorrig.acquisition.files.recording_mcap import read_recording, write_reco
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig, from_si, load
+from rotorrig.rig.config.description import RigConfig, from_si, load
 from rotorrig.sims.plant.faults.base import names
 from rotorrig.sims.plant.truth import FaultSpec, draw, draw_fault, seal
 

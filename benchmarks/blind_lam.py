@@ -32,7 +32,7 @@ from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.separability import DETECTABLE, HOPED, HOPED_OF_LAWS, NAMEABLE, fitted, separation
 from rotorrig.identify.verdict.verdict import another
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, find
 from rotorrig.sims.plant.truth import Truth, identified_truth, unseal

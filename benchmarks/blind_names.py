@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from rotorrig.acquisition.sweep.plans import SETTLING_RAMP
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.sweep_plans import RunUpCoastDown
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.sweep_plans import RunUpCoastDown
 from rotorrig.sims.effects.base import catalogue, find
 from rotorrig.sims.effects.crack import MOUTHS, Crack
 from rotorrig.sims.effects.places import STEP, probe_planes

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from rotorrig.acquisition.recording import Event, RawRecording
 from rotorrig.acquisition.sweep.plans import Coast, Dwell, Mark, Ramp, steps
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance, code_version
 from rotorrig.sims.plant.plant import Plant

@@ -23,8 +23,8 @@ from threadpoolctl import threadpool_limits
 from benchmarks.forward_growth import POPULATION, growth_tables
 from benchmarks.forward_page import page, table
 from benchmarks.forward_peers import dense, real_form, ross, ross_case
-from rotorrig.rig.description import RigConfig, load
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig, load
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.receptance import Receptance, condense
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.assembly import Matrices, RotorModel, matrices, with_bearing
 from rotorrig.sims.rotor.disk import unbalance_direction
 

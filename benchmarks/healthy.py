@@ -17,7 +17,7 @@ from benchmarks.blind_run import record
 from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
 from rotorrig.identify.fit import fit
 from rotorrig.processing.pipeline import track
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 from rotorrig.sims.plant.truth import draw, identified_truth
 
 ROOT = Path(__file__).parents[1]

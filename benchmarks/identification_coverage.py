@@ -26,7 +26,7 @@ from benchmarks.matched_run import draw
 from benchmarks.uncertainty_page import page, table
 from rotorrig.identify.fit import fit
 from rotorrig.identify.uncertainty.bootstrap import Resampling
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 
 ROOT = Path(__file__).parents[1]
 

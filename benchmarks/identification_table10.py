@@ -43,8 +43,8 @@ from rotorrig.identify.measurement import Measurement
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.settings import Tracking
-from rotorrig.rig.description import RigConfig, load
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig, load
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.plant.truth import Noise, draw, identified_truth
 
 Real = NDArray[np.float64]

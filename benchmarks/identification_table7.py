@@ -22,8 +22,8 @@ from rotorrig.identify.base_model.global_search import search_amplitudes, search
 from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, Name
 from rotorrig.identify.base_model.steady_forward import Steady, shaft_stiffness
 from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.rig.description import load
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import load
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.receptance import condense
 

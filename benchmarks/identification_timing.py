@@ -21,7 +21,7 @@ from rotorrig.identify.measurement import measure as measured_rows
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 
 ROOT = Path(__file__).parents[1]
 SEED = 7  # of the plant

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from rotorrig.processing.noise.covariance import NoiseSpectrum, row_covariance
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.processing.rows.rows import Rows
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.provenance import Provenance
-from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.harmonic import dynamic_stiffness, probe_response
 from rotorrig.sims.rotor.reduction import reduce

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from rotorrig.rig.clock import WallClock
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.sims.wire import controllers
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.probe_daq import frame, int24

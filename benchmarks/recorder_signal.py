@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.recorder_rig import SPEED
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.plant.truth import draw
 

@@ -20,7 +20,7 @@ from rotorrig.acquisition.sweep.plans import Dwell, Mark, Ramp
 from rotorrig.app.viewer.live.view import LiveView
 from rotorrig.app.viewer.sinks import to_file
 from rotorrig.rig import connect
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.provenance import Provenance

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from benchmarks.tables import markdown
-from rotorrig.rig.description import load
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import load
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.directions import Direction, along_bearing, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.force_law import ForceLaw

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter
 from rotorrig.acquisition.recording import Event
-from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
 

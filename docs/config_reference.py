@@ -15,9 +15,9 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from docs.field_comments import comments
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.unit_registry import registry
-from rotorrig.rig.units import QUANTITIES
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.unit_registry import registry
+from rotorrig.rig.config.units import QUANTITIES
 
 HEAD = """# Every key of a config
 

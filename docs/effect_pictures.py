@@ -16,7 +16,7 @@ from pathlib import Path
 from docs.effect_response import Sweep, vectors
 from docs.signature_drawing import Signature, drawn
 from docs.svg_plot import Figure
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.sims.effects.base import Effect, catalogue, find
 
 ROOT = Path(__file__).parents[1]

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.nameplate import Plane
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.nameplate import Plane
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import Effect, Seen, Theta
 from rotorrig.sims.rotor.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.harmonic import load_columns

@@ -12,8 +12,8 @@ from typing import get_args
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rotorrig.rig.description import RigConfig, load
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig, load
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.beam import Element
 from rotorrig.sims.rotor.harmonic import probe_response

@@ -19,8 +19,8 @@ from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.verdict.cross_validation import Prediction, held_out
 from rotorrig.processing.files.bode_table import read_table
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import load
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import load
+from rotorrig.rig.config.units import RPM
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT / "tests/data/kfupm-rk4"

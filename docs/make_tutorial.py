@@ -25,8 +25,8 @@ from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.result_files import read_diagnosis
 from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.config.units import RPM, UM
 from rotorrig.rig.errors import RigError
-from rotorrig.rig.units import RPM, UM
 
 DOCS = Path(__file__).parent
 DOCUMENT = DOCS / "tutorial.md"

@@ -13,7 +13,7 @@ from hypothesis import settings
 from benchmarks.blind_run import record
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig, load, parse
+from rotorrig.rig.config.description import RigConfig, load, parse
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 

@@ -19,7 +19,7 @@ from rotorrig.identify.identification import Estimate, Fit, Identification
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
 from rotorrig.processing.files.response_mcap import read_response, write_response
 from rotorrig.processing.response import Run
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import LONGEST, DataError, RigError
 from rotorrig.rig.provenance import Provenance
 from tests.app.conftest import make_cause, make_diagnosis, make_response, prediction_of

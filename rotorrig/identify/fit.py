@@ -25,7 +25,7 @@ from rotorrig.identify.uncertainty.identifiability import Identifiability
 from rotorrig.identify.uncertainty.identifiability_text import words
 from rotorrig.identify.uncertainty.intervals import with_intervals
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.provenance import code_version
 

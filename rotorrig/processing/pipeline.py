@@ -21,9 +21,9 @@ from rotorrig.processing.slow_roll import vector as slow_roll
 from rotorrig.processing.slow_roll.find import with_slow_roll
 from rotorrig.processing.tracking.methods import METHODS, TrackingMethod
 from rotorrig.processing.waveform import Waveforms
+from rotorrig.rig.config.trial_mass import NO_TRIAL, TrialMass, read_trial_mass, trial_unbalance
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import code_version
-from rotorrig.rig.trial_mass import NO_TRIAL, TrialMass, read_trial_mass, trial_unbalance
 
 _BEGUN, _VECTORS, _KNOWN = 0.2, 0.4, 0.9  # shares of the time: up to the rows, for the vectors, up to the covariance
 BEYOND = "the window reaches beyond the samples"

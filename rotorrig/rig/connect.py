@@ -6,8 +6,8 @@ Drivers are imported when they are chosen: a rig without CAN needs no CAN librar
 from collections.abc import Mapping
 from typing import Any, assert_never
 
-from rotorrig.rig import devices
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config import devices
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.motor.base import MotorDriver
 from rotorrig.rig.probes.base import Daq

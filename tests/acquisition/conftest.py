@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
 from tests.acquisition.scripted_bench import Bench, MakeBench

@@ -6,9 +6,9 @@ import pytest
 
 from rotorrig.acquisition.sweep.plans import steps
 from rotorrig.acquisition.sweep.steps import Ramp
-from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.units import RPM
 
 RK4 = (Path(__file__).parents[2] / "configs" / "rk4.toml").read_text()
 

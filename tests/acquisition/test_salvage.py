@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter, read_recording, salvage
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.provenance import Provenance

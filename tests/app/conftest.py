@@ -13,7 +13,7 @@ from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
 from rotorrig.identify.verdict.cause import Cause, Figure
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.provenance import Provenance
 

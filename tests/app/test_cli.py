@@ -10,7 +10,7 @@ from rotorrig.app import cli
 from rotorrig.identify.result_files import read_identification
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from tests.identify.matched import matched_response, sought
 
 RK4 = str(Path(__file__).parents[2] / "configs/rk4.toml")

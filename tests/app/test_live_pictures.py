@@ -24,7 +24,7 @@ from rotorrig.app.viewer.plots.cascade import CascadePicture, visible
 from rotorrig.app.viewer.plots.centreline import CentrelinePicture
 from rotorrig.app.viewer.plots.scale import FollowingScale
 from rotorrig.app.viewer.plots.words import ALSO, SHOWN, displayable
-from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.errors import ConfigError
 from tests.app.headless import headless_viewer, marked, needs_vulkan, views
 

@@ -11,7 +11,7 @@ from rerun.experimental import ViewerClient
 from rotorrig.app.commands import replay, sweep
 from rotorrig.app.viewer import open as viewer
 from rotorrig.app.viewer.sinks import Sink, free_port, proxy
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from tests.app.headless import headless_viewer, marked, needs_vulkan, show_tab, views
 
 BLUE, ORANGE, WHITE = (74, 163, 223), (242, 142, 43), (240, 240, 240)

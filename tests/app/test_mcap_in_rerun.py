@@ -16,7 +16,7 @@ from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.recording import MotorSample, RawRecording
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 from tests.app.headless import headless_viewer, marked, needs_vulkan, views
 

@@ -11,8 +11,8 @@ from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.app import cli
 from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from tests.processing.synthetic import chirp, recording_of
 
 RATE = 5_000.0

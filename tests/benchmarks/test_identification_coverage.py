@@ -12,7 +12,7 @@ from benchmarks.matched_run import Case, Design, draw
 from benchmarks.uncertainty_page import page
 from rotorrig.identify.fit import fit
 from rotorrig.identify.measurement import measure
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.harmonic import probe_response
 

@@ -15,7 +15,7 @@ from benchmarks.soak_rigs import DRIVES, config
 from benchmarks.soak_run import Case
 from benchmarks.soak_wire import compare, data_frames
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.description import parse
+from rotorrig.rig.config.description import parse
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from rotorrig.rig import connect
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.sweep_plans import RunUpCoastDown
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.motor.base import MotorDriver, MotorState, Stop
 from rotorrig.rig.probes.base import Block, Daq, DaqInfo
-from rotorrig.rig.sweep_plans import RunUpCoastDown
 from rotorrig.sims.wire.console import Console
 from rotorrig.sims.wire.launch import BenchPorts
 

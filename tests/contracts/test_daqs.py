@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from rotorrig.rig import connect
-from rotorrig.rig.description import load, parse
+from rotorrig.rig.config.description import load, parse
 from rotorrig.rig.errors import LinkLost, RigError
 from rotorrig.rig.probes.base import Block, Daq, DaqInfo
 from rotorrig.rig.probes.calibration import ProbeScale

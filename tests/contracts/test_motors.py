@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.rig.description import load, parse
-from rotorrig.rig.devices import LineController, ModbusRtu, ModbusTcp
+from rotorrig.rig.config.description import load, parse
+from rotorrig.rig.config.devices import LineController, ModbusRtu, ModbusTcp
 from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost, RigError
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.motor.base import MotorDriver, Stop

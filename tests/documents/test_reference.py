@@ -6,10 +6,10 @@ import pytest
 
 from docs.config_reference import default_of, taken_by
 from docs.make_docs import DOCS, pages
-from rotorrig.rig.checking import checked
-from rotorrig.rig.description import RigConfig, parse
-from rotorrig.rig.devices import ModbusRtu
-from rotorrig.rig.nameplate import Disk, Probe
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.devices import ModbusRtu
+from rotorrig.rig.config.nameplate import Disk, Probe
+from rotorrig.rig.config.validation import checked
 from tests.documents.pages import blocks, text_of
 
 GENERATED = pages()

@@ -17,7 +17,7 @@ import pytest
 from rotorrig.app import cli
 from rotorrig.identify import diagnosis
 from rotorrig.identify.causes.candidates import candidates
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 from rotorrig.sims.effects.base import catalogue
 
 ROOT = Path(__file__).parents[2]

@@ -20,7 +20,7 @@ from rotorrig.identify.verdict.cross_validation import held_out
 from rotorrig.identify.verdict.verdict import Verdict
 from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import catalogue
 
 ROOT = Path(__file__).parents[2]

@@ -10,8 +10,8 @@ from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.settings import Tracking
-from rotorrig.rig.description import load
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import load
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import catalogue
 from rotorrig.sims.plant.truth import FaultSpec
 from tests.conftest import CONFIGS

@@ -15,7 +15,7 @@ import pytest
 
 from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.processing.files.response_mcap import read_response
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.truth import FaultSpec, draw, identified_truth, seal, unseal
 
 SEED = 11

@@ -19,7 +19,7 @@ from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
 from tests.acquisition.importers import foreign_files as made

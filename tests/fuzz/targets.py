@@ -12,7 +12,7 @@ from rotorrig.acquisition.importers.channel_mapping import load_channels
 from rotorrig.app.commands.export_files import write_out
 from rotorrig.app.commands.import_files import bring_in
 from rotorrig.processing.files.bode_table import read_table
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 from rotorrig.rig.errors import BadFrame, RigError
 from rotorrig.rig.motor import line_frames
 from rotorrig.rig.probes.daq_frames import FrameDecoder, Info, daq_info

@@ -10,7 +10,7 @@ from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from tests.identify.matched import sought
 from tests.identify.swept import C, K, swept_response
 

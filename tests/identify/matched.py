@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.provenance import Provenance
 from rotorrig.sims.rotor.assembly import assemble, scaled, with_bearing
 from rotorrig.sims.rotor.harmonic import probe_response

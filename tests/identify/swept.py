@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.provenance import Provenance
-from rotorrig.rig.units import RPM
 from rotorrig.sims.effects.base import Effect, Seen
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, with_bearing
 from rotorrig.sims.rotor.harmonic import load_columns

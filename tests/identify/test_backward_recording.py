@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording, told_by_falling_angle
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import find
 from tests.identify.swept import U, swept_response

@@ -10,9 +10,9 @@ from benchmarks.blind_run import record
 from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
+from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.rig.extension import Extension
 from rotorrig.sims.effects.base import catalogue, find
 from rotorrig.sims.plant.truth import FaultSpec
 from rotorrig.sims.rotor.loads import ONE_RECORDING

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from rotorrig.rig.description import RigConfig, from_si, load
+from rotorrig.rig.config.description import RigConfig, from_si, load
 
 ROOT = Path(__file__).parents[2]
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.modes import whirl_modes
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.sims.rotor.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.campbell import stability_onset
 from rotorrig.sims.rotor.harmonic import probe_response

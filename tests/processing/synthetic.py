@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import Event, RawRecording
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
 

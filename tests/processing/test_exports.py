@@ -10,7 +10,7 @@ import pyuff
 from rotorrig.processing.files import response_csv, response_uff
 from rotorrig.processing.files.bode_table import read_table
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from tests.processing.files.test_bode_table import PLAIN, Files
 
 RPM = np.pi / 30

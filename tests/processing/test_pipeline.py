@@ -10,8 +10,8 @@ from rotorrig.acquisition.recording import Event, RawRecording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.settings import Tracking
+from rotorrig.rig.config.trial_mass import TrialMass
 from rotorrig.rig.errors import DataError
-from rotorrig.rig.trial_mass import TrialMass
 from tests.processing.synthetic import FULL_SCALE, VOLTS_PER_COUNT, chirp, falling_notch
 
 RPM = np.pi / 30

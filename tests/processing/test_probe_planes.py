@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.processing.probe_planes import measured_planes, planes, whirl
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 
 ANGLES = {"square": (0.0, 90.0), "tilted": (45.0, 135.0), "oblique": (20.0, 80.0)}
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.probes.calibration import ProbeScale, channel_volts, channels_used

@@ -16,7 +16,7 @@ import can
 import pytest
 
 from rotorrig.rig.clock import WallClock
-from rotorrig.rig.devices import CanOpen
+from rotorrig.rig.config.devices import CanOpen
 from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost
 from rotorrig.rig.motor import can_link, canopen_motor
 from rotorrig.rig.motor.base import Stop

@@ -2,10 +2,10 @@
 
 import pytest
 
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
 from rotorrig.rig.motor import cia402_frames as cia402
 from rotorrig.rig.motor.cia402_frames import State
-from rotorrig.rig.units import RPM
 
 UNIT = 1 / RPM  # rad/s per rpm
 

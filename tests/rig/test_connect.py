@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from rotorrig.rig import connect
-from rotorrig.rig.checking import checked
-from rotorrig.rig.description import RigConfig, parse
-from rotorrig.rig.devices import ModbusTcp
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.devices import ModbusTcp
+from rotorrig.rig.config.validation import checked
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.motor.modbus_motor import ModbusMotor
 from rotorrig.rig.probes.stream_daq import StreamDaq

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.devices import CriticalBand
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.devices import CriticalBand
 from rotorrig.rig.errors import LimitExceeded
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.motor.base import MotorState

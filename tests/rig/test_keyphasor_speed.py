@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.probes.keyphasor_speed import KeyphasorSpeed

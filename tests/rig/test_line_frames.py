@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
 from rotorrig.rig.motor import line_frames
 from rotorrig.rig.motor.line_frames import Reply
-from rotorrig.rig.units import RPM
 
 SPEC = (Path(__file__).parents[2] / "docs" / "motor-line.md").read_text(encoding="utf-8")
 EXAMPLE = SPEC.partition("## Worked example")[2].split("```")[1]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.rig.devices import LineController
+from rotorrig.rig.config.devices import LineController
 from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost
 from rotorrig.rig.motor import line_motor
 from rotorrig.rig.motor.base import Stop

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from rotorrig.rig.devices import ModbusTcp
+from rotorrig.rig.config.devices import ModbusTcp
 from rotorrig.rig.motor.modbus_link import ModbusLink
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.rig.devices import ModbusRtu
+from rotorrig.rig.config.devices import ModbusRtu
 from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost
 from rotorrig.rig.motor import modbus_motor
 from rotorrig.rig.motor.base import Stop

@@ -6,8 +6,8 @@ import sys
 import pytest
 
 from rotorrig.rig import connect
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.devices import NiDaqmx
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.devices import NiDaqmx
 from rotorrig.rig.errors import ConfigError, LinkLost
 from rotorrig.rig.probes import nidaqmx_daq
 from rotorrig.rig.probes.base import DaqCounters

@@ -10,8 +10,8 @@ import psutil
 import pytest
 
 from rotorrig.rig import connect
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.devices import OpenDaq
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.devices import OpenDaq
 from rotorrig.rig.errors import ConfigError, LinkLost
 from rotorrig.rig.probes.opendaq_daq import OpenDaqDaq
 

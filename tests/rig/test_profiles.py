@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from rotorrig.rig.devices import ModbusProfile, ModbusRtu, ModbusTcp
+from rotorrig.rig.config.devices import ModbusProfile, ModbusRtu, ModbusTcp
 from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.motor.modbus_motor import ModbusMotor

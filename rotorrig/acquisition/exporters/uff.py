@@ -13,7 +13,7 @@ from rotorrig.acquisition.exporters.channels import named_channels
 from rotorrig.acquisition.exporters.uff58 import GENERAL, TIME, TIME_RESPONSE, Axis, Function, binary_function
 from rotorrig.acquisition.exporters.whole_file import whole_file
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.calibration import channel_volts
 
 

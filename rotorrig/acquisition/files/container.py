@@ -21,8 +21,8 @@ from rotorrig.acquisition.files.fsync import Syncer
 from rotorrig.acquisition.files.mcap_records import Fault, Place, placed_records
 from rotorrig.acquisition.files.part_file import PartFile, part_of
 from rotorrig.acquisition.files.schemas import ENCODING, MessageType, register_schema
-from rotorrig.rig import description
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config import description
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError, RigError
 from rotorrig.rig.provenance import Provenance
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rotorrig.acquisition.files import block_message
 from rotorrig.acquisition.files.mcap_records import Fault, Place, chunk_at
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.provenance import Provenance

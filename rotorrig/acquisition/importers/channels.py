@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rotorrig.acquisition.importers.channel_mapping import ChannelMapping, MappedChannel
 from rotorrig.acquisition.importers.signal_units import signal_factor
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 
 KEYPHASOR = "keyphasor"

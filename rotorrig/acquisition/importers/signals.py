@@ -11,7 +11,7 @@ from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
 from rotorrig.acquisition.importers.channels import Channel, Format, Offer, wanted
 from rotorrig.acquisition.importers.waveforms import Scale, recording_of
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 
 PIECE = 65536  # samples made a block at a time

@@ -22,7 +22,7 @@ from rotorrig.acquisition.importers.channels import Format
 from rotorrig.acquisition.importers.signals import Signal, read_signals
 from rotorrig.acquisition.importers.tdms_limits import BoundedFile, check_chunks, check_scales, check_segments
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError, RigError
 
 FORM = Format(name="TDMS", channel="channel", unnamed="no channel of numbers")

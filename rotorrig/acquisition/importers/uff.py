@@ -21,7 +21,7 @@ from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
 from rotorrig.acquisition.importers.channels import Format
 from rotorrig.acquisition.importers.signals import Signal, read_signals
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 
 FORM = Format(name="UFF", channel="data set", unnamed="no data set 58 of a time response")

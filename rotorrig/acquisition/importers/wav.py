@@ -21,7 +21,7 @@ from rotorrig.acquisition.importers.channels import Channel, Format
 from rotorrig.acquisition.importers.signals import Signal, read_signals
 from rotorrig.acquisition.importers.waveforms import Scale
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import ConfigError, DataError
 
 FORM = Format(name="WAV", channel="channel", example="{name}")

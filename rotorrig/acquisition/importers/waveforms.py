@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition.importers.channels import KEYPHASOR, Channel, Format
 from rotorrig.acquisition.recording import Event, RawRecording
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.probes.calibration import channels_used

@@ -20,7 +20,7 @@ from rotorrig.acquisition.sweep.run_down import RunDown, run_down
 from rotorrig.acquisition.sweep.session import Session, StopTimes
 from rotorrig.acquisition.sweep.steps import Ask, Ramp, Step
 from rotorrig.rig.clock import Clock, WallClock
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost, RigError
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.motor.base import MotorDriver, Stop

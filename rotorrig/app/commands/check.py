@@ -10,9 +10,9 @@ from rotorrig.app.commands.config_model import check_effects
 from rotorrig.app.terminal import tables
 from rotorrig.app.terminal.console import out
 from rotorrig.rig import connect
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError, LinkLost
-from rotorrig.rig.units import RPM
 
 
 def show_rig(rig: RigConfig) -> None:

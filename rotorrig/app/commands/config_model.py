@@ -2,7 +2,7 @@
 
 from threadpoolctl import threadpool_limits
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import ConfigError
 
 

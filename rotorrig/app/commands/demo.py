@@ -23,8 +23,8 @@ from rotorrig.identify.result_files import write_diagnosis, write_identification
 from rotorrig.processing.files.response_mcap import read_response, write_response
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.plant.truth import FaultSpec, Truth, draw, identified_truth, seal, unseal
 from rotorrig.sims.wire.launch import simulated_bench
 

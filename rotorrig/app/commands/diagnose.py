@@ -14,10 +14,10 @@ from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.extended_config import extended_by
+from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import DataError
-from rotorrig.rig.extended_config import extended_by
-from rotorrig.rig.extension import Extension
 
 
 def read_responses(paths: Sequence[Path], *, config: RigConfig | None = None) -> list[OrderTrackedResponse]:

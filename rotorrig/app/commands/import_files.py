@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.toml_file import read_toml
 from rotorrig.rig.errors import DataError
-from rotorrig.rig.toml_file import read_toml
 
 #: first bytes -> what the file is, whatever it is called
 _BEGINNINGS = {b"TDSm": "tdms", b"RIFF": "wav", b"RF64": "wav", b"BW64": "wav", b"    -1\n": "uff", b"    -1\r": "uff"}

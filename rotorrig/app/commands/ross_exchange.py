@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from rotorrig.rig.description import load, parse
+from rotorrig.rig.config.description import load, parse
+from rotorrig.rig.config.units import to_si
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.ross.from_config import ross_rotor
 from rotorrig.rig.ross.reading import read_ross
 from rotorrig.rig.ross.rotor import RossRotor
 from rotorrig.rig.ross.to_config import config_text, sections
 from rotorrig.rig.ross.writing import ross_text
-from rotorrig.rig.units import to_si
 
 
 def bring_in(file: Path, *, out: Path, keep_nodes: bool) -> list[str]:

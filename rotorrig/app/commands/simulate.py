@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rotorrig.app.terminal.console import out
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.trial_mass import read_trial_mass, trial_unbalance
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.rig.trial_mass import read_trial_mass, trial_unbalance
 from rotorrig.sims.plant.faults.base import check
 from rotorrig.sims.plant.truth import FaultSpec, Truth, draw, seal, unseal
 from rotorrig.sims.wire.console import Said

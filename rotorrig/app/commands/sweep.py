@@ -18,12 +18,12 @@ from rotorrig.app.commands.sweep_preview import expected_bytes
 from rotorrig.app.terminal.console import progress_bars
 from rotorrig.app.terminal.operator import HINT, operator_for
 from rotorrig.rig import connect
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.provenance import Provenance, code_version
-from rotorrig.rig.units import RPM
 from rotorrig.sims.wire.launch import BenchPorts
 
 if TYPE_CHECKING:

@@ -14,10 +14,10 @@ from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest
 from rotorrig.acquisition.sweep.timeline import COAST_SECONDS, Timed, timeline
 from rotorrig.app.commands.config_model import criticals_of
 from rotorrig.app.terminal.console import out, tell
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.probes.calibration import channels_used
-from rotorrig.rig.units import RPM
 
 BYTES_PER_SAMPLE = 2  # and channel, before compression
 COMPRESSION = 0.5  # of a rotor's vibration: a quiet one less, a noisy one up to 0.7

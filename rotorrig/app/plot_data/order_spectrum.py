@@ -10,7 +10,7 @@ from rotorrig.app.plot_data.curves import binned_rms, slow_roll_known, speed_edg
 from rotorrig.processing.probe_planes import Plane
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.tracking.full_spectrum import whirl_vectors
-from rotorrig.rig.units import RPM, UM
+from rotorrig.rig.config.units import RPM, UM
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,7 @@ from rotorrig.app.report.html import Section, folded, paragraph, section, table
 from rotorrig.app.text.quantities import at_bound, change, determined, in_sigmas, interval, long, plus_minus, shown
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Estimate, Fit, Identification
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.units import RPM
 
 
 def identified(

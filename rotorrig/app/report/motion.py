@@ -17,7 +17,7 @@ from rotorrig.app.report.figures.centreline import centreline as centreline_figu
 from rotorrig.app.report.html import Section, paragraph, plot, section, table
 from rotorrig.app.report.synchronous import compensation
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.units import UM, micrometres
+from rotorrig.rig.config.units import UM, micrometres
 
 
 def orbits(response: OrderTrackedResponse) -> Section | None:

@@ -8,7 +8,7 @@ from rotorrig.app.report.figures.amplitudes import order_amplitudes
 from rotorrig.app.report.figures.maps import full_spectrum_map
 from rotorrig.app.report.html import Section, name_of_order, paragraph, plot, section, table
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.units import RPM, UM
+from rotorrig.rig.config.units import RPM, UM
 
 
 def full_spectrum(response: OrderTrackedResponse) -> Section | None:

@@ -9,7 +9,7 @@ from rotorrig.app.report.figures.maps import residual_map, whirl_map
 from rotorrig.app.report.html import Section, folded, name_of_order, paragraph, plot, section, table
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.units import RPM, UM
+from rotorrig.rig.config.units import RPM, UM
 
 LISTED = 12
 

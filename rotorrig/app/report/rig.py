@@ -5,7 +5,7 @@ import math
 from rotorrig.app.report.drawings.rig_drawing import end_view, side_view
 from rotorrig.app.report.html import Section, folded, paragraph, section, table
 from rotorrig.app.text.quantities import bearing_coefficients
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 
 
 def rig(config: RigConfig) -> Section:

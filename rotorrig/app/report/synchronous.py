@@ -14,7 +14,7 @@ from rotorrig.app.report.html import Section, folded, paragraph, plot, section, 
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Fit, Identification
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.units import RPM, UM
+from rotorrig.rig.config.units import RPM, UM
 
 NUMBERS = 24  # speeds of a run in the table beside a plot
 

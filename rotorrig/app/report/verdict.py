@@ -10,7 +10,7 @@ from rotorrig.app.text.quantities import probability
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Identification
-from rotorrig.rig.units import UM
+from rotorrig.rig.config.units import UM
 
 POOR = 2.0  # chi2 per degree of freedom above which a fit without a diagnosis is called poor outright
 SHOWN_MISFITS = 3

@@ -4,8 +4,8 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.campbell import campbell, stability_onset
 from rotorrig.sims.rotor.modes import critical_modes, critical_speeds, static_sag

@@ -11,8 +11,8 @@ from rotorrig.app.text import causes as cause_text
 from rotorrig.app.text.quantities import SHOWN, bearing_coefficients, change, interval
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Estimate, Identification
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 
 
 def identified(found: Identification, truth: Mapping[str, float] | None = None) -> Table:

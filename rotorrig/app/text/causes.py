@@ -8,7 +8,7 @@ from rotorrig.app.text.quantities import plus_minus_of, shown, unit_of
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.separability import NAMEABLE
-from rotorrig.rig.units import UM
+from rotorrig.rig.config.units import UM
 
 LISTED = 8  # causes in a table
 

@@ -3,7 +3,7 @@
 import math
 
 from rotorrig.identify.identification import Estimate
-from rotorrig.rig.nameplate import Bearing, OverSpeed
+from rotorrig.rig.config.nameplate import Bearing, OverSpeed
 
 #: SI unit -> (unit shown, factor)
 SHOWN = {

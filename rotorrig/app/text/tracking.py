@@ -7,7 +7,7 @@ import numpy as np
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.rows.rows import too_close
 from rotorrig.processing.settings import Tracking
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.units import RPM
 
 
 def tracked_words(response: OrderTrackedResponse) -> str:

@@ -7,7 +7,7 @@ import typer
 
 from rotorrig.app.terminal.console import err, progress_bars, tell, working
 from rotorrig.app.verbs.arguments import AsJson, Out, Recording, Trial, View
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 from rotorrig.rig.errors import ConfigError
 
 
@@ -55,7 +55,7 @@ def track(
     from rotorrig.processing import pipeline
     from rotorrig.processing.files.response_mcap import write_response
     from rotorrig.processing.settings import Spacing, SpeedWindow, Tracking, read_orders
-    from rotorrig.rig.trial_mass import read_trial_mass
+    from rotorrig.rig.config.trial_mass import read_trial_mass
 
     settings = Tracking(
         turns=turns,

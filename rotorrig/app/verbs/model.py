@@ -8,7 +8,7 @@ import typer
 
 from rotorrig.app.terminal.console import err, out, tell, working
 from rotorrig.app.verbs.arguments import AsJson, Out, Response, Seed
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 
 
 def identify(

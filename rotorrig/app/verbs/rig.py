@@ -7,7 +7,7 @@ import typer
 
 from rotorrig.app.terminal.console import err, tell
 from rotorrig.app.verbs.arguments import AsJson, Config, Faults, Hidden, Plan, Rate, Seed, Trial, View
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.errors import ConfigError, RigError
 
 

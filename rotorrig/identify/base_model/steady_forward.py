@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.disk import unbalance_direction
 from rotorrig.sims.rotor.receptance import Derivatives, Receptance, condense_groups

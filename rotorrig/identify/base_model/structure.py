@@ -7,8 +7,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.nameplate import Plane
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.nameplate import Plane
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.directions import Direction, along_bearing, along_density, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.reduction import reduce

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.rig.description import Identify, RigConfig
+from rotorrig.rig.config.description import Identify, RigConfig
 from rotorrig.rig.errors import ConfigError
 
 Real = NDArray[np.float64]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.measurement import SLOW_ROLL
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, catalogue
 from rotorrig.sims.effects.internal_damping import InternalDamping
 from rotorrig.sims.effects.unbalance_step import Stretch, UnbalanceStep

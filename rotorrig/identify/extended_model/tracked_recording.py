@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.extended_model.parameters import MAINS
 from rotorrig.identify.measurement import Measurement, measure, trial_unbalance
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Seen
 from rotorrig.sims.effects.line_hum import leak

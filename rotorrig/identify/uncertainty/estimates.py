@@ -9,7 +9,7 @@ from rotorrig.identify.base_model.unknowns import Unknown
 from rotorrig.identify.identification import Estimate
 from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.identify.uncertainty.identifiability import DETERMINED
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 
 _NUISANCE_UNITS = {"angle": "rad", "runout": "m"}  # the others are ratios
 

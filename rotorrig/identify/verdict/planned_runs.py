@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import Effect
 from rotorrig.sims.rotor.timeline import TURN, Timeline
 

@@ -8,7 +8,7 @@ from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMI
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.gain import Predictions
 from rotorrig.identify.verdict.verdict import Verdict
-from rotorrig.rig.units import micrometres
+from rotorrig.rig.config.units import micrometres
 
 
 def sentence(

@@ -15,7 +15,7 @@ from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.cross_validation import held_out
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.units import RPM
 
 LABEL = "moving speed"
 

@@ -27,12 +27,12 @@ relative = 0.02
 from pathlib import Path
 from typing import Literal
 
-from rotorrig.rig.checking import checked
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.nameplate import Angle, Length, Part, RampRate, Speed
+from rotorrig.rig.config.toml_file import read_toml
+from rotorrig.rig.config.trial_mass import TrialMass
+from rotorrig.rig.config.validation import checked
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.nameplate import Angle, Length, Part, RampRate, Speed
-from rotorrig.rig.toml_file import read_toml
-from rotorrig.rig.trial_mass import TrialMass
 
 TURN = 6.3  # rad, the largest unit of a phase
 DIRECTIONS = {"up": 1, "down": -1, "dwell": 0}

@@ -17,8 +17,8 @@ from rotorrig.acquisition.files.foxglove_schemas import INFO, LOG, POINT_CLOUD, 
 from rotorrig.processing.files.response_topics import Message, row_times
 from rotorrig.processing.probe_planes import Plane, measured_planes
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 
 FRAME = "rig"
 ORBIT_POINTS, DOT_POINTS = 60, 8

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rotorrig.acquisition.files.schemas import MessageType, message_type
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.tracking.full_spectrum import WhirlVectors, whirl_vectors
-from rotorrig.rig.units import RPM, UM
+from rotorrig.rig.config.units import RPM, UM
 
 # Of a message, Rerun plots the first four doubles: the speed, thousands beside hundreds, stands behind them.
 VECTOR = message_type(

@@ -27,7 +27,7 @@ from rotorrig.acquisition.exporters.whole_file import whole_file
 from rotorrig.processing.probe_planes import whirl
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.tracking.full_spectrum import whirl_vectors
-from rotorrig.rig import units
+from rotorrig.rig.config import units
 
 _CONVENTION = "m 0-peak, z = 2 mean(x e^-j theta), x = Re(z e^j theta); phase lag = -arg z"
 _WHIRL = {  # f forward, b backward

@@ -20,7 +20,7 @@ from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.shaft_angle.shaft_angle import TURN
 from rotorrig.processing.tracking.vold_kalman import support
 from rotorrig.processing.windows import blackman, hann
-from rotorrig.rig.units import micrometres
+from rotorrig.rig.config.units import micrometres
 
 MAINS = (50.0, 60.0)  # Hz
 MAINS_WITHIN = 0.005  # of the frequency: a grid holds 0.2 %, a diesel generator 0.5 %

@@ -12,7 +12,7 @@ from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.rows.runs import Span
 from rotorrig.processing.shaft_angle.shaft_angle import TURN, Flaw, ShaftAngle
 from rotorrig.processing.waveform import Stretch, Waveforms
-from rotorrig.rig.description import Probe
+from rotorrig.rig.config.description import Probe
 
 SAMPLES_PER_TURN = 20  # fewer leave the sum over a turn, and order 2 and above, inexact
 BACKWARDS = 0.01  # of the speed: a run that turns back by more is no run-up or coast-down there

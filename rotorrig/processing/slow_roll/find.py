@@ -18,8 +18,8 @@ from rotorrig.processing.slow_roll import vector as slow_roll
 from rotorrig.processing.slow_roll.checks import FirstOrder, validity
 from rotorrig.processing.slow_roll.waveform import slow_roll_waveform
 from rotorrig.processing.waveform import Waveforms
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
-from rotorrig.rig.units import RPM
 
 NAME = "slow roll"  # of the run that is one
 

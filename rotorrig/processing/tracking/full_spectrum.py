@@ -23,7 +23,7 @@ from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.tracking.synchronous_waveform import row_waveform
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import hann
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 
 HIGHEST = 4.0  # order of a cascade on either side
 _FEWEST_POINTS = 16  # per turn

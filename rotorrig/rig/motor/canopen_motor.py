@@ -9,14 +9,14 @@ import time
 from types import TracebackType
 from typing import Self
 
-from rotorrig.rig.devices import CanOpen
+from rotorrig.rig.config.devices import CanOpen
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import BadFrame, LimitExceeded, LinkLost
 from rotorrig.rig.motor import cia402_frames as cia402
 from rotorrig.rig.motor.base import REMEDY, MotorInfo, MotorState, Stop
 from rotorrig.rig.motor.can_link import CanLink, Refused
 from rotorrig.rig.motor.cia402_frames import State
 from rotorrig.rig.motor.sdo_frames import Item
-from rotorrig.rig.units import RPM
 
 CONFIRM_SECONDS = 1.0  # for the state to follow a command
 CONFIRM_PAUSE_SECONDS = 0.01

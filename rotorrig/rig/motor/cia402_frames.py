@@ -5,9 +5,9 @@ Speeds are in the drive's velocity unit, rpm unless its manual says otherwise; `
 
 from enum import Enum
 
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
 from rotorrig.rig.motor.sdo_frames import Item
-from rotorrig.rig.units import RPM
 
 PROFILE = 402
 VELOCITY_MODE = 2

@@ -4,9 +4,9 @@ import binascii
 import re
 from dataclasses import dataclass
 
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
 from rotorrig.rig.motor.base import MotorState
-from rotorrig.rig.units import RPM
 
 PROTOCOL = 1
 LONGEST_LINE = 96  # bytes, newline included

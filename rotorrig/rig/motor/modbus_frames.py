@@ -3,9 +3,9 @@
 import math
 from dataclasses import dataclass
 
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
 from rotorrig.rig.motor.modbus_profile import Profile, Ramps, Watchdog
-from rotorrig.rig.units import RPM
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

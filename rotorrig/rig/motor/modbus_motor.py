@@ -10,7 +10,8 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
-from rotorrig.rig.devices import SAME_RAMP, ModbusProfile, ModbusRtu, ModbusTcp
+from rotorrig.rig.config.devices import SAME_RAMP, ModbusProfile, ModbusRtu, ModbusTcp
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded, LinkLost
 from rotorrig.rig.motor.base import REMEDY, MotorInfo, MotorState, Stop
 from rotorrig.rig.motor.modbus_frames import (
@@ -26,7 +27,6 @@ from rotorrig.rig.motor.modbus_frames import (
 from rotorrig.rig.motor.modbus_link import ModbusLink
 from rotorrig.rig.motor.modbus_profile import Frequency, Profile
 from rotorrig.rig.motor.profiles import acs355, m_max, powerflex400, vfd_ed
-from rotorrig.rig.units import RPM
 
 CONFIRM_SECONDS = 1.0  # for the state to follow a command
 CONFIRM_PAUSE_SECONDS = 0.02

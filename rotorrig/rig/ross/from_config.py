@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.nameplate import COEFFICIENTS, Bearing, OverSpeed, Tube
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.nameplate import COEFFICIENTS, Bearing, OverSpeed, Tube
 from rotorrig.rig.ross.rotor import BearingElement, DiskElement, Material, RossRotor, ShaftElement
 
 

@@ -6,9 +6,9 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.ross.rotor import ROUNDING, BearingElement, DiskElement, Material, RossRotor, ShaftElement
-from rotorrig.rig.units import RPM
 
 STEPS = 10  # sections to a tapered element: the first frequency of tests/data/ross/tapered.toml to 4e-4
 DIGITS = 12  # as many as a length summed from elements is good for

@@ -3,8 +3,8 @@
 import json
 from collections.abc import Iterator
 
+from rotorrig.rig.config.nameplate import COEFFICIENTS
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.nameplate import COEFFICIENTS
 from rotorrig.rig.ross.rotor import BearingElement, DiskElement, RossRotor, ShaftElement
 
 Values = Iterator[tuple[str, object]]

@@ -23,7 +23,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims import effects as folder
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.force_law import ForceLaw

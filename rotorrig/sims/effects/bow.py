@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.nameplate import SHORTEST
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.nameplate import SHORTEST
 from rotorrig.sims.effects.base import Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import bending_stiffness, called
 from rotorrig.sims.effects.shaft_motion import forward

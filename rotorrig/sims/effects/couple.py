@@ -6,7 +6,7 @@ disk is thick rather than thin. Source: Genta, Dynamics of Rotating Systems (200
 
 from dataclasses import dataclass
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import disks
 from rotorrig.sims.effects.shaft_motion import forward

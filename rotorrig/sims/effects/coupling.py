@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.shaft_motion import forward, position_rows
 from rotorrig.sims.rotor.assembly import Added, RotorModel, with_added

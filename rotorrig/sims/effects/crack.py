@@ -19,7 +19,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.places import bending_stiffness, free_places, span, tube_at
 from rotorrig.sims.effects.shaft_motion import at_rest, curvature_rows

@@ -6,7 +6,7 @@ Friswell, Penny, Garvey, Lees, Dynamics of Rotating Machines (2010), section 6.4
 
 from dataclasses import dataclass
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.bearing_terms import on_bearings
 from rotorrig.sims.effects.places import bearing_groups, bearing_words, group_stiffness

@@ -5,7 +5,7 @@ A mode in which the disk only shifts does not show it. Source: eq. (5) of the ch
 
 from dataclasses import dataclass, replace
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.places import disks
 from rotorrig.sims.rotor.assembly import Added, RotorModel, with_added

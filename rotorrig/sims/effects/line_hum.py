@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Complex, Effect, Seen, Theta, pair, phasor
 from rotorrig.sims.rotor.timeline import TURN, Timeline
 from rotorrig.sims.rotor.tracking import window_weights

@@ -6,7 +6,7 @@ Childs, Turbomachinery Rotordynamics (1993), ch. 1 and 3.
 
 from dataclasses import dataclass
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.bearing_terms import on_bearings
 from rotorrig.sims.effects.places import bearing_groups, bearing_words

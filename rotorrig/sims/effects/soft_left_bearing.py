@@ -6,7 +6,7 @@ is sought. Source: Friswell, Penny, Garvey, Lees, Dynamics of Rotating Machines 
 
 from dataclasses import dataclass
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.bearing_terms import own_stiffness
 from rotorrig.sims.effects.places import bearing_words, other_bearings, stiffness

@@ -6,8 +6,8 @@ Darlow, Zorzi, Mechanical design handbook for elastomers, NASA CR-3423 (1981).
 
 from dataclasses import dataclass
 
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.bearing_terms import own_stiffness
 from rotorrig.sims.effects.places import bearing_groups, bearing_words, reference_speed

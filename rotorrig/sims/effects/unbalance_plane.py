@@ -7,7 +7,7 @@ with the amount. Source: Bently, Hatch, Fundamentals of Rotating Machinery Diagn
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, Parameter, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import free_places, unbalance_sought
 from rotorrig.sims.effects.shaft_motion import forward, position_rows

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import Effect, Parameter, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import called, unbalance_sought
 from rotorrig.sims.effects.shaft_motion import forward

@@ -3,7 +3,7 @@
 import itertools
 import math
 
-from rotorrig.rig.description import Bearing, Disk, RigConfig
+from rotorrig.rig.config.description import Bearing, Disk, RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.plant.truth import BearingTruth, Truth
 

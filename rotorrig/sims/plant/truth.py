@@ -13,7 +13,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from rotorrig.rig.description import Bearing, Disk, RigConfig
+from rotorrig.rig.config.description import Bearing, Disk, RigConfig
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.sims.plant.faults.base import check, deviated, fault
 from rotorrig.sims.plant.streams import stream

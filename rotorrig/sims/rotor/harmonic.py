@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
-from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, speed_stiffness
 from rotorrig.sims.rotor.loads import (
     NO_FORCE,

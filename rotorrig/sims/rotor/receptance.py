@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import lapack
 
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
-from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor import receptance_kernels as kernels
 from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, speed_stiffness, with_bearing
 from rotorrig.sims.rotor.disk import unbalance_direction

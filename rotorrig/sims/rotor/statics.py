@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.nameplate import Shaft
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.nameplate import Shaft
 from rotorrig.sims.rotor.assembly import assemble, matrices
 from rotorrig.sims.rotor.beam import area
 from rotorrig.sims.rotor.modes import static_solution, weight

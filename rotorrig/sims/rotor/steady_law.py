@@ -11,8 +11,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
-from rotorrig.rig.units import RPM
 from rotorrig.sims.rotor.assembly import RotorModel, matrices
 from rotorrig.sims.rotor.describing import (
     COMPLEX,

@@ -25,8 +25,8 @@ from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Any
 
-from rotorrig.rig.description import RigConfig, load
-from rotorrig.rig.devices import Motor
+from rotorrig.rig.config.description import RigConfig, load
+from rotorrig.rig.config.devices import Motor
 from rotorrig.rig.errors import ConfigError, RigError
 from rotorrig.sims.plant import truth
 from rotorrig.sims.plant.plant import Plant

@@ -1,4 +1,4 @@
-"""Which emulated controller, on which wire, stands for a config's `[motor]`: one per table of rig/devices.py.
+"""Which emulated controller, on which wire, stands for a config's `[motor]`: one per table of rig/config/devices.py.
 
 The libraries a wire needs are imported when it is wanted.
 """
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import assert_never
 
 from rotorrig.rig.clock import Clock
-from rotorrig.rig.devices import CanOpen, LineController, ModbusRtu, ModbusTcp, Motor
+from rotorrig.rig.config.devices import CanOpen, LineController, ModbusRtu, ModbusTcp, Motor
 from rotorrig.sims.wire.background import running
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.fault_player import Disguise, Link

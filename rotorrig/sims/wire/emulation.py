@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from rotorrig.rig.clock import WallClock
-from rotorrig.rig.devices import Motor
+from rotorrig.rig.config.devices import Motor
 from rotorrig.sims.wire import controllers, probe_daq
 from rotorrig.sims.wire.background import running
 from rotorrig.sims.wire.controllers import Place

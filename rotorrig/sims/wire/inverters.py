@@ -3,8 +3,8 @@
 from typing import assert_never
 
 from rotorrig.rig.clock import Clock
-from rotorrig.rig.devices import ModbusRtu, ModbusTcp
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.devices import ModbusRtu, ModbusTcp
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.wire.acs355 import Acs355
 from rotorrig.sims.wire.m_max import MMax
 from rotorrig.sims.wire.modbus_motor import Registers

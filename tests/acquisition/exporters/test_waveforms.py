@@ -14,7 +14,7 @@ from rotorrig.acquisition.importers.csv import read_csv
 from rotorrig.acquisition.importers.uff import read_uff
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from tests.processing.synthetic import chirp, recording_of
 

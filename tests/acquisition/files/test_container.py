@@ -5,7 +5,7 @@ from mcap.reader import make_reader
 
 from rotorrig.acquisition.files.container import FileKind, FileWriter, read_file
 from rotorrig.acquisition.files.schemas import message_type
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.provenance import Provenance
 
 

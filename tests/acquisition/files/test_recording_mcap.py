@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 from rotorrig.acquisition.files.container import FileKind, FileWriter
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter, read_recording, write_recording
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance, file_hash
 from tests.acquisition.file_parts import chunks, same_blocks

@@ -9,7 +9,7 @@ import pytest
 from rotorrig.acquisition.files import stored_recording
 from rotorrig.acquisition.files.recording_mcap import open_recording, read_recording, write_recording
 from rotorrig.acquisition.recording import Event, RawRecording
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance

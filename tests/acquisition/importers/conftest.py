@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rotorrig.acquisition.importers.channel_mapping import ChannelMapping, load_channels
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from rotorrig.acquisition.files.recording_mcap import read_recording, write_reco
 from rotorrig.acquisition.importers import csv
 from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
 from rotorrig.acquisition.importers.csv import read_csv
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import file_hash
 

@@ -11,7 +11,7 @@ from nptdms import ChannelObject, GroupObject, RootObject, TdmsWriter
 from rotorrig.acquisition.importers import tdms_limits
 from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
 from rotorrig.acquisition.importers.tdms import read_tdms
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from tests.acquisition.importers.foreign_files import NAMES, RATE, tdms_daqmx, tdms_segment, waves
 from tests.acquisition.importers.read_back import volts_of

@@ -10,7 +10,7 @@ import pyuff
 
 from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
 from rotorrig.acquisition.importers.uff import read_uff
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from tests.acquisition.importers.foreign_files import NAMES, RATE, uff58, uff164, waves
 from tests.acquisition.importers.read_back import volts_of

@@ -10,7 +10,7 @@ import pytest
 
 from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
 from rotorrig.acquisition.importers.wav import read_wav
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import ConfigError, DataError
 from tests.acquisition.importers.foreign_files import fmt, pcm, riff, waves
 from tests.acquisition.importers.read_back import ALL, volts_of

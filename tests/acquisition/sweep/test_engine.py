@@ -9,11 +9,11 @@ import pytest
 from rotorrig.acquisition.sweep.plans import Ask, Dwell, Mark, Ramp, Rest, Step, Trial
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.settings import Tracking
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import ConfigError, DataError, LinkLost
 from rotorrig.rig.motor.base import MotorState, Stop
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
-from rotorrig.rig.units import RPM
 from tests.acquisition.scripted_bench import PLAN, Bench, MakeBench, Watching, at_sample
 
 

@@ -8,9 +8,9 @@ import pytest
 from rotorrig.acquisition.sweep.critical_speeds import Band, bands, quick
 from rotorrig.acquisition.sweep.plans import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial, steps
 from rotorrig.acquisition.sweep.timeline import timeline
-from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.units import RPM
 
 RK4 = (Path(__file__).parents[3] / "configs/rk4.toml").read_text()
 BAND = '\n[[limits.critical_bands]]\nlow = "2000 rpm"\nhigh = "2400 rpm"\nvibration = "1200 um"\n'

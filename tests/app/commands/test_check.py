@@ -6,7 +6,7 @@ import pytest
 
 from rotorrig.app.commands import check as checking
 from rotorrig.rig import connect
-from rotorrig.rig.description import parse
+from rotorrig.rig.config.description import parse
 from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.sims.wire.launch import simulated_bench
 

@@ -13,7 +13,7 @@ from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.result_files import read_diagnosis
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 
 
 def test_a_run_is_diagnosed_again_with_the_cause_that_was_named(

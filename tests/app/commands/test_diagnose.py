@@ -16,10 +16,10 @@ from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.result_files import read_diagnosis
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import load, parse
+from rotorrig.rig.config.description import load, parse
+from rotorrig.rig.config.extended_config import extended_by
+from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.extended_config import extended_by
-from rotorrig.rig.extension import Extension
 
 Run = Callable[..., tuple[int, str, str]]
 

@@ -8,7 +8,7 @@ import pytest
 from rotorrig.app.commands.export_files import write_out
 from rotorrig.app.commands.import_files import bring_in, kind_of
 from rotorrig.processing.files.response_mcap import write_response
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from tests.acquisition.importers.foreign_files import fmt, riff, tdms_segment, uff58, waves
 from tests.fuzz.corpus import CHANNELS, response

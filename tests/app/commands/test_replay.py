@@ -15,7 +15,7 @@ from rotorrig.acquisition.replay import cut_from
 from rotorrig.app.commands import replay
 from rotorrig.processing.files.response_mcap import read_response, write_response
 from rotorrig.processing.pipeline import track
-from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.errors import ConfigError
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rotorrig.app import cli
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 from rotorrig.rig.ross.reading import read_ross
 
 ROOT = Path(__file__).parents[3]

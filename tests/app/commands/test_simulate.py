@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from rotorrig.app.commands.simulate import StandIn, faults_of, simulated, truth_of
-from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.extended_config import extended_by
+from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.rig.extended_config import extended_by
-from rotorrig.rig.extension import Extension
 from rotorrig.sims.plant.truth import draw, seal
 
 MASS = "disk: 12 g mm at 90 deg"

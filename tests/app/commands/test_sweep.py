@@ -12,9 +12,9 @@ from rotorrig.acquisition.sweep.operator import Nobody
 from rotorrig.acquisition.sweep.plans import Step
 from rotorrig.app.commands.simulate import StandIn
 from rotorrig.app.commands.sweep import record_sweep, sweep
-from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.rig.units import RPM
 from rotorrig.sims.wire.launch import BenchPorts, simulated_bench
 
 RK4 = (Path(__file__).parents[3] / "configs/rk4.toml").read_text()

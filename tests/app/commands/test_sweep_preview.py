@@ -9,8 +9,8 @@ from rotorrig.acquisition.sweep.plans import Ramp
 from rotorrig.acquisition.sweep.timeline import timeline
 from rotorrig.app import cli
 from rotorrig.app.commands import sweep_preview
-from rotorrig.rig.description import RigConfig, load, parse
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig, load, parse
+from rotorrig.rig.config.units import RPM
 
 RK4 = Path(__file__).parents[3] / "configs/rk4.toml"
 BAND = '\n[[limits.critical_bands]]\nlow = "2000 rpm"\nhigh = "2400 rpm"\nvibration = "1200 um"\n'

@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.app.plot_data.centreline_paths import centreline_paths, clearance_circle
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 
 
 def test_a_shaft_that_rises_with_the_speed_is_seen_to_rise(response: OrderTrackedResponse) -> None:

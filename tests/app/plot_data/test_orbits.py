@@ -5,7 +5,7 @@ import pytest
 
 from rotorrig.app.plot_data.orbits import orbit
 from rotorrig.processing.probe_planes import planes
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 
 
 def test_orbit_of_turned_probes_is_the_same_orbit(rig: RigConfig) -> None:

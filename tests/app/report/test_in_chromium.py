@@ -19,7 +19,7 @@ from rotorrig.app.report.page import write_report
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from tests.app.browser import Tab, browser, needs_chromium
 from tests.app.conftest import make_response
 

@@ -16,8 +16,8 @@ from benchmarks.blind_run import record
 from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.app import cli
 from rotorrig.app.terminal.console import tell
-from rotorrig.rig.description import RigConfig, parse
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.units import RPM
 
 ROTOR = [sys.executable, "-m", "rotorrig.app.cli"]
 RK4 = Path(__file__).parents[3] / "configs/rk4.toml"

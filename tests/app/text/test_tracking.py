@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from rotorrig.app.text.tracking import quality_words
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from tests.fuzz.corpus import response
 
 RPM = np.pi / 30

@@ -15,7 +15,7 @@ from rotorrig.app.viewer.plots.axes import Panel
 from rotorrig.app.viewer.sinks import serve, to_file
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError, RigError
 from rotorrig.rig.probes.base import Block, DaqInfo
 from tests.app.headless import headless_viewer, marked, needs_vulkan, show_tab, views

@@ -10,7 +10,7 @@ from rotorrig.identify.base_model.parameters import Parameters
 from rotorrig.identify.base_model.structure import Structure
 from rotorrig.identify.fit import fit
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import from_si
+from rotorrig.rig.config.description import from_si
 from rotorrig.rig.errors import ConfigError
 
 

@@ -10,7 +10,7 @@ from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual,
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.errors import ConfigError, DataError
 from tests.identify.matched import matched_response, sought
 

@@ -9,7 +9,7 @@ from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.least_squares.solve import inverse_information
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from tests.identify.matched import matched_response, sought
 from tests.identify.test_bearing_sets import SPRING, U
 

@@ -5,8 +5,8 @@ import pytest
 
 from rotorrig.identify.base_model.steady_forward import Steady, shaft_stiffness
 from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.rig.description import RigConfig, from_si
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig, from_si
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.rotor.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.harmonic import probe_response
 from tests.identify.matched import sought

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.base_model.structure import StructuralModel, Structure, with_places
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.directions import between
 from rotorrig.sims.rotor.harmonic import probe_response

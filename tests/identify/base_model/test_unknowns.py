@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import ConfigError
 from tests.identify.matched import sought
 

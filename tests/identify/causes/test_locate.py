@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.causes.locate import best_place
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find
 
 TRUE, SIGMA = 63.21, 0.02

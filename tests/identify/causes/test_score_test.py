@@ -10,7 +10,7 @@ from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.least_squares.solve import Polished
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
 from tests.identify.swept import swept_response
 

@@ -7,7 +7,7 @@ from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.extended_model.problem import ExtendedProblem, Models
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 from rotorrig.sims.effects.base import Effect, catalogue
 from tests.conftest import CONFIGS
 

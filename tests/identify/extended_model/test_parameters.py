@@ -5,7 +5,7 @@ import pytest
 
 from rotorrig.identify.causes.candidates import background
 from rotorrig.identify.extended_model.parameters import BEYOND, KEYPHASOR, ExtendedParameters
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, Parameter, find
 
 PROBES = ("1x", "1y", "2x", "2y")

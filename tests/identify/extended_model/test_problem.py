@@ -8,7 +8,7 @@ from rotorrig.identify.extended_model.parameters import KEYPHASOR
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find
 from tests.identify.swept import SIGMA, C, K, U, swept_response
 

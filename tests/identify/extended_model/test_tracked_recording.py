@@ -8,7 +8,7 @@ import pytest
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.loads import ONE_RECORDING, Load, between, unbalance_loads
 from rotorrig.sims.rotor.reduction import reduce

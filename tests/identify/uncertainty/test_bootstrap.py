@@ -13,7 +13,7 @@ from rotorrig.identify.uncertainty.bootstrap import FEWEST, Bootstrap, Resamplin
 from rotorrig.identify.uncertainty.intervals import standard_deviation
 from rotorrig.identify.uncertainty.quantities import quantities
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from tests.identify.matched import matched_response, sought
 
 TRUTH = np.array([33e3, 36e3, 14.0, 16.0])

@@ -11,7 +11,7 @@ from rotorrig.identify.measurement import measure
 from rotorrig.identify.uncertainty.identifiability import Identifiability
 from rotorrig.identify.uncertainty.identifiability_text import words
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 from tests.conftest import CONFIGS
 from tests.identify.matched import matched_response, sought
 from tests.identify.test_bearing_sets import SPRING, U

@@ -12,7 +12,7 @@ from rotorrig.identify.measurement import measure
 from rotorrig.identify.uncertainty.intervals import HALF_WIDTH, RISE
 from rotorrig.identify.uncertainty.quantities import quantities
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from tests.identify.matched import matched_response, sought
 
 K = np.diag([33e3, 36e3])

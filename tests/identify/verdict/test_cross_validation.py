@@ -9,7 +9,7 @@ from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.cross_validation import BLOCK, BLOCKS, held_out, predicted
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import find
 from tests.identify.swept import DRAWN, SIGMA, U, swept_response

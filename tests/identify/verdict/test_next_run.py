@@ -13,8 +13,8 @@ from rotorrig.identify.verdict.next_run import cheapest
 from rotorrig.identify.verdict.planned_runs import plans
 from rotorrig.identify.verdict.separability import NAMEABLE, separation
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import Effect, find
 from tests.identify.swept import U, swept_response
 

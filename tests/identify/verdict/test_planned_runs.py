@@ -7,8 +7,8 @@ import pytest
 
 from rotorrig.identify.verdict.planned_runs import plans, recorded
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from tests.identify.swept import RAMP, SIGMA, swept_response
 
 

@@ -10,8 +10,8 @@ from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.verdict.sweep_lag import lag, moving_speed
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from tests.identify.swept import swept_response
 
 RAMP = 60.0  # rpm/s: slow, so that the first order in the ramp holds

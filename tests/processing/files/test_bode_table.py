@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.processing.files.bode_table import read_table, scatter_variance
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.errors import ConfigError, DataError
 
 KFUPM = Path(__file__).parents[2] / "data" / "kfupm-rk4"

@@ -11,7 +11,7 @@ from mcap.reader import make_reader
 
 from rotorrig.processing.files.response_mcap import read_response, write_response
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.files.response_scene import FALLING, KEYPHASOR, RISING, exaggeration
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.provenance import Provenance
 
 RAD = np.pi / 30

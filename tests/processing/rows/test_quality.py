@@ -11,7 +11,7 @@ from rotorrig.processing.rows.quality import blind_orders, probe_faults, togethe
 from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.settings import Tracking
 from rotorrig.processing.waveform import Stretch
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from tests.processing.synthetic import chirp
 
 RPM = np.pi / 30

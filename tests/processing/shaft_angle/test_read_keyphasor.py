@@ -11,7 +11,7 @@ from rotorrig.processing.pipeline import track
 from rotorrig.processing.shaft_angle.read_keyphasor import read_keyphasor
 from rotorrig.processing.shaft_angle.shaft_angle import TURN, UNMARKED
 from rotorrig.processing.waveform import Waveforms
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.plant.chain import make_chain
 from rotorrig.sims.plant.sensors import VOLTS_PER_COUNT, Sensors

@@ -14,7 +14,7 @@ from rotorrig.processing.rows.rows import lay_rows
 from rotorrig.processing.shaft_angle.read_keyphasor import read_keyphasor
 from rotorrig.processing.tracking.full_spectrum import full_spectra, full_spectrum, points_for, whirl_vectors
 from rotorrig.processing.waveform import Waveforms
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from tests.processing.synthetic import chirp
 from tests.processing.test_probe_planes import rig_with
 

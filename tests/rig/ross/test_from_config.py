@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.nameplate import COEFFICIENTS
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.nameplate import COEFFICIENTS
 from rotorrig.rig.ross.from_config import ross_rotor
 from rotorrig.rig.ross.reading import read_ross
 from rotorrig.rig.ross.to_config import config_text

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.nameplate import OverSpeed
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.nameplate import OverSpeed
 from rotorrig.rig.ross.reading import read_ross
 from rotorrig.rig.ross.rotor import RossRotor
 from rotorrig.rig.ross.to_config import config_text

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from rotorrig.rig.description import RigConfig, parse
-from rotorrig.rig.nameplate import COEFFICIENTS
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.nameplate import COEFFICIENTS
 from rotorrig.rig.ross.from_config import ross_rotor
 from rotorrig.rig.ross.reading import read_ross
 from rotorrig.rig.ross.to_config import config_text

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.reduction import reduce
 

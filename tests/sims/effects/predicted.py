@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import RigConfig, from_si
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig, from_si
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import Effect, Seen
 from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.harmonic import dynamic_stiffness

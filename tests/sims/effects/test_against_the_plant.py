@@ -17,8 +17,8 @@ from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.settings import Tracking
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import find
 from rotorrig.sims.plant.truth import FaultSpec, Noise
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, catalogue, find
 from rotorrig.sims.effects.shaft_motion import pairwise_map
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, matrices, speed_stiffness, with_bearing

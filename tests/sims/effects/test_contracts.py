@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.sims import effects as folder
 from rotorrig.sims.effects.base import Effect, catalogue, find, magnitudes, phasor
 from rotorrig.sims.rotor import modes

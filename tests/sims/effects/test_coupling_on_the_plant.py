@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
 from rotorrig.sims.effects.shaft_motion import at_rest, position_rows
 from rotorrig.sims.plant.plant import Plant

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.sims.effects.base import Effect, catalogue, find
 from rotorrig.sims.rotor.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.force_law import ForceLaw

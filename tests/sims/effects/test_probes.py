@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Complex, Seen, catalogue, find
 from rotorrig.sims.effects.line_hum import leak
 from rotorrig.sims.rotor.assembly import assemble

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.sims.effects.base import Effect, catalogue, find
 from rotorrig.sims.effects.unbalance_step import Stretch
 from rotorrig.sims.rotor.assembly import assemble

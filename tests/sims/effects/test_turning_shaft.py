@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import find
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.reduction import reduce

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
 from rotorrig.sims.effects.crack import Crack
 from rotorrig.sims.rotor.assembly import assemble, matrices

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.faults.base import deviated, forces, restructured
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn
 from rotorrig.sims.plant.integrate import ShaftMotion

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.rig.description import RigConfig, load, parse
+from rotorrig.rig.config.description import RigConfig, load, parse
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.force_laws import Force, Motion, Place, Slope, Turn, at, bend, heavy_spot, law, sway, tilt
 from rotorrig.sims.plant.integrate import ShaftMotion
 from rotorrig.sims.plant.shaft import bending_stiffness, build

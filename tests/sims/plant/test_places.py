@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.plant.places import (
     bending_spans,

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.plant import sensors
 from rotorrig.sims.plant.plant import Plant

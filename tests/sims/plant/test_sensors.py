@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.chain import make_chain
 from rotorrig.sims.plant.sensors import VOLTS_PER_COUNT, Sensors, bent
 from rotorrig.sims.plant.truth import Noise, Truth, nameplate

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.sims.plant.force_laws import Deflection
 from rotorrig.sims.plant.plant import GRAVITY
 from rotorrig.sims.plant.shaft import build

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.sims.plant.truth import FaultSpec, draw, identified_truth, nameplate, seal, unseal
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.sims.rotor.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.reduction import reduce
 

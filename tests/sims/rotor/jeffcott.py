@@ -8,7 +8,7 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 
 M, KX, KY, C = 0.8, 3.4e4, 3.6e4, 12.0  # kg, N/m, N s/m
 

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 
 PLACES = 16  # steps of the shaft on which parts sit, so that no element is a sliver
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.assembly import assemble, matrices, scaled, with_bearing
 from rotorrig.sims.rotor.harmonic import dynamic_stiffness, probe_response
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.rig.nameplate import Tube
+from rotorrig.rig.config.nameplate import Tube
 from rotorrig.sims.rotor.beam import area, second_moment, shaft_element, shear_factor
 
 LENGTH = 0.2

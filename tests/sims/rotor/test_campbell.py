@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import from_si
+from rotorrig.rig.config.description import from_si
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, with_bearing
 from rotorrig.sims.rotor.campbell import campbell, stability_onset
 from rotorrig.sims.rotor.modes import critical_speeds, whirl_modes

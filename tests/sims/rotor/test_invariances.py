@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy import linalg
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, hysteretic, matrices, with_bearing
 from rotorrig.sims.rotor.harmonic import dynamic_stiffness, probe_response, steady_response
 from tests.sims.rotor.random_rotors import PLACES, number, rotors, size, turned

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, with_bearing
 from rotorrig.sims.rotor.harmonic import columns, probe_response, steady_response

@@ -5,7 +5,7 @@ import cmath
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import from_si
+from rotorrig.rig.config.description import from_si
 from rotorrig.sims.rotor.assembly import Added, RotorModel, assemble, with_added
 from rotorrig.sims.rotor.directions import between, steady_derivatives
 from rotorrig.sims.rotor.harmonic import load_columns

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import from_si
+from rotorrig.rig.config.description import from_si
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.sims.rotor.assembly import assemble, matrices, with_bearing
 from rotorrig.sims.rotor.disk import unbalance_direction

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
 from rotorrig.sims.rotor.assembly import Added, RotorModel, assemble, with_added, with_bearing
 from rotorrig.sims.rotor.directions import along_bearing, steady_derivatives

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig, from_si
+from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.sims.rotor.modes import GRAVITY
 from rotorrig.sims.rotor.statics import bearing_loads, shaft_mass
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.nameplate import Plane
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.nameplate import Plane
 from rotorrig.sims.rotor.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.directions import along_bearing, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.harmonic import columns

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.rig.clock import ManualClock
-from rotorrig.rig.devices import ModbusRtu
+from rotorrig.rig.config.devices import ModbusRtu
 from rotorrig.sims.wire import emulation
 
 

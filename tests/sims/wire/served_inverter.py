@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from rotorrig.rig.clock import WallClock
-from rotorrig.rig.devices import ModbusProfile, ModbusRtu, ModbusTcp
+from rotorrig.rig.config.devices import ModbusProfile, ModbusRtu, ModbusTcp
 from rotorrig.sims.wire import modbus_motor
 from rotorrig.sims.wire.inverters import registers_of
 from rotorrig.sims.wire.modbus_motor import Disguise, Registers

@@ -15,7 +15,7 @@ import psutil
 import pytest
 import serial
 
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 from rotorrig.sims.plant import truth
 from rotorrig.sims.wire.bench import main
 

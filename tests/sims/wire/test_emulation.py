@@ -9,7 +9,7 @@ import pytest
 import serial
 
 from rotorrig.rig.clock import ManualClock
-from rotorrig.rig.description import load
+from rotorrig.rig.config.description import load
 from rotorrig.sims.plant import truth
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.wire.powerflex400 import PowerFlex400

@@ -11,7 +11,7 @@ from rotorrig.app.plot_data.nice_numbers import nice
 from rotorrig.app.plot_data.orbits import orbit, representative_rows
 from rotorrig.processing.probe_planes import Plane, planes
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.units import RPM, UM
+from rotorrig.rig.config.units import RPM, UM
 
 SIDE = 100.0  # half the picture's width, in drawing units
 FILL = 0.84  # of it that the largest excursion takes

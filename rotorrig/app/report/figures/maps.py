@@ -11,7 +11,7 @@ from rotorrig.app.plot_data.curves import residual_grid, whirl_grid
 from rotorrig.app.plot_data.order_spectrum import OrderSpectrum
 from rotorrig.app.report.figures.look import styled
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.units import UM
+from rotorrig.rig.config.units import UM
 
 Reals = NDArray[np.float64]
 Scale = list[list[float | str]]

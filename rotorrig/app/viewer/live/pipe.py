@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from rotorrig.acquisition.recording import Event
-from rotorrig.rig import description
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config import description
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.probes.base import Block, DaqInfo
 

@@ -22,7 +22,7 @@ from rotorrig.app.viewer.live.parts.scene import LiveScene
 from rotorrig.app.viewer.live.pipe import READY, BlockReader
 from rotorrig.app.viewer.plots.words import displayable
 from rotorrig.app.viewer.sinks import Sink
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.probes.base import Block
 

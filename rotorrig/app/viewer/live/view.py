@@ -17,7 +17,7 @@ from typing import IO, Self
 from rotorrig.acquisition.recording import Event
 from rotorrig.app.viewer.live.pipe import READY, block_parts, opening
 from rotorrig.app.viewer.sinks import Sink, quiet_environment
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.probes.base import Block, DaqInfo
 

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from rotorrig.app.plot_data.curves import lag_degrees
 from rotorrig.app.plot_data.nice_numbers import nice
 from rotorrig.app.viewer.plots.axes import Panel, step_for
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 
 SMALLEST_BODE = 10.0  # µm
 FASTEST = 4000.0  # rpm, where the config sets no limit

@@ -14,7 +14,7 @@ from rotorrig.app.viewer.result.curves import CentrelineTrack
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.app.viewer.result.rotor import RotorScene
 from rotorrig.processing.waveform import Waveforms
-from rotorrig.rig.units import RPM, UM
+from rotorrig.rig.config.units import RPM, UM
 
 SPEEDS = 60
 RECORDED = (96, 104, 112)  # all that the probes saw

@@ -11,7 +11,7 @@ from rotorrig.processing.rows.rows import lay_rows
 from rotorrig.processing.shaft_angle.shaft_angle import shaft_angle
 from rotorrig.processing.tracking.full_spectrum import HIGHEST, full_spectra, whirl_vectors
 from rotorrig.processing.waveform import Waveforms
-from rotorrig.rig.units import RPM, UM
+from rotorrig.rig.config.units import RPM, UM
 
 SPECTRA = 40
 TURNS = 8  # in the window of a spectrum: orders an eighth apart

@@ -17,7 +17,7 @@ from rotorrig.app.viewer.plots.residual import ResidualPicture
 from rotorrig.app.viewer.plots.rotor_3d import BACKWARD, FORWARD
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.processing.tracking.full_spectrum import whirl_vectors
-from rotorrig.rig.units import UM
+from rotorrig.rig.config.units import UM
 
 BEFORE = (176, 132, 214)  # the model that was extended
 MAP_BINS = 100  # of the residual map: about four rows of a run in each

@@ -14,8 +14,8 @@ from rotorrig.identify.identification import Fit, Identification
 from rotorrig.processing.files.response_topics import order_name
 from rotorrig.processing.probe_planes import Plane, measured_planes
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
-from rotorrig.rig.units import RPM
 
 Vectors = NDArray[np.complex128]
 

@@ -13,7 +13,7 @@ from rotorrig.app.viewer.plots.axes import UP
 from rotorrig.app.viewer.plots.rotor_3d import RotorPicture
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.app.viewer.result.rotor_motion import RotorMotion
-from rotorrig.rig.units import RPM
+from rotorrig.rig.config.units import RPM
 from rotorrig.sims.rotor.modes import Mode
 
 DRAWN = 0.09  # of the shaft's length: the largest deflection in the picture

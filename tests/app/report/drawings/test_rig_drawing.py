@@ -3,7 +3,7 @@
 from xml.etree import ElementTree
 
 from rotorrig.app.report.drawings.rig_drawing import end_view, side_view
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 
 
 def test_the_rig_is_drawn_to_scale(rig: RigConfig) -> None:

@@ -20,7 +20,7 @@ from rotorrig.app.viewer.live import view as live_view
 from rotorrig.app.viewer.live.pipe import BlockReader, Opening, block_parts, opening
 from rotorrig.app.viewer.live.view import LiveView
 from rotorrig.app.viewer.sinks import Sink, to_file
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.probes.base import Block, DaqInfo
 

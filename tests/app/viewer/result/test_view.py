@@ -26,7 +26,7 @@ from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.waveform import Waveforms
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import Block, DaqInfo
 from tests.app.conftest import jeffcott

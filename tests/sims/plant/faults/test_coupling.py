@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.faults import coupling
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at
 from rotorrig.sims.plant.plant import Plant

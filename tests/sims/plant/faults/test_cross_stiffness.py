@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.faults.base import deviated
 from rotorrig.sims.plant.shaft import build
 from rotorrig.sims.plant.truth import FaultSpec, nameplate

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.faults import hysteresis
 from rotorrig.sims.plant.force_laws import Motion, Turn
 from rotorrig.sims.plant.truth import nameplate

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.faults.base import deviated
 from rotorrig.sims.plant.truth import FaultSpec, nameplate
 

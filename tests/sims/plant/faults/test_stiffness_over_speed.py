@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.plant.truth import nameplate
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 
 from ..by_hand import difference
 

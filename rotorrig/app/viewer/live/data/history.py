@@ -6,7 +6,7 @@ from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
 from rotorrig.app.viewer.live.data.spectra import SpectraSoFar
 from rotorrig.app.viewer.live.data.tracker import LiveTracker, Turns
 from rotorrig.app.viewer.live.data.waveform import Waveform
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block
 
 STEP = 0.25  # s of a recording taken at a time

@@ -10,8 +10,8 @@ from rotorrig.app.viewer.live.data.waveform import Waveform
 from rotorrig.app.viewer.plots.bode import fastest_rpm
 from rotorrig.processing.probe_planes import planes
 from rotorrig.processing.tracking.full_spectrum import full_spectrum
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM, UM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM, UM
 
 ROWS = 40  # of a cascade from rest to the fastest speed
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.app.viewer.live.data.waveform import Waveform, at_equal_angles
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.probes.calibration import ProbeScale
 from rotorrig.rig.probes.keyphasor_speed import KeyphasorSpeed

@@ -9,7 +9,7 @@ from rerun.blueprint.encodings import TextLogColumnKind
 
 from rotorrig.app.viewer.blueprint import BACKGROUND, POLAR_BOUNDS, flat, laid_out
 from rotorrig.processing.probe_planes import planes
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 
 TABS = ("Sweep", "Orbits", "Polar", "Position", "Spectra")
 ORBIT_BOUNDS = rrb.VisualBounds2D(x_range=(-20, 112), y_range=(-11, 127))

@@ -7,7 +7,7 @@ from rotorrig.app.viewer.live.data.spectra import SpectraSoFar
 from rotorrig.app.viewer.live.parts.vectors import COLOURS, NAMES
 from rotorrig.app.viewer.plots.cascade import CascadePicture
 from rotorrig.processing.probe_planes import planes
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 
 
 class CascadesPart:

@@ -10,8 +10,8 @@ from rotorrig.app.viewer.plots.axes import UP
 from rotorrig.app.viewer.plots.orbit import OrbitPicture
 from rotorrig.app.viewer.plots.time_base import TimeBasePicture
 from rotorrig.processing.probe_planes import Plane, planes
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import UM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import UM
 
 TURNS = 2  # the last ones: what orbits, time bases and present vectors are of
 UNFILTERED = (128, 138, 150)

@@ -11,9 +11,9 @@ from rotorrig.app.viewer.plots.gap_trend import GapTrendPicture
 from rotorrig.app.viewer.plots.polar import speed_marks
 from rotorrig.app.viewer.plots.words import displayable
 from rotorrig.processing.probe_planes import planes
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.nameplate import Bearing
-from rotorrig.rig.units import UM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.nameplate import Bearing
+from rotorrig.rig.config.units import UM
 
 LABELS_APART = 0.3  # of the reach of the path, or half that of the smallest axes
 

@@ -8,8 +8,8 @@ from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
 from rotorrig.app.viewer.live.data.waveform import Waveform
 from rotorrig.app.viewer.live.parts.orbits import first_order
 from rotorrig.app.viewer.plots.words import displayable
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import RPM, UM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM, UM
 
 
 def readings(

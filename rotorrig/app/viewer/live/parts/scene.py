@@ -16,9 +16,9 @@ from rotorrig.app.viewer.live.parts.vectors import VectorsPart
 from rotorrig.app.viewer.plots.axes import MARK, UP
 from rotorrig.app.viewer.plots.words import displayable
 from rotorrig.processing.rows.runs import ENDS
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.probes.base import Block, DaqInfo
-from rotorrig.rig.units import RPM
 
 CURVES_EVERY = 1.0  # s of the sample clock: whole curves are sent each time
 READINGS_EVERY = 0.5  # s

@@ -10,8 +10,8 @@ from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
 from rotorrig.app.viewer.plots.axes import DOWN, MARK, UP
 from rotorrig.app.viewer.plots.bode import BodePicture, Panels, fastest_rpm
 from rotorrig.app.viewer.plots.polar import PolarPicture
-from rotorrig.rig.description import RigConfig
-from rotorrig.rig.units import UM
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import UM
 
 NAMES, COLOURS = {1: "up", -1: "down"}, {1: UP, -1: DOWN}
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rotorrig.app.viewer.live.data.curves import SpeedCurves
 from rotorrig.app.viewer.live.data.tracker import LiveTracker, Turns
 from rotorrig.app.viewer.live.process import joined
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 
 RAD = np.pi / 30  # rad/s per rpm

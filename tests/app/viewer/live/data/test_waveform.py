@@ -10,7 +10,7 @@ from rotorrig.app.viewer.live.data.tracker import Turns
 from rotorrig.app.viewer.live.data.waveform import POINTS, THETA, Waveform, at_equal_angles
 from rotorrig.app.viewer.live.parts.orbits import at_edges, first_order
 from rotorrig.app.viewer.live.parts.readings import readings
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
 
 RAD = np.pi / 30
 RUNOUT = np.array([3.0, 4.0, 2.0, 1.0]) * 1e-6  # m, 1X, per probe

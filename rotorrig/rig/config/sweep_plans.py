@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, model_validator
 
-from rotorrig.rig.nameplate import Part, RampRate, Speed, Time
+from rotorrig.rig.config.nameplate import Part, RampRate, Speed, Time
 
 MOST_SPEEDS = 1000  # of a stepped plan
 

@@ -5,8 +5,8 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from rotorrig.rig.config.nameplate import NUMBER, TABLE
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.nameplate import NUMBER, TABLE
 
 Table = TypeVar("Table", bound=BaseModel)
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from rotorrig.rig.units import QUANTITIES, micrometres, to_si
+from rotorrig.rig.config.units import QUANTITIES, micrometres, to_si
 
 
 @pytest.mark.parametrize(

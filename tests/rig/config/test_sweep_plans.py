@@ -7,13 +7,13 @@ from typing import get_args
 
 import pytest
 
-from rotorrig.rig.checking import checked
-from rotorrig.rig.description import RigConfig, from_si, parse
+from rotorrig.rig.config.description import RigConfig, from_si, parse
+from rotorrig.rig.config.sweep_plans import Plan
+from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config.validation import checked
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.sweep_plans import Plan
-from rotorrig.rig.units import RPM
 
-RK4 = (Path(__file__).parents[2] / "configs/rk4.toml").read_text()
+RK4 = (Path(__file__).parents[3] / "configs/rk4.toml").read_text()
 STEPPED = 'kind = "stepped"\nslow_roll = "240 rpm"\nslow_roll_time = "5 s"\nramp = "60 rpm/s"\ndwell = "4 s"\n'
 BAND = 'low = "2000 rpm"\nhigh = "2400 rpm"\nvibration = "1 mm"\n'
 
@@ -97,7 +97,7 @@ def test_every_kind_of_plan_survives_its_way_through_a_file() -> None:
     assert again.plans == rig.plans
 
 
-DOCUMENT = (Path(__file__).parents[2] / "docs/sweeps.md").read_text()
+DOCUMENT = (Path(__file__).parents[3] / "docs/sweeps.md").read_text()
 
 
 def test_the_document_names_every_kind_of_plan_with_its_keys() -> None:

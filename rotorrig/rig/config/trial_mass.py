@@ -3,10 +3,10 @@
 import cmath
 from collections.abc import Iterable
 
-from rotorrig.rig.checking import checked
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.nameplate import Angle, Part, UnbalanceAmount
+from rotorrig.rig.config.validation import checked
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.nameplate import Angle, Part, UnbalanceAmount
 
 NO_TRIAL = "none"  # what a recording says when every trial mass has been taken off
 _WANT = "want a disk, an amount and an angle from the keyphasor mark, such as 'disk: 12 g mm at 90 deg'"

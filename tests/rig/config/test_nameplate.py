@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.rig.description import RigConfig, from_si, parse
+from rotorrig.rig.config.description import RigConfig, from_si, parse
+from rotorrig.rig.config.nameplate import OverSpeed
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.nameplate import OverSpeed
 
-RK4 = (Path(__file__).parents[2] / "configs" / "rk4.toml").read_text()
+RK4 = (Path(__file__).parents[3] / "configs" / "rk4.toml").read_text()
 SPRING = 'kxx = "33.9 kN/m"\nkyy = "34.6 kN/m"\ncxx = "15 N s/m" # assumed\ncyy = "15 N s/m"\n'
 UNIFORM = 'length = "560 mm"\ndiameter = "10 mm"\n'
 TABLE = '{ speed = ["0 rpm", "3000 rpm"], value = ["30 kN/m", "35 kN/m"] }'
@@ -202,7 +202,7 @@ def test_asking_for_a_constant_that_is_none_is_one_sentence() -> None:
 
 
 def test_the_examples_of_the_manual_are_valid() -> None:
-    manual = (Path(__file__).parents[2] / "docs" / "your-rig.md").read_text()
+    manual = (Path(__file__).parents[3] / "docs" / "your-rig.md").read_text()
     blocks = [block.split("```")[0] for block in manual.split("```toml\n")[1:]]
     shaft, bearings = (next(b for b in blocks if b.startswith(table)) for table in ("[shaft]", "[[bearings]]"))
     parts = (

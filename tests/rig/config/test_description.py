@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.rig.description import from_si, load, parse
+from rotorrig.rig.config.description import from_si, load, parse
 from rotorrig.rig.errors import ConfigError
 
-CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.toml"))
-RK4 = (Path(__file__).parents[2] / "configs" / "rk4.toml").read_text()
+CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("*.toml"))
+RK4 = (Path(__file__).parents[3] / "configs" / "rk4.toml").read_text()
 
 
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda p: p.stem)

@@ -8,7 +8,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, Strict, model_validator
 
-from rotorrig.rig.nameplate import Part
+from rotorrig.rig.config.nameplate import Part
 
 Number = Annotated[float, Strict()]  # SI: no text with a unit
 

@@ -9,8 +9,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, field_validator, model_validator
 
-from rotorrig.rig.nameplate import Length, Part, RampRate, Rate, Speed, Time, Voltage, is_none
-from rotorrig.rig.units import RPM, reads
+from rotorrig.rig.config.nameplate import Length, Part, RampRate, Rate, Speed, Time, Voltage, is_none
+from rotorrig.rig.config.units import RPM, reads
 
 _LARGEST_TARGET = 32767  # 6042h is an INTEGER16
 _SLCAN_BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 750_000, 1_000_000)

@@ -10,8 +10,8 @@ from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
+from rotorrig.rig.config.units import reads
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.units import reads
 
 COEFFICIENTS = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy")
 NUMBER, TABLE = "<number>", "<table>"  # the two forms of a bearing coefficient, as pydantic names them in its errors

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.rig.description import RigConfig, from_si, load, parse
+from rotorrig.rig.config.description import RigConfig, from_si, load, parse
+from rotorrig.rig.config.extended_config import extended_by
+from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.extended_config import extended_by
-from rotorrig.rig.extension import Extension
 
-CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.toml"))
+CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("*.toml"))
 BOW = Extension(
     name="bow", parameters={"bow re": 1.8000000000000001e-05, "bow im": -2e-06}, sigmas={"bow re": 1e-7, "bow im": 2e-7}
 )

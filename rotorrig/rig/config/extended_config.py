@@ -8,9 +8,9 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 
-from rotorrig.rig.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.extension import Extension
 
 _HEAD = "# What extends the model beyond the nameplate; SI, sigmas are one standard deviation."
 _TABLE = re.compile(r"\s*\[")  # a line that begins a table

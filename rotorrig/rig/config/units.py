@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import BeforeValidator, ValidationInfo
 
-from rotorrig.rig.unit_registry import registry
+from rotorrig.rig.config.unit_registry import registry
 
 RPM = 30.0 / math.pi  # rpm per rad/s
 UM = 1e6  # um per m

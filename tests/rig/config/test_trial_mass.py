@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from rotorrig.rig.description import RigConfig
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.trial_mass import read_trial_mass, trial_unbalance
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.trial_mass import read_trial_mass, trial_unbalance
 
 
 def test_a_quarter_turn_from_the_mark_is_imaginary(rig_config: RigConfig) -> None:

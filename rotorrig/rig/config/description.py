@@ -13,11 +13,9 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
-from rotorrig.rig.checking import checked
-from rotorrig.rig.devices import Daq, Keyphasor, Limits, Motor
-from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.extension import Extension
-from rotorrig.rig.nameplate import (
+from rotorrig.rig.config.devices import Daq, Keyphasor, Limits, Motor
+from rotorrig.rig.config.extension import Extension
+from rotorrig.rig.config.nameplate import (
     COEFFICIENTS,
     SHORTEST,
     Angle,
@@ -36,9 +34,11 @@ from rotorrig.rig.nameplate import (
     Time,
     UnbalanceAmount,
 )
+from rotorrig.rig.config.sweep_plans import Plan, TrialMassRuns
+from rotorrig.rig.config.toml_file import parsed_toml, read_toml
+from rotorrig.rig.config.validation import checked
+from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.provenance import short_hash
-from rotorrig.rig.sweep_plans import Plan, TrialMassRuns
-from rotorrig.rig.toml_file import parsed_toml, read_toml
 
 SAMPLES_PER_PULSE = 5  # of the keyphasor: two on either level and one to spare
 
@@ -268,7 +268,9 @@ class RigConfig(Part):
                 raise ValueError(f"{table}: no probe '{name}', want one of {names}")
 
     def _trial_masses_fit(self) -> None:
-        from rotorrig.rig.trial_mass import read_trial_mass  # which reads them for a RigConfig, and so imports this
+        from rotorrig.rig.config.trial_mass import (
+            read_trial_mass,  # which reads them for a RigConfig, and so imports this
+        )
 
         for name, plan in self.plans.items():
             if not isinstance(plan, TrialMassRuns):
