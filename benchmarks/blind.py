@@ -46,7 +46,7 @@ from rotorrig.identify.diagnosis import diagnose
 from rotorrig.identify.result_files import write_diagnosis
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.provenance import code_version
-from rotorrig.sims.plant.truth import unseal
+from rotorrig.sims.plant.sealed_truth import unseal
 
 ROOT = Path(__file__).parents[1]
 ARRAYS = ("residual", "sigmas", "extended_residual")  # of diagnosis.json; not kept

@@ -27,8 +27,10 @@ from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig, from_si, load
+from rotorrig.sims.plant.draw import draw, draw_fault
 from rotorrig.sims.plant.faults.base import names
-from rotorrig.sims.plant.truth import FaultSpec, draw, draw_fault, seal
+from rotorrig.sims.plant.sealed_truth import seal
+from rotorrig.sims.plant.truth import FaultSpec
 
 CONFIG = Path(__file__).parents[1] / "configs/rk4.toml"
 TRIAL = {"disk": (12e-6, math.pi / 2)}  # kg m, rad from the keyphasor mark in the sense of rotation

@@ -35,7 +35,9 @@ from rotorrig.identify.verdict.verdict import another
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, find
-from rotorrig.sims.plant.truth import Truth, identified_truth, unseal
+from rotorrig.sims.plant.draw import identified_truth
+from rotorrig.sims.plant.sealed_truth import unseal
+from rotorrig.sims.plant.truth import Truth
 
 TEMPLATE_SEED = -1  # of the healthy case whose rows and noise are used; no case of the benchmark has it
 ENOUGH = DETECTABLE  # lam to a rival beyond which it is not asked how far: it is more than tells two causes apart

@@ -8,8 +8,9 @@ from rotorrig.acquisition.sweep.plans import Coast, Dwell, Mark, Ramp, steps
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance, code_version
+from rotorrig.sims.plant.draw import draw
 from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.truth import FaultSpec, Noise, draw
+from rotorrig.sims.plant.truth import FaultSpec, Noise
 
 
 def record(

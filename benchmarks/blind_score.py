@@ -17,7 +17,8 @@ from benchmarks.blind_cases import Case, Kind
 from benchmarks.blind_lam import Lam
 from benchmarks.blind_names import Answer, answer
 from rotorrig.identify.verdict.separability import DETECTABLE, NAMEABLE
-from rotorrig.sims.plant.truth import Truth, identified_truth
+from rotorrig.sims.plant.draw import identified_truth
+from rotorrig.sims.plant.truth import Truth
 
 WITHIN = 1.959964  # standard deviations: 95 %
 JUDGED = ("kxx", "kyy", "u")  # stiffness and unbalance, against their Cramer-Rao bound

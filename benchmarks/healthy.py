@@ -18,7 +18,7 @@ from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMI
 from rotorrig.identify.fit import fit
 from rotorrig.processing.pipeline import track
 from rotorrig.rig.config.description import load
-from rotorrig.sims.plant.truth import draw, identified_truth
+from rotorrig.sims.plant.draw import draw, identified_truth
 
 ROOT = Path(__file__).parents[1]
 

@@ -45,7 +45,8 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.settings import Tracking
 from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.plant.truth import Noise, draw, identified_truth
+from rotorrig.sims.plant.draw import draw, identified_truth
+from rotorrig.sims.plant.truth import Noise
 
 Real = NDArray[np.float64]
 

@@ -16,8 +16,10 @@ from benchmarks.blind_names import ANSWERS, answer, effect_of
 from benchmarks.blind_page import page, text
 from benchmarks.blind_score import Rate, Score, rates, score, summarise
 from rotorrig.sims.effects.base import catalogue
+from rotorrig.sims.plant.draw import draw, identified_truth
 from rotorrig.sims.plant.faults.base import names
-from rotorrig.sims.plant.truth import FaultSpec, Truth, draw, identified_truth, seal, unseal
+from rotorrig.sims.plant.sealed_truth import seal, unseal
+from rotorrig.sims.plant.truth import FaultSpec, Truth
 
 BOW = Case(design="P2", faults=("bow",), seed=3)
 

@@ -8,7 +8,7 @@ from benchmarks.blind_lam import ENOUGH, lam
 from benchmarks.blind_names import Answer
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.separability import DETECTABLE, NAMEABLE
-from rotorrig.sims.plant.truth import draw
+from rotorrig.sims.plant.draw import draw
 from tests.identify.swept import swept_response
 
 RIG = nameplate("P1")

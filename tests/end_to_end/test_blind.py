@@ -24,7 +24,8 @@ from benchmarks.blind_names import effect_of
 from benchmarks.blind_score import Score, score
 from benchmarks.parallel import in_parallel
 from rotorrig.sims.effects.base import catalogue
-from rotorrig.sims.plant.truth import FaultSpec, unseal
+from rotorrig.sims.plant.sealed_truth import unseal
+from rotorrig.sims.plant.truth import FaultSpec
 
 Sizes = Mapping[str, Mapping[str, float]]
 

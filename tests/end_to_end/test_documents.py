@@ -28,7 +28,7 @@ from rotorrig.app import cli
 from rotorrig.identify.result_files import read_identification
 from rotorrig.processing.files.bode_table import read_table
 from rotorrig.rig.config.description import RigConfig, parse
-from rotorrig.sims.plant.truth import unseal
+from rotorrig.sims.plant.sealed_truth import unseal
 from tests.documents.pages import ROOT, blocks, commands, text_of
 
 DOCUMENTS = ("README.md", "docs/your-data.md", "docs/tutorial.md")

@@ -16,7 +16,9 @@ import pytest
 from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.plant.truth import FaultSpec, draw, identified_truth, seal, unseal
+from rotorrig.sims.plant.draw import draw, identified_truth
+from rotorrig.sims.plant.sealed_truth import seal, unseal
+from rotorrig.sims.plant.truth import FaultSpec
 
 SEED = 11
 

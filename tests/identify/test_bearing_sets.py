@@ -16,7 +16,7 @@ from rotorrig.identify.fit import fit
 from rotorrig.identify.identification import Fit
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig, from_si
-from rotorrig.sims.plant.truth import draw, identified_truth
+from rotorrig.sims.plant.draw import draw, identified_truth
 from tests.conftest import BLIND_SEED
 from tests.identify.matched import matched_response, sought
 

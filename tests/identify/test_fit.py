@@ -15,7 +15,7 @@ from rotorrig.identify.identification import Identification
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.sims.plant.truth import draw, identified_truth
+from rotorrig.sims.plant.draw import draw, identified_truth
 from tests.conftest import BLIND_SEED
 
 

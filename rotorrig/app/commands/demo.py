@@ -25,7 +25,9 @@ from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.plant.truth import FaultSpec, Truth, draw, identified_truth, seal, unseal
+from rotorrig.sims.plant.draw import draw, identified_truth
+from rotorrig.sims.plant.sealed_truth import seal, unseal
+from rotorrig.sims.plant.truth import FaultSpec, Truth
 from rotorrig.sims.wire.launch import simulated_bench
 
 SEALED = "truth.sealed.json"

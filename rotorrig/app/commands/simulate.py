@@ -13,8 +13,10 @@ from rotorrig.app.terminal.console import out
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.trial_mass import read_trial_mass, trial_unbalance
 from rotorrig.rig.errors import ConfigError, DataError
+from rotorrig.sims.plant.draw import draw
 from rotorrig.sims.plant.faults.base import check
-from rotorrig.sims.plant.truth import FaultSpec, Truth, draw, seal, unseal
+from rotorrig.sims.plant.sealed_truth import seal, unseal
+from rotorrig.sims.plant.truth import FaultSpec, Truth
 from rotorrig.sims.wire.console import Said
 from rotorrig.sims.wire.faults import read_script
 from rotorrig.sims.wire.launch import BenchPorts, simulated_bench

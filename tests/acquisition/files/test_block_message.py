@@ -8,8 +8,8 @@ from hypothesis.extra import numpy as hnp
 from rotorrig.acquisition.files.block_message import WAVEFORM, packed, unpacked, unpacked_all
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block
+from rotorrig.sims.plant.draw import draw
 from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.truth import draw
 
 
 def block(counts: np.ndarray) -> Block:

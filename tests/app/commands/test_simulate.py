@@ -9,7 +9,8 @@ from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.config.extended_config import extended_by
 from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.sims.plant.truth import draw, seal
+from rotorrig.sims.plant.draw import draw
+from rotorrig.sims.plant.sealed_truth import seal
 
 MASS = "disk: 12 g mm at 90 deg"
 

@@ -9,7 +9,7 @@ from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.plant.truth import draw, identified_truth
+from rotorrig.sims.plant.draw import draw, identified_truth
 from tests.conftest import BLIND_SEED
 from tests.identify.matched import matched_response, sought
 

@@ -4,12 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.faults.base import deviated, forces, restructured
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn
 from rotorrig.sims.plant.integrate import ShaftMotion
 from rotorrig.sims.plant.plant import GRAVITY, Plant
 from rotorrig.sims.plant.shaft import build
-from rotorrig.sims.plant.truth import FaultSpec, nameplate
+from rotorrig.sims.plant.truth import FaultSpec
 
 RPM = np.pi / 30  # rad/s
 H = 1e-4  # s, step of the motions below

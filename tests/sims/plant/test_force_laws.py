@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.force_laws import Force, Motion, Place, Slope, Turn, at, bend, heavy_spot, law, sway, tilt
 from rotorrig.sims.plant.integrate import ShaftMotion
 from rotorrig.sims.plant.shaft import bending_stiffness, build
-from rotorrig.sims.plant.truth import nameplate
 
 H = 1e-4  # s
 

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.integrate import ShaftMotion
 from rotorrig.sims.plant.shaft import MATERIAL_DAMPING, Rotor, build
-from rotorrig.sims.plant.truth import nameplate
 
 from .by_hand import RPM
 

@@ -7,6 +7,7 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.errors import DataError
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.places import (
     bending_spans,
     disk_of_number,
@@ -17,7 +18,6 @@ from rotorrig.sims.plant.places import (
     sought_bearings,
     true_bearing,
 )
-from rotorrig.sims.plant.truth import nameplate
 
 
 def test_bearings_are_those_sought_and_the_others(rk4: RigConfig) -> None:

@@ -9,8 +9,9 @@ import pytest
 from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.plant import sensors
+from rotorrig.sims.plant.draw import draw, nameplate
 from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.truth import FaultSpec, Noise, draw, nameplate
+from rotorrig.sims.plant.truth import FaultSpec, Noise
 
 from .by_hand import RPM, falling_edges, measured, order_phasors, volts_of
 

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.chain import make_chain
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.sensors import VOLTS_PER_COUNT, Sensors, bent
-from rotorrig.sims.plant.truth import Noise, Truth, nameplate
+from rotorrig.sims.plant.truth import Noise, Truth
 
 RATE = 10_000.0
 SENSITIVITY = 7874.0  # V/m

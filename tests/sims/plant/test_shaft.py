@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig, from_si
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.force_laws import Deflection
 from rotorrig.sims.plant.plant import GRAVITY
 from rotorrig.sims.plant.shaft import build
-from rotorrig.sims.plant.truth import nameplate
 from rotorrig.sims.rotor.assembly import assemble
 from rotorrig.sims.rotor.modes import critical_speeds
 from rotorrig.sims.rotor.reduction import reduce

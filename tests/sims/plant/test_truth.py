@@ -8,7 +8,9 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.sims.plant.truth import FaultSpec, draw, identified_truth, nameplate, seal, unseal
+from rotorrig.sims.plant.draw import draw, identified_truth, nameplate
+from rotorrig.sims.plant.sealed_truth import seal, unseal
+from rotorrig.sims.plant.truth import FaultSpec
 
 SEEDS = range(200)
 

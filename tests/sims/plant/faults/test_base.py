@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
+from rotorrig.sims.plant.draw import draw, draw_fault, nameplate
 from rotorrig.sims.plant.faults.base import fault, names
 from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.truth import FaultSpec, Truth, draw, draw_fault, nameplate
+from rotorrig.sims.plant.truth import FaultSpec, Truth
 
 #: parameters that stand in axes fixed to the ground: y up makes them change sign in a mirror
 FIXED_IN_SPACE = {"coupling": "offset_angle", "cross_stiffness": "stiffness", "probe_angle": "turn"}

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.faults import clearance
 from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.truth import FaultSpec, nameplate
+from rotorrig.sims.plant.truth import FaultSpec
 
 from ..by_hand import felt, volts_of
 

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.faults import coupling
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at
 from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.truth import FaultSpec, nameplate
+from rotorrig.sims.plant.truth import FaultSpec
 
 from ..by_hand import RPM, measured
 

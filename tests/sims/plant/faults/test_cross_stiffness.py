@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.faults.base import deviated
 from rotorrig.sims.plant.shaft import build
-from rotorrig.sims.plant.truth import FaultSpec, nameplate
+from rotorrig.sims.plant.truth import FaultSpec
 
 
 def test_a_round_rotor_becomes_critical_twice_along_the_diagonals(jeffcott: RigConfig) -> None:

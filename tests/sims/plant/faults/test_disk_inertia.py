@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.faults.base import restructured
 from rotorrig.sims.plant.shaft import Rotor, build
-from rotorrig.sims.plant.truth import FaultSpec, nameplate
+from rotorrig.sims.plant.truth import FaultSpec
 
 
 def with_inertia(rig: RigConfig, polar: float, transverse: float) -> Rotor:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.faults import hysteresis
 from rotorrig.sims.plant.force_laws import Motion, Turn
-from rotorrig.sims.plant.truth import nameplate
 
 
 def complex_stiffness(rig: RigConfig, hertz: float) -> complex:

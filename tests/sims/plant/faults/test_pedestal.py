@@ -7,9 +7,10 @@ import pytest
 from scipy import linalg
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.faults.base import restructured
 from rotorrig.sims.plant.shaft import Rotor, build
-from rotorrig.sims.plant.truth import FaultSpec, nameplate
+from rotorrig.sims.plant.truth import FaultSpec
 
 VALUES = {"compliance": 4e-6, "frequency": 28.0, "aspect": 0.5}
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.faults import rub
-from rotorrig.sims.plant.truth import nameplate
 
 from ..by_hand import felt, steady
 

@@ -3,8 +3,9 @@
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.faults.base import deviated
-from rotorrig.sims.plant.truth import FaultSpec, nameplate
+from rotorrig.sims.plant.truth import FaultSpec
 
 
 def test_compliances_add_up_under_the_left_pair_and_the_spring_bearing_keeps_its_own(rk4: RigConfig) -> None:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.truth import nameplate
 
 from ..by_hand import RPM, measured, run_to, steady
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.plant.draw import draw_fault, nameplate
 from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.truth import FaultSpec, Truth, UnbalanceTruth, draw_fault, nameplate
+from rotorrig.sims.plant.truth import FaultSpec, Truth, UnbalanceTruth
 
 from ..by_hand import RPM, measured, run_to
 
