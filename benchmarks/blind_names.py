@@ -21,7 +21,7 @@ from rotorrig.sims.effects.unbalance_plane import UnbalancePlane
 from rotorrig.sims.plant.faults.base import fault
 from rotorrig.sims.plant.motor import DRAG_CONSTANT, DRAG_LINEAR
 from rotorrig.sims.plant.truth import FaultSpec, Truth
-from rotorrig.sims.rotor.loads import ONE_RECORDING, between
+from rotorrig.sims.rotor.model.loads import ONE_RECORDING, between
 
 Values = Mapping[str, float]
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from benchmarks.forward_peers import dense
 from benchmarks.tables import markdown
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.assembly import assemble
-from rotorrig.sims.rotor.disk import unbalance_direction
+from rotorrig.sims.rotor.model.assembly import assemble
+from rotorrig.sims.rotor.model.disk import unbalance_direction
 from rotorrig.sims.rotor.receptance import condense, condense_groups
 
 POPULATION = 200

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.assembly import Matrices, RotorModel, matrices, with_bearing
-from rotorrig.sims.rotor.disk import unbalance_direction
+from rotorrig.sims.rotor.model.assembly import Matrices, RotorModel, matrices, with_bearing
+from rotorrig.sims.rotor.model.disk import unbalance_direction
 
 Complex = NDArray[np.complex128]
 Response = Callable[[float, float, float, float, float], Complex]  # kxx, kyy, cxx, cyy, u -> (speed, probe) m

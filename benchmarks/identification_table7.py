@@ -24,7 +24,7 @@ from rotorrig.identify.base_model.steady_forward import Steady, shaft_stiffness
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.config.description import load
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.assembly import assemble
+from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.receptance import condense
 
 ROOT = Path(__file__).parents[1]

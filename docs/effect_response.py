@@ -14,10 +14,10 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.nameplate import Plane
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import Effect, Seen, Theta
-from rotorrig.sims.rotor.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.harmonic import load_columns
-from rotorrig.sims.rotor.loads import Load, unbalance_pattern
-from rotorrig.sims.rotor.reduction import reduce
+from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
+from rotorrig.sims.rotor.model.loads import Load, unbalance_pattern
+from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.steady_law import steady_with_law
 
 Real = NDArray[np.float64]

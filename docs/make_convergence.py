@@ -14,9 +14,9 @@ from threadpoolctl import threadpool_limits
 
 from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.assembly import RotorModel, assemble
-from rotorrig.sims.rotor.beam import Element
 from rotorrig.sims.rotor.harmonic import probe_response
+from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
+from rotorrig.sims.rotor.model.beam import Element
 from rotorrig.sims.rotor.modes import critical_speeds
 
 ROOT = Path(__file__).parents[1]

@@ -15,7 +15,7 @@ from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.sims.effects.base import catalogue, find
 from rotorrig.sims.plant.truth import FaultSpec
-from rotorrig.sims.rotor.loads import ONE_RECORDING
+from rotorrig.sims.rotor.model.loads import ONE_RECORDING
 from tests.conftest import CONFIGS
 from tests.identify.swept import DRAWN, SIGMA, C, K, U, swept_response
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from rotorrig.identify.extended_model.excited_rotor import halved_amounts, halved_loads
-from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.model.loads import Load
 
 
 def test_halves_times_their_amounts_are_the_whole(rng: np.random.Generator) -> None:

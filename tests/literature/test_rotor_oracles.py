@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.harmonic import probe_response, steady_response
+from rotorrig.sims.rotor.model.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.modes import critical_speeds, whirl_modes
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracle"

@@ -50,7 +50,7 @@ def show_model(rig: RigConfig) -> None:
     """Draw the rotor; print its masses, bearing loads and sag, critical speeds and stability. Raises DataError."""
     from rotorrig.app.terminal import model_summary
     from rotorrig.app.terminal.model_drawing import drawing
-    from rotorrig.sims.rotor.assembly import assemble
+    from rotorrig.sims.rotor.model.assembly import assemble
 
     out.print(drawing(rig, width=out.width, plain=out.options.ascii_only))
     out.print()
@@ -117,7 +117,7 @@ def _show_daq(rig: RigConfig) -> None:
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # many small eigenvalue problems: threads only slow them down
 def _critical_rpm(rig: RigConfig) -> list[float]:
-    from rotorrig.sims.rotor.assembly import assemble
+    from rotorrig.sims.rotor.model.assembly import assemble
     from rotorrig.sims.rotor.modes import critical_speeds
 
     return (np.asarray(critical_speeds(assemble(rig), up_to=_ceiling(rig))) * RPM).tolist()

@@ -9,7 +9,7 @@ from rotorrig.rig.errors import ConfigError
 @threadpool_limits.wrap(limits=1, user_api="blas")  # many small eigenvalue problems: threads only slow them down
 def criticals_of(rig: RigConfig) -> list[float]:
     """Return the 1X critical speeds of the nameplate's model [rad/s], up to the fastest the rig may go."""
-    from rotorrig.sims.rotor.assembly import assemble
+    from rotorrig.sims.rotor.model.assembly import assemble
     from rotorrig.sims.rotor.modes import critical_speeds
 
     ceiling = rig.motor.max_speed if rig.motor else 1000.0

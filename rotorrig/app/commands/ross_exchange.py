@@ -24,7 +24,7 @@ def bring_in(file: Path, *, out: Path, keep_nodes: bool) -> list[str]:
 
 def write_out(config: Path, *, out: Path, max_element: str) -> list[str]:
     """Write the rotor of a config for ROSS and return what to say of it, notes first. Raises ConfigError."""
-    from rotorrig.sims.rotor.assembly import assemble
+    from rotorrig.sims.rotor.model.assembly import assemble
 
     rig = load(config)
     try:

@@ -6,8 +6,8 @@ from rich.table import Table
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.campbell import campbell, stability_onset
+from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.modes import critical_modes, critical_speeds, static_sag
 from rotorrig.sims.rotor.statics import bearing_loads, shaft_mass
 

@@ -12,7 +12,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, catalogue
 from rotorrig.sims.effects.internal_damping import InternalDamping
 from rotorrig.sims.effects.unbalance_step import Stretch, UnbalanceStep
-from rotorrig.sims.rotor.loads import ONE_RECORDING, between
+from rotorrig.sims.rotor.model.loads import ONE_RECORDING, between
 
 MOMENTS = 16  # of a recording that are tried first for what may happen at any of them
 

@@ -17,9 +17,9 @@ from rotorrig.identify.extended_model.jacobian import acts_on_probes
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.effects.base import Effect, Parameter
-from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.directions import Direction, between
-from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model.derivatives import Direction, between
+from rotorrig.sims.rotor.model.loads import Load
 
 Complex = NDArray[np.complex128]
 

@@ -23,9 +23,9 @@ from rotorrig.identify.extended_model.unit_responses import UnitResponses
 from rotorrig.identify.least_squares.levenberg_marquardt import TOLERANCE, Stop, Worth, always
 from rotorrig.identify.least_squares.solve import NONE_FIXED, Index, Polished, solve
 from rotorrig.sims.effects.base import Effect, Theta
-from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.directions import Direction, between
-from rotorrig.sims.rotor.loads import Load, unbalance_pattern
+from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model.derivatives import Direction, between
+from rotorrig.sims.rotor.model.loads import Load, unbalance_pattern
 
 Complex = NDArray[np.complex128]
 

@@ -13,8 +13,8 @@ from rotorrig.identify.base_model.parameters import Reals
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.effects.base import Effect
-from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model.loads import Load
 
 Complex = NDArray[np.complex128]
 

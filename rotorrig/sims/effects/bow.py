@@ -15,8 +15,8 @@ from rotorrig.rig.config.nameplate import SHORTEST
 from rotorrig.sims.effects.base import Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import bending_stiffness, called
 from rotorrig.sims.effects.shaft_motion import forward
-from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.loads import Load, bow_force
+from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model.loads import Load, bow_force
 
 
 @dataclass(frozen=True, kw_only=True)

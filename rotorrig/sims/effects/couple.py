@@ -10,8 +10,8 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import disks
 from rotorrig.sims.effects.shaft_motion import forward
-from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model.loads import Load
 
 ROUND = 1e-3  # relative difference of the inertias below which a skew has no moment
 

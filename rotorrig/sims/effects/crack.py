@@ -23,9 +23,9 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.places import bending_stiffness, free_places, span, tube_at
 from rotorrig.sims.effects.shaft_motion import at_rest, curvature_rows
-from rotorrig.sims.rotor.assembly import Added, RotorModel, assemble, with_added
 from rotorrig.sims.rotor.force_law import ForceLaw
-from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added
+from rotorrig.sims.rotor.model.loads import Load
 from rotorrig.sims.rotor.modes import weight
 
 Reals = NDArray[np.float64]

@@ -10,7 +10,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.bearing_terms import on_bearings
 from rotorrig.sims.effects.places import bearing_groups, bearing_words, group_stiffness
-from rotorrig.sims.rotor.assembly import Added, RotorModel, with_added
+from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.places import disks
-from rotorrig.sims.rotor.assembly import Added, RotorModel, with_added
-from rotorrig.sims.rotor.disk import disk_gyroscopic, disk_mass
+from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
+from rotorrig.sims.rotor.model.disk import disk_gyroscopic, disk_mass
 
 
 @dataclass(frozen=True, kw_only=True)

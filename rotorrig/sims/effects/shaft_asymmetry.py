@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Complex, Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.shaft_motion import at_rest, pairwise_map
-from rotorrig.sims.rotor.assembly import Added, RotorModel, with_added
-from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
+from rotorrig.sims.rotor.model.loads import Load
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
 from scipy.interpolate import CubicSpline
 
-from rotorrig.sims.rotor.assembly import RotorModel, matrices
+from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
 from rotorrig.sims.rotor.modes import static_solution, weight
 
 Reals = NDArray[np.float64]

@@ -10,7 +10,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.bearing_terms import own_stiffness
 from rotorrig.sims.effects.places import bearing_words, other_bearings, stiffness
-from rotorrig.sims.rotor.assembly import Added, RotorModel, with_added
+from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
 
 SOFTEST = 5e4  # N/m: below, no such bearing would be taken for a stiff one
 

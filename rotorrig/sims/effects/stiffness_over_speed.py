@@ -11,7 +11,7 @@ from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.bearing_terms import own_stiffness
 from rotorrig.sims.effects.places import bearing_groups, bearing_words, reference_speed
-from rotorrig.sims.rotor.assembly import Added, RotorModel, with_added
+from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
 
 
 @dataclass(frozen=True, kw_only=True)

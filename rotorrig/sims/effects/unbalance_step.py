@@ -15,8 +15,8 @@ from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import Effect, Parameter, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import called, unbalance_sought
 from rotorrig.sims.effects.shaft_motion import forward
-from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.loads import Load, recording_at
+from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model.loads import Load, recording_at
 
 LONGEST = 1e9  # s: a thousand recordings
 

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, speed_stiffness
-from rotorrig.sims.rotor.loads import (
+from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, speed_stiffness
+from rotorrig.sims.rotor.model.loads import (
     NO_FORCE,
     NOTHING,
     Amounts,

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.assembly import RotorModel, matrices
 from rotorrig.sims.rotor.describing import called, phasor, pointers
 from rotorrig.sims.rotor.drive import drive
 from rotorrig.sims.rotor.envelope import polynomial
@@ -22,7 +21,8 @@ from rotorrig.sims.rotor.force_harmonics import OVERTONES
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.law_march import MARCH, march
-from rotorrig.sims.rotor.loads import Load, patterns
+from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
+from rotorrig.sims.rotor.model.loads import Load, patterns
 from rotorrig.sims.rotor.passage import Spectra, passage
 from rotorrig.sims.rotor.passing import passing
 from rotorrig.sims.rotor.sweep import projected

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.rig.errors import ConfigError
-from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, speed_stiffness
+from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, speed_stiffness
 from rotorrig.sims.rotor.timeline import MOST_POWERS, SpeedRange
 
 Reals = NDArray[np.float64]

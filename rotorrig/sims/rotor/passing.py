@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from rotorrig.sims.rotor.assembly import RotorModel
 from rotorrig.sims.rotor.envelope import Envelope
+from rotorrig.sims.rotor.model.assembly import RotorModel
 from rotorrig.sims.rotor.passage import Spectra, passage, spectra
 from rotorrig.sims.rotor.tracking import TrackedRows
 

@@ -21,8 +21,8 @@ from scipy.linalg import lapack
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.rotor import receptance_kernels as kernels
-from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, speed_stiffness, with_bearing
-from rotorrig.sims.rotor.disk import unbalance_direction
+from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, speed_stiffness, with_bearing
+from rotorrig.sims.rotor.model.disk import unbalance_direction
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

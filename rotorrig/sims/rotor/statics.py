@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.nameplate import Shaft
-from rotorrig.sims.rotor.assembly import assemble, matrices
-from rotorrig.sims.rotor.beam import area
+from rotorrig.sims.rotor.model.assembly import assemble, matrices
+from rotorrig.sims.rotor.model.beam import area
 from rotorrig.sims.rotor.modes import static_solution, weight
 
 

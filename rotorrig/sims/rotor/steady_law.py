@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.assembly import RotorModel, matrices
 from rotorrig.sims.rotor.describing import (
     COMPLEX,
     REALS,
@@ -25,7 +24,6 @@ from rotorrig.sims.rotor.describing import (
     settle,
     slopes,
 )
-from rotorrig.sims.rotor.directions import steady_derivatives
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.law_changes import (
@@ -37,7 +35,9 @@ from rotorrig.sims.rotor.law_changes import (
     settled,
 )
 from rotorrig.sims.rotor.law_passage import by_overtones, read_by
-from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
+from rotorrig.sims.rotor.model.derivatives import steady_derivatives
+from rotorrig.sims.rotor.model.loads import Load
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

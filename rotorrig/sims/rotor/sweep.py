@@ -14,12 +14,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.directions import Derivatives, Direction
 from rotorrig.sims.rotor.drive import Drive, drive
 from rotorrig.sims.rotor.envelope import Envelope, Motion
-from rotorrig.sims.rotor.loads import Load, patterns, unbalance_loads, unbalance_pattern
 from rotorrig.sims.rotor.mirrored import Mirror, driven_with_mirror, mirror, mirror_derivatives
+from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model.derivatives import Derivatives, Direction
+from rotorrig.sims.rotor.model.loads import Load, patterns, unbalance_loads, unbalance_pattern
 from rotorrig.sims.rotor.passage import Passage, passage
 from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
 from rotorrig.sims.rotor.passing import passing
@@ -84,7 +84,7 @@ def swept_derivatives(
 ) -> Derivatives:
     """Return the response as swept_columns does, and its derivative along each of the directions.
 
-    A direction is what a unit of a parameter adds to the model's matrices: directions.py. The loads stay as they are:
+    A direction is what a unit of a parameter adds to the model's matrices: derivatives.py. The loads stay as they are:
     where a parameter changes one, add the response to its derivative. The derivatives of the modes are exact; those of
     their motion take the force that a changed mode exerts as quadratic in time over a turn. Against central differences
     on configs/rk4.toml: 4e-6 of the derivative's peak at a damping ratio of 0.02, 2e-5 at 0.0014;

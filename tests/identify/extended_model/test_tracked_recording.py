@@ -9,9 +9,9 @@ from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.assembly import assemble
-from rotorrig.sims.rotor.loads import ONE_RECORDING, Load, between, unbalance_loads
-from rotorrig.sims.rotor.reduction import reduce
+from rotorrig.sims.rotor.model.assembly import assemble
+from rotorrig.sims.rotor.model.loads import ONE_RECORDING, Load, between, unbalance_loads
+from rotorrig.sims.rotor.model.reduction import reduce
 from tests.identify.swept import swept_response
 
 

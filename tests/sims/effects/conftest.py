@@ -3,8 +3,8 @@
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.assembly import RotorModel, assemble
-from rotorrig.sims.rotor.reduction import reduce
+from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
+from rotorrig.sims.rotor.model.reduction import reduce
 
 
 @pytest.fixture(scope="session")

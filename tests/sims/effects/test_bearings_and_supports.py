@@ -9,7 +9,7 @@ from scipy import linalg
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, catalogue, find
 from rotorrig.sims.effects.shaft_motion import pairwise_map
-from rotorrig.sims.rotor.assembly import RotorModel, assemble, matrices, speed_stiffness, with_bearing
+from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, matrices, speed_stiffness, with_bearing
 from tests.sims.effects.predicted import OMEGA, Complex, base_load, motion, pair_at, simple_rig
 
 SPRING, NAMES = 40e3, ("A", "B")

@@ -9,7 +9,7 @@ from rotorrig.sims.effects.shaft_motion import at_rest, position_rows
 from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.plant.truth import FaultSpec
-from rotorrig.sims.rotor.assembly import RotorModel
+from rotorrig.sims.rotor.model.assembly import RotorModel
 from tests.sims.effects.predicted import Complex, base_load, motion
 from tests.sims.plant.by_hand import RPM, order_phasors, run_to, volts_of
 

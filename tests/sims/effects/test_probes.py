@@ -8,7 +8,7 @@ import pytest
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Complex, Seen, catalogue, find
 from rotorrig.sims.effects.line_hum import leak
-from rotorrig.sims.rotor.assembly import assemble
+from rotorrig.sims.rotor.model.assembly import assemble
 from tests.sims.effects.predicted import base_load, motion, pair_at, simple_rig, view
 
 Z = np.array([[10 - 2j, 3j, 4.0, -4j], [1 + 1j, 2.0, 0.5, 0.0]]) * 1e-6  # the last row is the slow roll

@@ -6,8 +6,8 @@ import pytest
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import find
-from rotorrig.sims.rotor.assembly import assemble
-from rotorrig.sims.rotor.reduction import reduce
+from rotorrig.sims.rotor.model.assembly import assemble
+from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.steady_law import steady_with_law
 from tests.sims.effects.predicted import Complex, base_load, motion, pair_at, simple_rig
 from tests.sims.plant.by_hand import steady

@@ -6,7 +6,7 @@ import pytest
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
 from rotorrig.sims.effects.crack import Crack
-from rotorrig.sims.rotor.assembly import assemble, matrices
+from rotorrig.sims.rotor.model.assembly import assemble, matrices
 from tests.sims.effects.predicted import Complex, pair_at, predicted, simple_rig
 
 LIGHT = {"length": 0.4, "diameter": 0.01, "density": 1e-3, "youngs_modulus": 210e9}

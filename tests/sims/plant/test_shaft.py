@@ -10,9 +10,9 @@ from rotorrig.sims.plant.draw import nameplate
 from rotorrig.sims.plant.force_laws import Deflection
 from rotorrig.sims.plant.plant import GRAVITY
 from rotorrig.sims.plant.shaft import build
-from rotorrig.sims.rotor.assembly import assemble
+from rotorrig.sims.rotor.model.assembly import assemble
+from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.modes import critical_speeds
-from rotorrig.sims.rotor.reduction import reduce
 
 from .by_hand import RPM
 

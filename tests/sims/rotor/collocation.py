@@ -9,7 +9,7 @@ import math
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from rotorrig.sims.rotor.assembly import matrices, speed_stiffness
+from rotorrig.sims.rotor.model.assembly import matrices, speed_stiffness
 from rotorrig.sims.rotor.timeline import Timeline
 
 RPM = np.pi / 30

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig, load
-from rotorrig.sims.rotor.assembly import RotorModel, assemble
-from rotorrig.sims.rotor.reduction import reduce
+from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
+from rotorrig.sims.rotor.model.reduction import reduce
 
 
 @pytest.fixture(scope="session")

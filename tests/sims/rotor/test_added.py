@@ -5,14 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.assembly import Added, matrices, speed_stiffness, with_added, with_bearing, with_coordinates
 from rotorrig.sims.rotor.campbell import stability_onset
-from rotorrig.sims.rotor.directions import Direction, steady_derivatives
 from rotorrig.sims.rotor.harmonic import dynamic_stiffness, probe_response
-from rotorrig.sims.rotor.loads import bow_force
+from rotorrig.sims.rotor.model.assembly import (
+    Added,
+    matrices,
+    speed_stiffness,
+    with_added,
+    with_bearing,
+    with_coordinates,
+)
+from rotorrig.sims.rotor.model.derivatives import Direction, steady_derivatives
+from rotorrig.sims.rotor.model.loads import bow_force
+from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.modes import critical_speeds, whirl_modes
 from rotorrig.sims.rotor.receptance import condense
-from rotorrig.sims.rotor.reduction import reduce
 from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
 from rotorrig.sims.rotor.tracking import tracked_rows
 from tests.sims.rotor.collocation import RPM, Ramp

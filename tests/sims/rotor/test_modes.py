@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import from_si
-from rotorrig.sims.rotor.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.harmonic import probe_response
+from rotorrig.sims.rotor.model.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.modes import critical_modes, critical_speeds, natural_frequencies, static_sag, whirl_modes
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from rotorrig.sims.rotor import passage
-from rotorrig.sims.rotor.assembly import RotorModel, with_bearing
 from rotorrig.sims.rotor.harmonic import probe_response
-from rotorrig.sims.rotor.loads import unbalance_pattern
+from rotorrig.sims.rotor.model.assembly import RotorModel, with_bearing
+from rotorrig.sims.rotor.model.loads import unbalance_pattern
 from rotorrig.sims.rotor.modes import whirl_modes
 from rotorrig.sims.rotor.timeline import SpeedRange
 

@@ -5,9 +5,9 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.assembly import RotorModel, scaled, with_bearing
-from rotorrig.sims.rotor.directions import along_bearing, along_density, along_disk_mass, along_modulus
-from rotorrig.sims.rotor.loads import unbalance_pattern
+from rotorrig.sims.rotor.model.assembly import RotorModel, scaled, with_bearing
+from rotorrig.sims.rotor.model.derivatives import along_bearing, along_density, along_disk_mass, along_modulus
+from rotorrig.sims.rotor.model.loads import unbalance_pattern
 from rotorrig.sims.rotor.passage import Passage, passage, spectra
 from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
 from rotorrig.sims.rotor.timeline import SpeedRange

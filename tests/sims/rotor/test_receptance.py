@@ -11,9 +11,9 @@ import pytest
 
 from rotorrig.rig.config.description import from_si
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.sims.rotor.assembly import assemble, matrices, with_bearing
-from rotorrig.sims.rotor.disk import unbalance_direction
 from rotorrig.sims.rotor.harmonic import probe_response
+from rotorrig.sims.rotor.model.assembly import assemble, matrices, with_bearing
+from rotorrig.sims.rotor.model.disk import unbalance_direction
 from rotorrig.sims.rotor.receptance import condense, condense_groups
 
 OMEGA = np.linspace(50, 380, 60)  # through the critical speed

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.assembly import Added, RotorModel, assemble, with_added
-from rotorrig.sims.rotor.directions import between
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.law_changes import LawChange
-from rotorrig.sims.rotor.loads import unbalance_loads
-from rotorrig.sims.rotor.reduction import reduce
+from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added
+from rotorrig.sims.rotor.model.derivatives import between
+from rotorrig.sims.rotor.model.loads import unbalance_loads
+from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.steady_law import steady_law_derivatives, steady_with_law
 from rotorrig.sims.rotor.sweep import swept_columns
 from rotorrig.sims.rotor.swept_law import swept_with_law

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.sims.rotor.drive import drive
-from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.model.loads import Load
 from rotorrig.sims.rotor.timeline import SpeedRange, Timeline
 from rotorrig.sims.rotor.tracking import tracked_rows
 

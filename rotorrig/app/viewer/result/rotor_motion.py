@@ -17,8 +17,8 @@ from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.identification import Fit
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.harmonic import steady_response
+from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.modes import Mode, critical_modes, manageable, whirl_modes
 
 MOST_MODES = 3

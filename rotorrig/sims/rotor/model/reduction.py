@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from rotorrig.sims.rotor.assembly import RotorModel, mapped, matrices
-from rotorrig.sims.rotor.bearing import BearingAttachment, with_coefficients
+from rotorrig.sims.rotor.model.assembly import RotorModel, mapped, matrices
+from rotorrig.sims.rotor.model.bearing import BearingAttachment, with_coefficients
 
 HOLDING = 1e3  # N/m: a bearing of less (0: to be identified) still holds the shaft while the basis is made
 DEPENDENT = 1e-9  # singular values below this part of the largest are repeated directions

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.nameplate import Tube
-from rotorrig.sims.rotor.beam import area, second_moment, shaft_element, shear_factor
+from rotorrig.sims.rotor.model.beam import area, second_moment, shaft_element, shear_factor
 
 LENGTH = 0.2
 TUBE = Tube(

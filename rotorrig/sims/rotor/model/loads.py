@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
 
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.assembly import RotorModel
-from rotorrig.sims.rotor.disk import unbalance_direction
+from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model.disk import unbalance_direction
 
 Amounts = Mapping[str, complex]  # disk or plane -> amount and phase, in the sense of rotation
 Forces = Mapping[str, tuple[ArrayLike, ArrayLike]]  # disk, plane or elastic bearing -> Fx, Fy [N], phasors

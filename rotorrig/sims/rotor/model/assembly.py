@@ -18,15 +18,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.nameplate import SHORTEST, Rayleigh, Tube
-from rotorrig.sims.rotor.beam import NODE_DOF, Element, shaft_element
-from rotorrig.sims.rotor.bearing import (
+from rotorrig.sims.rotor.model.beam import NODE_DOF, Element, shaft_element
+from rotorrig.sims.rotor.model.bearing import (
     BearingAttachment,
     attached_bearing,
     bearing_damping,
     bearing_stiffness,
     with_coefficients,
 )
-from rotorrig.sims.rotor.disk import DiskAttachment, PlaneAttachment, attached_disk, disk_gyroscopic, disk_mass
+from rotorrig.sims.rotor.model.disk import DiskAttachment, PlaneAttachment, attached_disk, disk_gyroscopic, disk_mass
 
 
 class _Named(Protocol):

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.sims.rotor.assembly import RotorModel, hysteretic, matrices, speed_stiffness
-from rotorrig.sims.rotor.disk import disk_gyroscopic, disk_mass
 from rotorrig.sims.rotor.harmonic import dynamic_stiffness, load_columns
-from rotorrig.sims.rotor.loads import Load, patterns, unbalance_loads
+from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, speed_stiffness
+from rotorrig.sims.rotor.model.disk import disk_gyroscopic, disk_mass
+from rotorrig.sims.rotor.model.loads import Load, patterns, unbalance_loads
 from rotorrig.sims.rotor.real_linear import solve_with_conjugate
 
 Complex = NDArray[np.complex128]

@@ -16,10 +16,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.assembly import Added, RotorModel
-from rotorrig.sims.rotor.bearing import BearingAttachment
-from rotorrig.sims.rotor.directions import Direction
-from rotorrig.sims.rotor.loads import Load
+from rotorrig.sims.rotor.model.assembly import Added, RotorModel
+from rotorrig.sims.rotor.model.bearing import BearingAttachment
+from rotorrig.sims.rotor.model.derivatives import Direction
+from rotorrig.sims.rotor.model.loads import Load
 
 
 def reversed_rotor(model: RotorModel) -> RotorModel:
