@@ -18,7 +18,7 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.sims.rotor.model.assembly import assemble
-from rotorrig.sims.rotor.modes import whirl_modes
+from rotorrig.sims.rotor.modes.modes import whirl_modes
 
 E, G, DENSITY = 211e9, 81.2e9, 7810.0
 TURN = 2 * math.pi

@@ -11,7 +11,7 @@ import pytest
 
 from rotorrig.sims.rotor.harmonic import probe_response, steady_response
 from rotorrig.sims.rotor.model.assembly import assemble, with_bearing
-from rotorrig.sims.rotor.modes import critical_speeds, whirl_modes
+from rotorrig.sims.rotor.modes.modes import critical_speeds, whirl_modes
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracle"
 RPM = np.pi / 30

@@ -118,7 +118,7 @@ def _show_daq(rig: RigConfig) -> None:
 @threadpool_limits.wrap(limits=1, user_api="blas")  # many small eigenvalue problems: threads only slow them down
 def _critical_rpm(rig: RigConfig) -> list[float]:
     from rotorrig.sims.rotor.model.assembly import assemble
-    from rotorrig.sims.rotor.modes import critical_speeds
+    from rotorrig.sims.rotor.modes.modes import critical_speeds
 
     return (np.asarray(critical_speeds(assemble(rig), up_to=_ceiling(rig))) * RPM).tolist()
 

@@ -10,7 +10,7 @@ from rotorrig.rig.errors import ConfigError
 def criticals_of(rig: RigConfig) -> list[float]:
     """Return the 1X critical speeds of the nameplate's model [rad/s], up to the fastest the rig may go."""
     from rotorrig.sims.rotor.model.assembly import assemble
-    from rotorrig.sims.rotor.modes import critical_speeds
+    from rotorrig.sims.rotor.modes.modes import critical_speeds
 
     ceiling = rig.motor.max_speed if rig.motor else 1000.0
     return [float(speed) for speed in critical_speeds(assemble(rig), up_to=ceiling)]

@@ -6,10 +6,10 @@ from rich.table import Table
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.campbell import campbell, stability_onset
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
-from rotorrig.sims.rotor.modes import critical_modes, critical_speeds, static_sag
-from rotorrig.sims.rotor.statics import bearing_loads, shaft_mass
+from rotorrig.sims.rotor.modes.campbell import campbell, stability_onset
+from rotorrig.sims.rotor.modes.modes import critical_modes, critical_speeds, static_sag
+from rotorrig.sims.rotor.modes.statics import bearing_loads, shaft_mass
 
 CIRCULAR = 0.1  # of a mode's whirl: below, it is called neither forward nor backward
 SPEEDS = 31  # at which modes are followed from rest

@@ -26,7 +26,7 @@ from rotorrig.sims.effects.shaft_motion import at_rest, curvature_rows
 from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added
 from rotorrig.sims.rotor.model.loads import Load
-from rotorrig.sims.rotor.modes import weight
+from rotorrig.sims.rotor.modes.modes import weight
 
 Reals = NDArray[np.float64]
 

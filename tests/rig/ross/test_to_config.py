@@ -16,7 +16,7 @@ from rotorrig.rig.ross.reading import read_ross
 from rotorrig.rig.ross.rotor import RossRotor
 from rotorrig.rig.ross.to_config import config_text
 from rotorrig.sims.rotor.model.assembly import assemble
-from rotorrig.sims.rotor.modes import whirl_modes
+from rotorrig.sims.rotor.modes.modes import whirl_modes
 
 Stored = Callable[[str], Path]
 

@@ -14,7 +14,7 @@ from rotorrig.rig.ross.reading import read_ross
 from rotorrig.rig.ross.to_config import config_text
 from rotorrig.rig.ross.writing import ross_text
 from rotorrig.sims.rotor.model.assembly import assemble
-from rotorrig.sims.rotor.modes import whirl_modes
+from rotorrig.sims.rotor.modes.modes import whirl_modes
 
 Answers = tuple[dict[str, Any], Path]
 

@@ -12,7 +12,7 @@ from rotorrig.sims.plant.plant import GRAVITY
 from rotorrig.sims.plant.shaft import build
 from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.modes import critical_speeds
+from rotorrig.sims.rotor.modes.modes import critical_speeds
 
 from .by_hand import RPM
 

@@ -14,7 +14,7 @@ from rotorrig.app.viewer.plots.rotor_3d import RotorPicture
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.app.viewer.result.rotor_motion import RotorMotion
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.modes import Mode
+from rotorrig.sims.rotor.modes.modes import Mode
 
 DRAWN = 0.09  # of the shaft's length: the largest deflection in the picture
 STEP = math.radians(30.0)  # a mode shape turns on by it from one speed to the next

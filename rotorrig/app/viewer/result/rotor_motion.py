@@ -19,7 +19,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.rotor.harmonic import steady_response
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
-from rotorrig.sims.rotor.modes import Mode, critical_modes, manageable, whirl_modes
+from rotorrig.sims.rotor.modes.modes import Mode, critical_modes, manageable, whirl_modes
 
 MOST_MODES = 3
 BEYOND = 1.25  # of the fastest speed: how far critical speeds are looked for

@@ -20,7 +20,7 @@ from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import assemble
-from rotorrig.sims.rotor.modes import critical_modes
+from rotorrig.sims.rotor.modes.modes import critical_modes
 
 RAD = np.pi / 30  # rad/s per rpm
 

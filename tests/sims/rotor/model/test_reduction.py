@@ -6,7 +6,7 @@ import pytest
 from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import matrices, scaled, with_bearing
 from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.modes import static_sag
+from rotorrig.sims.rotor.modes.modes import static_sag
 
 OMEGA = np.linspace(25, 420, 40)  # 240 to 4000 rpm
 

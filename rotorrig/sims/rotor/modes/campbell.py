@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
 
 from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.modes import Mode, eigenpairs, eigenvalues, manageable, mode_of, still, whirl_modes
+from rotorrig.sims.rotor.modes.modes import Mode, eigenpairs, eigenvalues, manageable, mode_of, still, whirl_modes
 
 SPARE = 6  # modes beyond those asked for, among which a branch may find its continuation
 ANOTHER = 1.0  # a step of a branch with a larger change of eigenvalue and shape is one to another mode

@@ -7,7 +7,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.nameplate import Shaft
 from rotorrig.sims.rotor.model.assembly import assemble, matrices
 from rotorrig.sims.rotor.model.beam import area
-from rotorrig.sims.rotor.modes import static_solution, weight
+from rotorrig.sims.rotor.modes.modes import static_solution, weight
 
 
 def shaft_mass(shaft: Shaft) -> float:

@@ -6,7 +6,13 @@ import pytest
 from rotorrig.rig.config.description import from_si
 from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import assemble, with_bearing
-from rotorrig.sims.rotor.modes import critical_modes, critical_speeds, natural_frequencies, static_sag, whirl_modes
+from rotorrig.sims.rotor.modes.modes import (
+    critical_modes,
+    critical_speeds,
+    natural_frequencies,
+    static_sag,
+    whirl_modes,
+)
 
 
 def test_a_mode_is_a_free_motion_of_the_rotor(small):

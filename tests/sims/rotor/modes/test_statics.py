@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig, from_si
-from rotorrig.sims.rotor.modes import GRAVITY
-from rotorrig.sims.rotor.statics import bearing_loads, shaft_mass
+from rotorrig.sims.rotor.modes.modes import GRAVITY
+from rotorrig.sims.rotor.modes.statics import bearing_loads, shaft_mass
 
 STEEL = {"density": 7800.0, "youngs_modulus": 2e11}
 LIGHT = {"density": 1e-6, "youngs_modulus": 2e11}

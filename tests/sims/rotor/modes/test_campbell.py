@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import from_si
-from rotorrig.sims.rotor.campbell import campbell, stability_onset
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, with_bearing
-from rotorrig.sims.rotor.modes import critical_speeds, whirl_modes
+from rotorrig.sims.rotor.modes.campbell import campbell, stability_onset
+from rotorrig.sims.rotor.modes.modes import critical_speeds, whirl_modes
 
 SPEEDS = np.linspace(0.0, 400.0, 41)  # rad/s
 
