@@ -23,15 +23,15 @@ from threadpoolctl import threadpool_limits
 from benchmarks.tables import markdown
 from rotorrig.rig.config.description import load
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.force_law import ForceLaw
-from rotorrig.sims.rotor.law_changes import LawChange
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.model.derivatives import Direction, along_bearing, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.model.loads import Load, unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
+from rotorrig.sims.rotor.nonlinear.changes import LawChange
+from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.rotor.nonlinear.swept_derivatives import swept_law_derivatives
+from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
 from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
-from rotorrig.sims.rotor.swept_law import swept_with_law
-from rotorrig.sims.rotor.swept_law_derivatives import swept_law_derivatives
 from rotorrig.sims.rotor.timeline import Timeline
 from rotorrig.sims.rotor.tracking import TrackedRows, tracked_rows
 

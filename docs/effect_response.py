@@ -18,7 +18,7 @@ from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.model.loads import Load, unbalance_pattern
 from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.steady_law import steady_with_law
+from rotorrig.sims.rotor.nonlinear.steady_response import steady_with_law
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

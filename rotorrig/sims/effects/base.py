@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims import effects as folder
-from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.model.assembly import RotorModel
 from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 
 Complex = NDArray[np.complex128]
 Theta = Mapping[str, float]

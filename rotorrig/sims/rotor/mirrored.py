@@ -18,8 +18,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rotorrig.sims.rotor.envelope import Envelope, Motion, polynomial
-from rotorrig.sims.rotor.law_march import SMOOTH, STRAIGHT
 from rotorrig.sims.rotor.model.derivatives import Direction
+from rotorrig.sims.rotor.nonlinear.march import SMOOTH, STRAIGHT
 from rotorrig.sims.rotor.passage import Passage, Spectra
 from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
 from rotorrig.sims.rotor.real_linear import solve_with_conjugate

@@ -19,7 +19,7 @@ class Passing:
 
     spectra: Spectra
     envelope: Envelope
-    marches: list[tuple[Any, Any]] = field(default_factory=list, repr=False, compare=False)  # of law_passage.py
+    marches: list[tuple[Any, Any]] = field(default_factory=list, repr=False, compare=False)  # of swept_motion.py
 
 
 def passing(model: RotorModel, rows: TrackedRows) -> Passing:

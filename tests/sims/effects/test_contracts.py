@@ -8,9 +8,9 @@ import pytest
 from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.sims import effects as folder
 from rotorrig.sims.effects.base import Effect, catalogue, find, magnitudes, phasor
-from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, matrices, speed_stiffness
 from rotorrig.sims.rotor.modes import modes
+from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from tests.sims.effects.predicted import ORDERS, motion, pair_at, predicted, simple_rig, typical, view
 
 ROOT = Path(__file__).parents[3]

@@ -8,9 +8,9 @@ from scipy import optimize
 
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.sims.effects.base import Effect, catalogue, find
-from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from tests.sims.effects.predicted import Complex, base_load, motion, pair_at, simple_rig
 
 OMEGA = 230.0  # rad/s

@@ -8,7 +8,7 @@ from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import find
 from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.steady_law import steady_with_law
+from rotorrig.sims.rotor.nonlinear.steady_response import steady_with_law
 from tests.sims.effects.predicted import Complex, base_load, motion, pair_at, simple_rig
 from tests.sims.plant.by_hand import steady
 

@@ -12,8 +12,8 @@ import numpy as np
 from numba import njit, types
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.describing import COMPLEX, REALS, foresee, settle
 from rotorrig.sims.rotor.march import invert
+from rotorrig.sims.rotor.nonlinear.harmonic_balance import COMPLEX, REALS, foresee, settle
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

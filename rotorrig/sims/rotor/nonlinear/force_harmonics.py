@@ -1,10 +1,10 @@
-"""The compiled part of describing.py: mean and harmonics of a force on a periodic motion, and how they change with it.
+"""The compiled part of harmonic_balance.py: mean and harmonics of a force on a periodic motion, and how they change with it.
 
 A place moves as x = mean + Re(Q e^{j psi}) and its overtones up to the third; its force is evaluated at POINTS angles
 and its mean and harmonics taken (alternating frequency and time: Cameron, Griffin, J. Appl. Mech. 56 (1989) 149).
 The kernels are loops throughout: numba takes ten times as long to compile expressions of whole arrays, and on so few
 numbers they are slower too. numba's cache of a function does not see changes to what it calls in another file: after
-a change here, delete the *.nbi and *.nbc beside what calls it (describing.py, law_march.py, steady_law.py).
+a change here, delete the *.nbi and *.nbc beside what calls it (harmonic_balance.py, march.py, steady_response.py).
 
 Motions u and forces F are (part,) = (7 place,), place being x and y of every law in turn: all means, then of one
 harmonic after the other all real parts and all imaginary ones. Where no law is found with its overtones, they are

@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
-from rotorrig.sims.rotor.law_changes import LawChange
 from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added
 from rotorrig.sims.rotor.model.derivatives import between
 from rotorrig.sims.rotor.model.loads import unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.steady_law import steady_law_derivatives, steady_with_law
+from rotorrig.sims.rotor.nonlinear.changes import LawChange
+from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.rotor.nonlinear.steady_response import steady_law_derivatives, steady_with_law
+from rotorrig.sims.rotor.nonlinear.swept_derivatives import swept_law_derivatives
+from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
 from rotorrig.sims.rotor.sweep import swept_columns
-from rotorrig.sims.rotor.swept_law import swept_with_law
-from rotorrig.sims.rotor.swept_law_derivatives import swept_law_derivatives
 from tests.sims.rotor import jeffcott
-from tests.sims.rotor.test_swept_law import DOWN, U, at_disk, cubic, error, friction, laid_out, spring
+from tests.sims.rotor.nonlinear.test_swept_response import DOWN, U, at_disk, cubic, error, friction, laid_out, spring
 
 OMEGA = np.linspace(180, 260, 9)  # rad/s
 OFF_CENTRE = (2e-5, -1e-5)  # m, so that the mean and 2X are in it

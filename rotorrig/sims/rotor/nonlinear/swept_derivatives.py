@@ -9,14 +9,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.sims.rotor.describing import slopes
-from rotorrig.sims.rotor.force_law import ForceLaw
-from rotorrig.sims.rotor.law_changes import LawChange, LawDerivatives, overtone_derivatives, settled
-from rotorrig.sims.rotor.law_forcing import Forcing, forcing
-from rotorrig.sims.rotor.law_passage import LawPassage, Marched, at_once
-from rotorrig.sims.rotor.law_tangent import tangent
 from rotorrig.sims.rotor.model.assembly import RotorModel
 from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.nonlinear.changes import LawChange, LawDerivatives, overtone_derivatives, settled
+from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.rotor.nonlinear.harmonic_balance import slopes
+from rotorrig.sims.rotor.nonlinear.march_tangent import tangent
+from rotorrig.sims.rotor.nonlinear.swept_forcing import Forcing, forcing
+from rotorrig.sims.rotor.nonlinear.swept_motion import LawPassage, Marched, at_once
 from rotorrig.sims.rotor.sweep import projected
 from rotorrig.sims.rotor.tracking import TrackedRows
 

@@ -19,7 +19,8 @@ from numba import njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.force_harmonics import (
+from rotorrig.sims.rotor.march import invert
+from rotorrig.sims.rotor.nonlinear.force_harmonics import (
     REORDERED,
     every_harmonics,
     every_slopes,
@@ -27,8 +28,7 @@ from rotorrig.sims.rotor.force_harmonics import (
     largest,
     slopes_of,
 )
-from rotorrig.sims.rotor.force_law import POINTER, ForceLaw
-from rotorrig.sims.rotor.march import invert
+from rotorrig.sims.rotor.nonlinear.force_law import POINTER, ForceLaw
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.describing import called, phasor, pointers
 from rotorrig.sims.rotor.drive import drive
 from rotorrig.sims.rotor.envelope import polynomial
-from rotorrig.sims.rotor.force_harmonics import OVERTONES
-from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
-from rotorrig.sims.rotor.law_march import MARCH, march
 from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
 from rotorrig.sims.rotor.model.loads import Load, patterns
+from rotorrig.sims.rotor.nonlinear.force_harmonics import OVERTONES
+from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.rotor.nonlinear.harmonic_balance import called, phasor, pointers
+from rotorrig.sims.rotor.nonlinear.march import MARCH, march
 from rotorrig.sims.rotor.passage import Spectra, passage
 from rotorrig.sims.rotor.passing import passing
 from rotorrig.sims.rotor.sweep import projected
@@ -41,7 +41,7 @@ class Marched:
 
     a: Complex  # (turn, mode) of the passed modes
     rate: Complex  # (turn, mode) 1/s
-    u: Reals  # (turn, part) of the laws' places, as in describing.py
+    u: Reals  # (turn, part) of the laws' places, as in harmonic_balance.py
     F: Reals  # (turn, part) N, the force on them
     above: Complex  # (turn, overtone, place, place) m/N, how far a unit of the force's overtones moves them
 

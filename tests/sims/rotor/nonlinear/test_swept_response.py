@@ -11,14 +11,14 @@ import pytest
 from numba import njit
 
 from rotorrig.rig.errors import ConfigError
-from rotorrig.sims.rotor.force_law import ForceLaw
 from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import Added, assemble, matrices, with_added
 from rotorrig.sims.rotor.model.loads import unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.steady_law import steady_with_law
+from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.rotor.nonlinear.steady_response import steady_with_law
+from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
 from rotorrig.sims.rotor.sweep import swept_columns
-from rotorrig.sims.rotor.swept_law import swept_with_law
 from rotorrig.sims.rotor.tracking import tracked_rows
 from tests.sims.rotor import jeffcott
 from tests.sims.rotor.collocation import RPM, Ramp

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.describing import phasor
 from rotorrig.sims.rotor.envelope import polynomial
-from rotorrig.sims.rotor.law_changes import LawChange, by_changed, changing_laws
-from rotorrig.sims.rotor.law_passage import LawPassage, Marched, at_once
 from rotorrig.sims.rotor.model.assembly import matrices
 from rotorrig.sims.rotor.model.derivatives import Direction
+from rotorrig.sims.rotor.nonlinear.changes import LawChange, by_changed, changing_laws
+from rotorrig.sims.rotor.nonlinear.harmonic_balance import phasor
+from rotorrig.sims.rotor.nonlinear.swept_motion import LawPassage, Marched, at_once
 from rotorrig.sims.rotor.passage import Passage
 from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
 

@@ -13,7 +13,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.describing import (
+from rotorrig.sims.rotor.harmonic import load_columns
+from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
+from rotorrig.sims.rotor.model.derivatives import steady_derivatives
+from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.nonlinear.changes import (
+    LawChange,
+    LawDerivatives,
+    by_changed,
+    changing_laws,
+    overtone_derivatives,
+    settled,
+)
+from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.rotor.nonlinear.harmonic_balance import (
     COMPLEX,
     REALS,
     called,
@@ -24,20 +37,7 @@ from rotorrig.sims.rotor.describing import (
     settle,
     slopes,
 )
-from rotorrig.sims.rotor.force_law import ForceLaw
-from rotorrig.sims.rotor.harmonic import load_columns
-from rotorrig.sims.rotor.law_changes import (
-    LawChange,
-    LawDerivatives,
-    by_changed,
-    changing_laws,
-    overtone_derivatives,
-    settled,
-)
-from rotorrig.sims.rotor.law_passage import by_overtones, read_by
-from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
-from rotorrig.sims.rotor.model.derivatives import steady_derivatives
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.nonlinear.swept_motion import by_overtones, read_by
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
