@@ -26,7 +26,7 @@ from benchmarks.forward_peers import dense, real_form, ross, ross_case
 from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
-from rotorrig.sims.rotor.receptance import Receptance, condense
+from rotorrig.sims.rotor.steady.receptance import Receptance, condense
 
 ROOT = Path(__file__).parents[1]
 ORACLES = ROOT / "tests/data/oracle"  # whose speeds are used

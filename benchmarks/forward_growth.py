@@ -13,7 +13,7 @@ from benchmarks.tables import markdown
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.model.disk import unbalance_direction
-from rotorrig.sims.rotor.receptance import condense, condense_groups
+from rotorrig.sims.rotor.steady.receptance import condense, condense_groups
 
 POPULATION = 200
 LARGEST_DENSE = 100  # elements up to which the dense solve is timed

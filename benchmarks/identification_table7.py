@@ -25,7 +25,7 @@ from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.config.description import load
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.rotor.model.assembly import assemble
-from rotorrig.sims.rotor.receptance import condense
+from rotorrig.sims.rotor.steady.receptance import condense
 
 ROOT = Path(__file__).parents[1]
 TRUTH = np.array([50e6, 70e6, 500.0, 700.0, 200e-6])  # Table 5: kxx, kyy, cxx, cyy, u

@@ -20,9 +20,9 @@ from rotorrig.processing.rows.rows import Rows
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.provenance import Provenance
-from rotorrig.sims.rotor.harmonic import dynamic_stiffness, probe_response
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.model.reduction import reduce
+from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, probe_response
 from rotorrig.sims.rotor.sweep import swept_response
 from rotorrig.sims.rotor.timeline import TURN, Timeline
 

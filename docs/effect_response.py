@@ -14,11 +14,11 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.nameplate import Plane
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import Effect, Seen, Theta
-from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.model.loads import Load, unbalance_pattern
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.nonlinear.steady_response import steady_with_law
+from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -14,10 +14,10 @@ from threadpoolctl import threadpool_limits
 
 from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.model.beam import Element
 from rotorrig.sims.rotor.modes.modes import critical_speeds
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 ROOT = Path(__file__).parents[1]
 DOCUMENT = ROOT / "docs" / "rotor-model.md"

@@ -13,8 +13,8 @@ from benchmarks.uncertainty_page import page
 from rotorrig.identify.fit import fit
 from rotorrig.identify.measurement import measure
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import assemble, with_bearing
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 QUICK = Design(ramp=60.0)  # rad/s^2
 

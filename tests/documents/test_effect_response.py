@@ -7,8 +7,8 @@ from docs.effect_pictures import DRAWN, signatures
 from docs.effect_response import HIGHEST, HOLD, LOWEST, RAMP, Sweep, vectors
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import assemble
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 SWEEP = Sweep.even()
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.provenance import Provenance
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import assemble, scaled, with_bearing
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 RPM = np.pi / 30
 SLOW_ROLL = 240 * RPM

@@ -10,10 +10,10 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.provenance import Provenance
 from rotorrig.sims.effects.base import Effect, Seen
-from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, with_bearing
 from rotorrig.sims.rotor.model.loads import Load, unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
+from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 from rotorrig.sims.rotor.sweep import swept_columns
 from rotorrig.sims.rotor.timeline import TURN, Timeline
 from rotorrig.sims.rotor.tracking import tracked_rows

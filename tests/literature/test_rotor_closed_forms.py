@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig, from_si
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.modes.campbell import stability_onset
 from rotorrig.sims.rotor.modes.modes import critical_modes, natural_frequencies, static_sag, whirl_modes
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 
 def rotor(*, shaft: dict, disk: dict, bearings: dict[float, float], probe: float) -> RigConfig:

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.harmonic import probe_response, steady_response
 from rotorrig.sims.rotor.model.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.modes.modes import critical_speeds, whirl_modes
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response, steady_response
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracle"
 RPM = np.pi / 30

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.structure import StructuralModel, Structure
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.sims.rotor.harmonic import columns
-from rotorrig.sims.rotor.model.derivatives import steady_derivatives
+from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
+from rotorrig.sims.rotor.steady.harmonic_response import columns
 from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
 from rotorrig.sims.rotor.timeline import Timeline
 from rotorrig.sims.rotor.tracking import tracked_rows

@@ -14,7 +14,7 @@ from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.model.disk import unbalance_direction
-from rotorrig.sims.rotor.receptance import Derivatives, Receptance, condense_groups
+from rotorrig.sims.rotor.steady.receptance import Derivatives, Receptance, condense_groups
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

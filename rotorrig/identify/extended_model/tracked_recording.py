@@ -15,9 +15,8 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Seen
 from rotorrig.sims.effects.line_hum import leak
-from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.derivatives import Derivatives, Direction, steady_derivatives
+from rotorrig.sims.rotor.model.derivatives import Direction
 from rotorrig.sims.rotor.model.loads import Load, in_recording
 from rotorrig.sims.rotor.model.reversal import reversed_direction, reversed_load, reversed_rotor
 from rotorrig.sims.rotor.nonlinear.changes import LawChange, LawDerivatives
@@ -25,6 +24,8 @@ from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.steady_response import steady_law_derivatives, steady_with_law
 from rotorrig.sims.rotor.nonlinear.swept_derivatives import swept_law_derivatives
 from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
+from rotorrig.sims.rotor.steady.derivatives import Derivatives, steady_derivatives
+from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
 from rotorrig.sims.rotor.timeline import Timeline
 from rotorrig.sims.rotor.tracking import tracked_rows

@@ -22,7 +22,7 @@ from rotorrig.sims.rotor.model.derivatives import Direction
 from rotorrig.sims.rotor.nonlinear.march import SMOOTH, STRAIGHT
 from rotorrig.sims.rotor.passage import Passage, Spectra
 from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
-from rotorrig.sims.rotor.real_linear import solve_with_conjugate
+from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate
 from rotorrig.sims.rotor.tracking import TrackedRows
 
 Reals = NDArray[np.float64]

@@ -7,8 +7,8 @@ from rotorrig.identify.base_model.steady_forward import Steady, shaft_stiffness
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import assemble, with_bearing
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 from tests.identify.matched import sought
 
 OMEGA = np.linspace(480, 3600, 40) / RPM

@@ -7,9 +7,9 @@ import pytest
 
 from rotorrig.identify.base_model.structure import StructuralModel, Structure, with_places
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.model.derivatives import between
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 PROBES = ("2y", "1x")
 OMEGA = np.array([900.0, 2150.0, 3000.0]) * np.pi / 30

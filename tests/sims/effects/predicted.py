@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import Effect, Seen
-from rotorrig.sims.rotor.harmonic import dynamic_stiffness
 from rotorrig.sims.rotor.model.assembly import RotorModel
 from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness
 
 Complex = NDArray[np.complex128]
 

@@ -8,8 +8,8 @@ import pytest
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.sims.effects.base import Effect, catalogue, find
 from rotorrig.sims.effects.unbalance_step import Stretch
-from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import assemble
+from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 from tests.sims.effects.predicted import Complex, motion, pair_at, predicted, simple_rig
 
 EI = 210e9 * np.pi * 0.01**4 / 64  # of simple_rig

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.harmonic import dynamic_stiffness, probe_response
 from rotorrig.sims.rotor.model.assembly import (
     Added,
     matrices,
@@ -14,12 +13,14 @@ from rotorrig.sims.rotor.model.assembly import (
     with_bearing,
     with_coordinates,
 )
-from rotorrig.sims.rotor.model.derivatives import Direction, steady_derivatives
+from rotorrig.sims.rotor.model.derivatives import Direction
 from rotorrig.sims.rotor.model.loads import bow_force
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.modes.campbell import stability_onset
 from rotorrig.sims.rotor.modes.modes import critical_speeds, whirl_modes
-from rotorrig.sims.rotor.receptance import condense
+from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
+from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, probe_response
+from rotorrig.sims.rotor.steady.receptance import condense
 from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
 from rotorrig.sims.rotor.tracking import tracked_rows
 from tests.sims.rotor.collocation import RPM, Ramp

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.harmonic import dynamic_stiffness, probe_response, steady_response
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, hysteretic, matrices, with_bearing
+from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, probe_response, steady_response
 from tests.sims.rotor.random_rotors import PLACES, number, rotors, size, turned
 
 OMEGA = np.array([40.0, 130.0, 410.0, 900.0])

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import from_si
-from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added
-from rotorrig.sims.rotor.model.derivatives import between, steady_derivatives
+from rotorrig.sims.rotor.model.derivatives import between
 from rotorrig.sims.rotor.model.loads import Load, unbalance_pattern
 from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.real_linear import solve_with_conjugate
+from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate
+from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
+from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
 from rotorrig.sims.rotor.timeline import Timeline
 from rotorrig.sims.rotor.tracking import tracked_rows

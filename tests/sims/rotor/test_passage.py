@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from rotorrig.sims.rotor import passage
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import RotorModel, with_bearing
 from rotorrig.sims.rotor.model.loads import unbalance_pattern
 from rotorrig.sims.rotor.modes.modes import whirl_modes
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 from rotorrig.sims.rotor.timeline import SpeedRange
 
 U = {"disk": 1e-5}

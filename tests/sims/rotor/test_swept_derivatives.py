@@ -5,10 +5,10 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.nameplate import Plane
-from rotorrig.sims.rotor.harmonic import columns
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.model.derivatives import along_bearing, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.model.reduction import reduce
+from rotorrig.sims.rotor.steady.harmonic_response import columns
 from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives, swept_response
 from rotorrig.sims.rotor.timeline import Timeline
 from rotorrig.sims.rotor.tracking import tracked_rows

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.harmonic import load_columns, probe_response
 from rotorrig.sims.rotor.model.assembly import Added, with_added
 from rotorrig.sims.rotor.model.loads import Load, unbalance_pattern
 from rotorrig.sims.rotor.model.reduction import reduce
+from rotorrig.sims.rotor.steady.harmonic_response import load_columns, probe_response
 from rotorrig.sims.rotor.sweep import swept_columns
 from rotorrig.sims.rotor.timeline import Timeline
 from rotorrig.sims.rotor.tracking import tracked_rows

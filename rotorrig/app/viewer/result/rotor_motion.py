@@ -17,9 +17,9 @@ from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.identification import Fit
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.harmonic import steady_response
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.modes.modes import Mode, critical_modes, manageable, whirl_modes
+from rotorrig.sims.rotor.steady.harmonic_response import steady_response
 
 MOST_MODES = 3
 BEYOND = 1.25  # of the fastest speed: how far critical speeds are looked for

@@ -1,17 +1,13 @@
 """Derivatives of a model's matrices by what a fit changes in it, and of the steady response along them."""
 
-from collections.abc import Collection, Sequence
-from dataclasses import replace
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.sims.rotor.harmonic import dynamic_stiffness, load_columns
 from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, speed_stiffness
 from rotorrig.sims.rotor.model.disk import disk_gyroscopic, disk_mass
-from rotorrig.sims.rotor.model.loads import Load, patterns, unbalance_loads
-from rotorrig.sims.rotor.real_linear import solve_with_conjugate
 
 Complex = NDArray[np.complex128]
 NOTHING = np.zeros((2, 2))
@@ -27,13 +23,6 @@ class Direction(NamedTuple):
     H: NDArray[np.float64] | float = 0.0
     S: NDArray[np.float64] | float = 0.0
     T: NDArray[np.complex128] | float = 0.0
-
-
-class Derivatives(NamedTuple):
-    """The response to each load, and what a unit of each direction adds."""
-
-    z: Complex  # (row, probe, load) m, or m per kg m
-    by: Complex  # (direction, row, probe, load)
 
 
 def along_bearing(
@@ -90,35 +79,3 @@ def _turning(before: RotorModel, after: RotorModel) -> NDArray[np.complex128] | 
     """Return the difference of what turns with the shaft."""
     a, b = (0.0 if model.added.T is None else model.added.T for model in (before, after))
     return b - a
-
-
-def steady_derivatives(
-    model: RotorModel,
-    omega: ArrayLike,
-    *,
-    unbalance: Sequence[str] = (),
-    loads: Sequence[Load] = (),
-    directions: Sequence[Direction],
-    order: float = 1.0,
-) -> Derivatives:
-    """Return the steady response at `order` to 1 kg m at each place of `unbalance`, then to each load, by directions.
-
-    At the speeds `omega` [rad/s]. dz = -P Z^-1 dZ Z^-1 F. Raises as harmonic.load_columns, ValueError on a load of
-    another order.
-    """
-    omega = np.atleast_1d(np.asarray(omega, dtype=float))
-    every = (*unbalance_loads(model, unbalance, order=order), *loads)
-    patterns(model, every, order=order)  # asked for its checks
-    q = load_columns(replace(model, probes=np.eye(model.dof)), omega, every)  # (speed, dof, load)
-    O = omega[:, None, None]  # noqa: E741
-    w = order * O
-    forces = [(d.K + O * d.H + O**2 * d.S - w**2 * d.M + 1j * w * (d.C + O * d.G)) @ q for d in directions]
-    if order == 1:
-        forces = [F + (d.T / 2 @ q.conj() if np.ndim(d.T) else 0) for F, d in zip(forces, directions, strict=True)]
-    Z = dynamic_stiffness(model, omega, order=order)
-    if order == 1 and model.added.T is not None:
-        by = [-model.probes @ solve_with_conjugate(Z, model.added.T / 2, F) for F in forces]
-    else:
-        left = np.linalg.solve(Z.swapaxes(1, 2), np.broadcast_to(model.probes.T, (len(omega), *model.probes.T.shape)))
-        by = [-left.swapaxes(1, 2) @ F for F in forces]
-    return Derivatives(model.probes @ q, np.array(by).reshape(len(directions), *(model.probes @ q).shape))

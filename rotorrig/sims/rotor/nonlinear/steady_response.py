@@ -13,9 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
-from rotorrig.sims.rotor.model.derivatives import steady_derivatives
 from rotorrig.sims.rotor.model.loads import Load
 from rotorrig.sims.rotor.nonlinear.changes import (
     LawChange,
@@ -38,6 +36,8 @@ from rotorrig.sims.rotor.nonlinear.harmonic_balance import (
     slopes,
 )
 from rotorrig.sims.rotor.nonlinear.swept_motion import by_overtones, read_by
+from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
+from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -16,7 +16,6 @@ from scipy.interpolate import CubicSpline
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.rotor.drive import drive
 from rotorrig.sims.rotor.envelope import polynomial
-from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
 from rotorrig.sims.rotor.model.loads import Load, patterns
 from rotorrig.sims.rotor.nonlinear.force_harmonics import OVERTONES
@@ -25,6 +24,7 @@ from rotorrig.sims.rotor.nonlinear.harmonic_balance import called, phasor, point
 from rotorrig.sims.rotor.nonlinear.march import MARCH, march
 from rotorrig.sims.rotor.passage import Spectra, passage
 from rotorrig.sims.rotor.passing import passing
+from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 from rotorrig.sims.rotor.sweep import projected
 from rotorrig.sims.rotor.tracking import TrackedRows
 

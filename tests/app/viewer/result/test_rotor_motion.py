@@ -18,9 +18,9 @@ from rotorrig.app.viewer.result.rotor_motion import (
 from rotorrig.identify.identification import Estimate, Fit, Identification
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.config.description import RigConfig, parse
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.modes.modes import critical_modes
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 RAD = np.pi / 30  # rad/s per rpm
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.harmonic import dynamic_stiffness, probe_response
 from rotorrig.sims.rotor.model.assembly import assemble, matrices, scaled, with_bearing
+from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, probe_response
 
 OMEGA = np.linspace(50, 380, 12)
 

@@ -7,10 +7,10 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.errors import ConfigError
-from rotorrig.sims.rotor.harmonic import dynamic_stiffness, probe_response
 from rotorrig.sims.rotor.model.assembly import assemble, matrices, with_bearing
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.modes.modes import critical_speeds, natural_frequencies, static_sag
+from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, probe_response
 from rotorrig.sims.rotor.sweep import Timeline, swept_response
 
 KXX = {"speed": [100.0, 200.0, 400.0], "value": [2e4, 4e4, 5e4]}

@@ -5,15 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.harmonic import columns
 from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, scaled, speed_stiffness, with_bearing
-from rotorrig.sims.rotor.model.derivatives import (
-    along_bearing,
-    along_density,
-    along_disk_mass,
-    along_modulus,
-    steady_derivatives,
-)
+from rotorrig.sims.rotor.model.derivatives import along_bearing, along_density, along_disk_mass, along_modulus
+from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
+from rotorrig.sims.rotor.steady.harmonic_response import columns
 
 STEP = 1e-4
 K, C = np.array([[34e3, 1e3], [-1e3, 36e3]]), np.array([[15.0, 1.0], [2.0, 18.0]])

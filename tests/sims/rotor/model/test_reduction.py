@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import matrices, scaled, with_bearing
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.modes.modes import static_sag
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 OMEGA = np.linspace(25, 420, 40)  # 240 to 4000 rpm
 

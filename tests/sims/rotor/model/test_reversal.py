@@ -6,11 +6,12 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
-from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added, with_bearing
-from rotorrig.sims.rotor.model.derivatives import along_bearing, steady_derivatives
+from rotorrig.sims.rotor.model.derivatives import along_bearing
 from rotorrig.sims.rotor.model.loads import Load, unbalance_loads
 from rotorrig.sims.rotor.model.reversal import reversed_direction, reversed_load, reversed_rotor
+from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
+from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 
 OMEGA = np.array([60.0, 180.0, 233.0, 260.0, 390.0])  # rad/s, through the first critical speeds
 U = 9e-6 * np.exp(0.7j)  # kg m

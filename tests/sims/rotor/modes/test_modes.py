@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import from_si
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.modes.modes import (
     critical_modes,
@@ -13,6 +12,7 @@ from rotorrig.sims.rotor.modes.modes import (
     static_sag,
     whirl_modes,
 )
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 
 def test_a_mode_is_a_free_motion_of_the_rotor(small):

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added
 from rotorrig.sims.rotor.model.derivatives import between
 from rotorrig.sims.rotor.model.loads import unbalance_loads
@@ -15,6 +14,7 @@ from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.steady_response import steady_law_derivatives, steady_with_law
 from rotorrig.sims.rotor.nonlinear.swept_derivatives import swept_law_derivatives
 from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
+from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 from rotorrig.sims.rotor.sweep import swept_columns
 from tests.sims.rotor import jeffcott
 from tests.sims.rotor.nonlinear.test_swept_response import DOWN, U, at_disk, cubic, error, friction, laid_out, spring

@@ -11,13 +11,13 @@ import pytest
 from numba import njit
 
 from rotorrig.rig.errors import ConfigError
-from rotorrig.sims.rotor.harmonic import load_columns
 from rotorrig.sims.rotor.model.assembly import Added, assemble, matrices, with_added
 from rotorrig.sims.rotor.model.loads import unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.steady_response import steady_with_law
 from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
+from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 from rotorrig.sims.rotor.sweep import swept_columns
 from rotorrig.sims.rotor.tracking import tracked_rows
 from tests.sims.rotor import jeffcott

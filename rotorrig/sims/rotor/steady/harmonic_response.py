@@ -27,7 +27,7 @@ from rotorrig.sims.rotor.model.loads import (
     patterns,
     unbalance_force,
 )
-from rotorrig.sims.rotor.real_linear import solve_with_conjugate
+from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate
 
 SPEEDS_AT_ONCE = 64  # bounds the memory of a batch: 16 MB at 124 DOF
 LOST = 1e-2  # of the load that rounding of Z may come to: beyond, the speed is on a resonance without damping

@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.harmonic import SPEEDS_AT_ONCE, dynamic_stiffness, probe_response, steady_response
 from rotorrig.sims.rotor.model.assembly import matrices
+from rotorrig.sims.rotor.steady.harmonic_response import (
+    SPEEDS_AT_ONCE,
+    dynamic_stiffness,
+    probe_response,
+    steady_response,
+)
 
 
 def test_phasors_solve_the_chapters_real_equation_11(small):

@@ -20,9 +20,9 @@ from scipy.linalg import lapack
 
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor import receptance_kernels as kernels
 from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, speed_stiffness, with_bearing
 from rotorrig.sims.rotor.model.disk import unbalance_direction
+from rotorrig.sims.rotor.steady import receptance_kernels as kernels
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -11,10 +11,10 @@ import pytest
 
 from rotorrig.rig.config.description import from_si
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.sims.rotor.harmonic import probe_response
 from rotorrig.sims.rotor.model.assembly import assemble, matrices, with_bearing
 from rotorrig.sims.rotor.model.disk import unbalance_direction
-from rotorrig.sims.rotor.receptance import condense, condense_groups
+from rotorrig.sims.rotor.steady.harmonic_response import probe_response
+from rotorrig.sims.rotor.steady.receptance import condense, condense_groups
 
 OMEGA = np.linspace(50, 380, 60)  # through the critical speed
 STEP = 1e-200

@@ -1,0 +1,53 @@
+"""TITLE."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model.derivatives import Complex, Direction
+from rotorrig.sims.rotor.model.loads import Load, patterns, unbalance_loads
+from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate
+from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, load_columns
+
+
+class Derivatives(NamedTuple):
+    """The response to each load, and what a unit of each direction adds."""
+
+    z: Complex  # (row, probe, load) m, or m per kg m
+    by: Complex  # (direction, row, probe, load)
+
+
+def steady_derivatives(
+    model: RotorModel,
+    omega: ArrayLike,
+    *,
+    unbalance: Sequence[str] = (),
+    loads: Sequence[Load] = (),
+    directions: Sequence[Direction],
+    order: float = 1.0,
+) -> Derivatives:
+    """Return the steady response at `order` to 1 kg m at each place of `unbalance`, then to each load, by directions.
+
+    At the speeds `omega` [rad/s]. dz = -P Z^-1 dZ Z^-1 F. Raises as harmonic.load_columns, ValueError on a load of
+    another order.
+    """
+    omega = np.atleast_1d(np.asarray(omega, dtype=float))
+    every = (*unbalance_loads(model, unbalance, order=order), *loads)
+    patterns(model, every, order=order)  # asked for its checks
+    q = load_columns(replace(model, probes=np.eye(model.dof)), omega, every)  # (speed, dof, load)
+    O = omega[:, None, None]  # noqa: E741
+    w = order * O
+    forces = [(d.K + O * d.H + O**2 * d.S - w**2 * d.M + 1j * w * (d.C + O * d.G)) @ q for d in directions]
+    if order == 1:
+        forces = [F + (d.T / 2 @ q.conj() if np.ndim(d.T) else 0) for F, d in zip(forces, directions, strict=True)]
+    Z = dynamic_stiffness(model, omega, order=order)
+    if order == 1 and model.added.T is not None:
+        by = [-model.probes @ solve_with_conjugate(Z, model.added.T / 2, F) for F in forces]
+    else:
+        left = np.linalg.solve(Z.swapaxes(1, 2), np.broadcast_to(model.probes.T, (len(omega), *model.probes.T.shape)))
+        by = [-left.swapaxes(1, 2) @ F for F in forces]
+    return Derivatives(model.probes @ q, np.array(by).reshape(len(directions), *(model.probes @ q).shape))
