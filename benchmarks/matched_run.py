@@ -23,8 +23,8 @@ from rotorrig.rig.provenance import Provenance
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, probe_response
-from rotorrig.sims.rotor.sweep import swept_response
-from rotorrig.sims.rotor.timeline import TURN, Timeline
+from rotorrig.sims.rotor.swept.swept_response import swept_response
+from rotorrig.sims.rotor.swept.timeline import TURN, Timeline
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

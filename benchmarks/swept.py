@@ -31,9 +31,9 @@ from rotorrig.sims.rotor.nonlinear.changes import LawChange
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.swept_derivatives import swept_law_derivatives
 from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
-from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
-from rotorrig.sims.rotor.timeline import Timeline
-from rotorrig.sims.rotor.tracking import TrackedRows, tracked_rows
+from rotorrig.sims.rotor.swept.swept_response import swept_columns, swept_derivatives
+from rotorrig.sims.rotor.swept.timeline import Timeline
+from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows, tracked_rows
 
 ROOT = Path(__file__).parents[1]
 STEP = 1e-4  # relative, of the differences

@@ -14,9 +14,9 @@ from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, with_bearin
 from rotorrig.sims.rotor.model.loads import Load, unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.steady.harmonic_response import load_columns
-from rotorrig.sims.rotor.sweep import swept_columns
-from rotorrig.sims.rotor.timeline import TURN, Timeline
-from rotorrig.sims.rotor.tracking import tracked_rows
+from rotorrig.sims.rotor.swept.swept_response import swept_columns
+from rotorrig.sims.rotor.swept.timeline import TURN, Timeline
+from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 
 Complex = NDArray[np.complex128]
 Theta = Mapping[str, float]

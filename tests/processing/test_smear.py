@@ -13,8 +13,8 @@ from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.settings import Tracking
-from rotorrig.sims.rotor.timeline import Timeline
-from rotorrig.sims.rotor.tracking import tracked_rows
+from rotorrig.sims.rotor.swept.timeline import Timeline
+from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 from tests.processing.synthetic import chirp
 
 RPM = np.pi / 30

@@ -14,9 +14,9 @@ from rotorrig.identify.base_model.structure import StructuralModel, Structure
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
 from rotorrig.sims.rotor.steady.harmonic_response import columns
-from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
-from rotorrig.sims.rotor.timeline import Timeline
-from rotorrig.sims.rotor.tracking import tracked_rows
+from rotorrig.sims.rotor.swept.swept_response import swept_columns, swept_derivatives
+from rotorrig.sims.rotor.swept.timeline import Timeline
+from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 
 Complex = NDArray[np.complex128]
 

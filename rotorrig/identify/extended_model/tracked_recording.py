@@ -26,9 +26,9 @@ from rotorrig.sims.rotor.nonlinear.swept_derivatives import swept_law_derivative
 from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
 from rotorrig.sims.rotor.steady.derivatives import Derivatives, steady_derivatives
 from rotorrig.sims.rotor.steady.harmonic_response import load_columns
-from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
-from rotorrig.sims.rotor.timeline import Timeline
-from rotorrig.sims.rotor.tracking import tracked_rows
+from rotorrig.sims.rotor.swept.swept_response import swept_columns, swept_derivatives
+from rotorrig.sims.rotor.swept.timeline import Timeline
+from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

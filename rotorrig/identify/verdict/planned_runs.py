@@ -14,7 +14,7 @@ from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import Effect
-from rotorrig.sims.rotor.timeline import TURN, Timeline
+from rotorrig.sims.rotor.swept.timeline import TURN, Timeline
 
 Reals = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from scipy.interpolate import CubicSpline
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Complex, Effect, Seen, Theta, pair, phasor
-from rotorrig.sims.rotor.timeline import TURN, Timeline
-from rotorrig.sims.rotor.tracking import window_weights
+from rotorrig.sims.rotor.swept.timeline import TURN, Timeline
+from rotorrig.sims.rotor.swept.tracking_windows import window_weights
 
 MAINS = (50.0, 60.0)  # Hz
 HARMONICS = (1, 2)  # of the mains

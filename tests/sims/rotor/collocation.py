@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from rotorrig.sims.rotor.model.assembly import matrices, speed_stiffness
-from rotorrig.sims.rotor.timeline import Timeline
+from rotorrig.sims.rotor.swept.timeline import Timeline
 
 RPM = np.pi / 30
 

@@ -21,8 +21,8 @@ from rotorrig.sims.rotor.modes.modes import critical_speeds, whirl_modes
 from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
 from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, probe_response
 from rotorrig.sims.rotor.steady.receptance import condense
-from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
-from rotorrig.sims.rotor.tracking import tracked_rows
+from rotorrig.sims.rotor.swept.swept_response import swept_columns, swept_derivatives
+from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 from tests.sims.rotor.collocation import RPM, Ramp
 
 OMEGA = np.linspace(50, 380, 12)

@@ -9,9 +9,9 @@ from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, wit
 from rotorrig.sims.rotor.model.derivatives import along_bearing, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.steady.harmonic_response import columns
-from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives, swept_response
-from rotorrig.sims.rotor.timeline import Timeline
-from rotorrig.sims.rotor.tracking import tracked_rows
+from rotorrig.sims.rotor.swept.swept_response import swept_columns, swept_derivatives, swept_response
+from rotorrig.sims.rotor.swept.timeline import Timeline
+from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 
 RPM = np.pi / 30
 STEP = 1e-4

@@ -9,9 +9,9 @@ from rotorrig.sims.rotor.model.assembly import Added, with_added
 from rotorrig.sims.rotor.model.loads import Load, unbalance_pattern
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.steady.harmonic_response import load_columns, probe_response
-from rotorrig.sims.rotor.sweep import swept_columns
-from rotorrig.sims.rotor.timeline import Timeline
-from rotorrig.sims.rotor.tracking import tracked_rows
+from rotorrig.sims.rotor.swept.swept_response import swept_columns
+from rotorrig.sims.rotor.swept.timeline import Timeline
+from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 from tests.sims.rotor.collocation import RPM, Ramp, integrated
 
 RAMPS = {1: (1800, 30, 24.0), 2: (900, 30, 16.0), 3: (600, 20, 16.0)}  # each through its resonance: rpm, rpm/s, s

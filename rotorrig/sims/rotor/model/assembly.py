@@ -52,7 +52,7 @@ class Added(NamedTuple):
     In a motion Re(q e^{j n theta}) it adds K + Omega H + Omega^2 S - n^2 Omega^2 M + j n Omega (C + Omega G) to the
     dynamic stiffness. The sense of rotation is already in G and H. A complex K has a loss factor: its imaginary part is
     that of n > 0, and changes sign with n. A stiffness Re(T e^{2 j theta}), T symmetric, turns with the shaft
-    (mirrored.py): it is felt at 1X alone.
+    (rotating_stiffness.py): it is felt at 1X alone.
     """
 
     M: NDArray[np.float64] | None = None

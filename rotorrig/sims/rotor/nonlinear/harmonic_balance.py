@@ -19,7 +19,6 @@ from numba import njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.march import invert
 from rotorrig.sims.rotor.nonlinear.force_harmonics import (
     REORDERED,
     every_harmonics,
@@ -29,6 +28,7 @@ from rotorrig.sims.rotor.nonlinear.force_harmonics import (
     slopes_of,
 )
 from rotorrig.sims.rotor.nonlinear.force_law import POINTER, ForceLaw
+from rotorrig.sims.rotor.swept.time_stepping import invert
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

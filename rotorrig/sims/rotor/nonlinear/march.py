@@ -12,15 +12,13 @@ import numpy as np
 from numba import njit, types
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.march import invert
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import COMPLEX, REALS, foresee, settle
+from rotorrig.sims.rotor.swept.time_stepping import SMOOTH, STRAIGHT, invert
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 STIFF = 0.4  # the part of the motion that is moved by the force of the same instant
-SMOOTH = (5 / 16, 15 / 16, -5 / 16, 1 / 16)  # what the force halfway is of that at the end, at the start and before
-STRAIGHT = (0.5, 0.5, 0.0, 0.0)
 
 MARCH = (
     *(REALS[2], REALS[1], REALS[1], COMPLEX[3], COMPLEX[4], COMPLEX[2], COMPLEX[2], COMPLEX[2]),

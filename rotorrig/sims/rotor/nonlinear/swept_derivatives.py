@@ -17,8 +17,8 @@ from rotorrig.sims.rotor.nonlinear.harmonic_balance import slopes
 from rotorrig.sims.rotor.nonlinear.march_tangent import tangent
 from rotorrig.sims.rotor.nonlinear.swept_forcing import Forcing, forcing
 from rotorrig.sims.rotor.nonlinear.swept_motion import LawPassage, Marched, at_once
-from rotorrig.sims.rotor.sweep import projected
-from rotorrig.sims.rotor.tracking import TrackedRows
+from rotorrig.sims.rotor.swept.swept_response import projected
+from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.drive import drive
-from rotorrig.sims.rotor.envelope import polynomial
 from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
 from rotorrig.sims.rotor.model.loads import Load, patterns
 from rotorrig.sims.rotor.nonlinear.force_harmonics import OVERTONES
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import called, phasor, pointers
 from rotorrig.sims.rotor.nonlinear.march import MARCH, march
-from rotorrig.sims.rotor.passage import Spectra, passage
-from rotorrig.sims.rotor.passing import passing
 from rotorrig.sims.rotor.steady.harmonic_response import load_columns
-from rotorrig.sims.rotor.sweep import projected
-from rotorrig.sims.rotor.tracking import TrackedRows
+from rotorrig.sims.rotor.swept.envelope import polynomial
+from rotorrig.sims.rotor.swept.forcing import drive
+from rotorrig.sims.rotor.swept.passed_modes import Spectra, passage
+from rotorrig.sims.rotor.swept.swept_modes import passing
+from rotorrig.sims.rotor.swept.swept_response import projected
+from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from rotorrig.sims.rotor.envelope import polynomial
 from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
 from rotorrig.sims.rotor.model.loads import Load
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import overtones
 from rotorrig.sims.rotor.nonlinear.swept_motion import LawPassage, at_once, read_by
-from rotorrig.sims.rotor.passage import passage
-from rotorrig.sims.rotor.passing import passing
-from rotorrig.sims.rotor.sweep import projected, swept_columns
-from rotorrig.sims.rotor.tracking import TrackedRows
+from rotorrig.sims.rotor.swept.envelope import polynomial
+from rotorrig.sims.rotor.swept.passed_modes import passage
+from rotorrig.sims.rotor.swept.swept_modes import passing
+from rotorrig.sims.rotor.swept.swept_response import projected, swept_columns
+from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
 
 Complex = NDArray[np.complex128]
 

@@ -11,7 +11,7 @@ from rotorrig.sims.rotor.model.assembly import assemble, matrices, with_bearing
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.modes.modes import critical_speeds, natural_frequencies, static_sag
 from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, probe_response
-from rotorrig.sims.rotor.sweep import Timeline, swept_response
+from rotorrig.sims.rotor.swept.swept_response import Timeline, swept_response
 
 KXX = {"speed": [100.0, 200.0, 400.0], "value": [2e4, 4e4, 5e4]}
 CYX = {"speed": [0.0, 300.0], "value": [6.0, 0.0]}

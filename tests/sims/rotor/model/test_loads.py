@@ -11,7 +11,7 @@ from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, with_bearin
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.modes.modes import static_sag, whirl_modes
 from rotorrig.sims.rotor.steady.harmonic_response import columns, probe_response, steady_response
-from rotorrig.sims.rotor.sweep import Timeline, swept_response
+from rotorrig.sims.rotor.swept.swept_response import Timeline, swept_response
 
 E, MASS, DIAMETER, LENGTH = 2e11, 0.8, 0.01, 0.5
 

@@ -15,7 +15,7 @@ from rotorrig.sims.rotor.nonlinear.steady_response import steady_law_derivatives
 from rotorrig.sims.rotor.nonlinear.swept_derivatives import swept_law_derivatives
 from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
 from rotorrig.sims.rotor.steady.harmonic_response import load_columns
-from rotorrig.sims.rotor.sweep import swept_columns
+from rotorrig.sims.rotor.swept.swept_response import swept_columns
 from tests.sims.rotor import jeffcott
 from tests.sims.rotor.nonlinear.test_swept_response import DOWN, U, at_disk, cubic, error, friction, laid_out, spring
 

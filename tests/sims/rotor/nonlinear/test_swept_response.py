@@ -18,8 +18,8 @@ from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.steady_response import steady_with_law
 from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
 from rotorrig.sims.rotor.steady.harmonic_response import load_columns
-from rotorrig.sims.rotor.sweep import swept_columns
-from rotorrig.sims.rotor.tracking import tracked_rows
+from rotorrig.sims.rotor.swept.swept_response import swept_columns
+from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 from tests.sims.rotor import jeffcott
 from tests.sims.rotor.collocation import RPM, Ramp
 

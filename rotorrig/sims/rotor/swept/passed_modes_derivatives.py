@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.sims.rotor.model.derivatives import Direction
-from rotorrig.sims.rotor.passage import Complex, Passage, Spectra
+from rotorrig.sims.rotor.swept.passed_modes import Complex, Passage, Spectra
 
 
 class _Changes(NamedTuple):

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.errors import ConfigError
 from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, speed_stiffness
-from rotorrig.sims.rotor.timeline import MOST_POWERS, SpeedRange
+from rotorrig.sims.rotor.swept.timeline import MOST_POWERS, SpeedRange
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

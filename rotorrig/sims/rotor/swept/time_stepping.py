@@ -11,6 +11,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+pass
+
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
@@ -213,3 +215,9 @@ def multiply(A: Complex, B: Complex, factor: float, C: Complex) -> None:
             for k in range(len(A)):
                 total += A[i, k] * B[k, j]
             C[i, j] = total * factor
+
+
+SMOOTH = (5 / 16, 15 / 16, -5 / 16, 1 / 16)  # what the force halfway is of that at the end, at the start and before
+
+
+STRAIGHT = (0.5, 0.5, 0.0, 0.0)

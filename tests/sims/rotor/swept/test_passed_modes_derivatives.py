@@ -8,9 +8,9 @@ import pytest
 from rotorrig.sims.rotor.model.assembly import RotorModel, scaled, with_bearing
 from rotorrig.sims.rotor.model.derivatives import along_bearing, along_density, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.model.loads import unbalance_pattern
-from rotorrig.sims.rotor.passage import Passage, passage, spectra
-from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
-from rotorrig.sims.rotor.timeline import SpeedRange
+from rotorrig.sims.rotor.swept.passed_modes import Passage, passage, spectra
+from rotorrig.sims.rotor.swept.passed_modes_derivatives import passage_derivatives
+from rotorrig.sims.rotor.swept.timeline import SpeedRange
 
 SPEEDS = SpeedRange(50.0, 377.0)
 STEP = 1e-4

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from rotorrig.sims.rotor.envelope import Envelope
 from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.passage import Spectra, passage, spectra
-from rotorrig.sims.rotor.tracking import TrackedRows
+from rotorrig.sims.rotor.swept.envelope import Envelope
+from rotorrig.sims.rotor.swept.passed_modes import Spectra, passage, spectra
+from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
 
 KEPT = 2  # models whose passing is kept: a fit asks for a response, then for its derivatives, or for those before
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.timeline import Timeline
+from rotorrig.sims.rotor.swept.timeline import Timeline
 
 
 def run_up(omega0: float, alpha: float, turns: int) -> np.ndarray:

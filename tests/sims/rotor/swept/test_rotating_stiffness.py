@@ -13,9 +13,9 @@ from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate
 from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
 from rotorrig.sims.rotor.steady.harmonic_response import load_columns
-from rotorrig.sims.rotor.sweep import swept_columns, swept_derivatives
-from rotorrig.sims.rotor.timeline import Timeline
-from rotorrig.sims.rotor.tracking import tracked_rows
+from rotorrig.sims.rotor.swept.swept_response import swept_columns, swept_derivatives
+from rotorrig.sims.rotor.swept.timeline import Timeline
+from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 from tests.sims.rotor.collocation import RPM, Ramp
 
 V = 900.0 * np.exp(0.7j)  # N/m, of some 41 kN/m at the disk

@@ -2,7 +2,7 @@
 
 K + Re(T e^{2 j theta}), T symmetric, on a motion Re(A e^{j theta}) exerts -1/2 T conj(A) at 1X. (The other half of it,
 -1/2 T A at 3X, meets backward whirl alone and is left out.) So the response is linear in real amounts only: a load
-times j has a response of its own. All that is conjugate stands in a second `Passage`, beside the one of passage.py:
+times j has a response of its own. All that is conjugate stands in a second `Passage`, beside the one of passed_modes.py:
 the passed modes follow a' = .. + L conj(a) + g conj(law), the probes see shape conj(a) + others conj(law) besides.
 
 Through the modes that follow at once, of flexibility G, the force acts on itself: F = -1/2 T conj(w + G F), w the
@@ -17,13 +17,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.envelope import Envelope, Motion, polynomial
 from rotorrig.sims.rotor.model.derivatives import Direction
-from rotorrig.sims.rotor.nonlinear.march import SMOOTH, STRAIGHT
-from rotorrig.sims.rotor.passage import Passage, Spectra
-from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
 from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate
-from rotorrig.sims.rotor.tracking import TrackedRows
+from rotorrig.sims.rotor.swept.envelope import Envelope, Motion, polynomial
+from rotorrig.sims.rotor.swept.passed_modes import Passage, Spectra
+from rotorrig.sims.rotor.swept.passed_modes_derivatives import passage_derivatives
+from rotorrig.sims.rotor.swept.time_stepping import SMOOTH, STRAIGHT
+from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

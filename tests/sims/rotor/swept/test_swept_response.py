@@ -12,7 +12,7 @@ from rotorrig.sims.rotor.model.assembly import assemble, with_bearing
 from rotorrig.sims.rotor.model.loads import unbalance_pattern
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.steady.harmonic_response import probe_response
-from rotorrig.sims.rotor.sweep import Timeline, swept_response
+from rotorrig.sims.rotor.swept.swept_response import Timeline, swept_response
 from tests.sims.rotor import jeffcott
 from tests.sims.rotor.collocation import RPM, Ramp, integrated
 

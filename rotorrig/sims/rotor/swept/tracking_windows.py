@@ -12,7 +12,7 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.timeline import TURN, SpeedRange, Timeline, Turns
+from rotorrig.sims.rotor.swept.timeline import TURN, SpeedRange, Timeline, Turns
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -34,7 +34,7 @@ class Points(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackedRows:
-    """Rows on a timeline, ready for sweep.py: all of their averages that does not depend on the rotor.
+    """Rows on a timeline, ready for swept_response.py: all of their averages that does not depend on the rotor.
 
     Powers are those of x, see SpeedRange.
     """

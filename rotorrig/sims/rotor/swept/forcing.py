@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.sims.rotor.model.loads import Load
-from rotorrig.sims.rotor.timeline import TURN
-from rotorrig.sims.rotor.tracking import TrackedRows
+from rotorrig.sims.rotor.swept.timeline import TURN
+from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

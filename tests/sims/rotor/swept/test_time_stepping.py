@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from rotorrig.sims.rotor import march
+from rotorrig.sims.rotor.swept import time_stepping
 
 
 @pytest.mark.parametrize("size", [1, 2, 5])
@@ -13,16 +13,16 @@ def test_exponential_and_inverse_are_those_of_scipy(rng, size, scale):
     A = scale * (rng.normal(size=(size, size)) + 1j * rng.normal(size=(size, size)))
     A -= 1j * scale * np.eye(size)
     got, work, power = np.empty((3, size, size), dtype=complex)
-    march.exponential(A, 0.7, got, work, power)
+    time_stepping.exponential(A, 0.7, got, work, power)
     want = linalg.expm(0.7 * A)
     np.testing.assert_allclose(got, want, atol=1e-10 * np.abs(want).max())
-    march.invert(A, got, work)
+    time_stepping.invert(A, got, work)
     np.testing.assert_allclose(got @ A, np.eye(size), atol=1e-10)
 
 
 def test_the_exponential_of_a_double_pole_without_two_vectors_is_right():
     got, work, power = np.empty((3, 2, 2), dtype=complex)
-    march.exponential(np.array([[1j, 3.0], [0, 1j]]), 0.5, got, work, power)
+    time_stepping.exponential(np.array([[1j, 3.0], [0, 1j]]), 0.5, got, work, power)
     np.testing.assert_allclose(got, np.exp(0.5j) * np.array([[1, 1.5], [0, 1]]), rtol=1e-14)
 
 
@@ -34,7 +34,9 @@ def test_a_constant_system_is_stepped_exactly():
     at, mid = (np.polynomial.polynomial.polyval(times, p).T[:, None] + 0j for times in (t, t[:-1] + h / 2))
     start = np.array([[0.3 + 0j, -0.2j]])
     operator = np.full((3, 1, 1), L)
-    a, rate = march.advanced(operator, march.propagators(operator[1:], h), np.ones((2, 2)) + 0j, at, mid, start)
+    a, rate = time_stepping.advanced(
+        operator, time_stepping.propagators(operator[1:], h), np.ones((2, 2)) + 0j, at, mid, start
+    )
     c2 = -p[2] / L
     c1 = (2 * c2 - p[1]) / L
     c0 = (c1 - p[0]) / L
@@ -49,12 +51,12 @@ def test_a_turning_frame_changes_nothing_but_the_frame():
     L, w, h = np.full((1, 1, 1), -0.3 + 1j), 2.0, np.array([0.5])
     phase = np.exp(1j * w * np.array([0, 0.25, 0.5]))
     f = np.array([1.0, 2.0, 0.5]) + 0j
-    steps, start = march.propagators(L, h), np.array([[0.7 + 0j]])
+    steps, start = time_stepping.propagators(L, h), np.array([[0.7 + 0j]])
     still = (f * phase).reshape(3, 1, 1)
     operator = np.concatenate([L, L])
-    want = march.advanced(operator, steps, np.ones((1, 2)) + 0j, still[::2], still[1:2], start)[0][1] / phase[2]
+    want = time_stepping.advanced(operator, steps, np.ones((1, 2)) + 0j, still[::2], still[1:2], start)[0][1] / phase[2]
     turned = f.reshape(3, 1, 1)
-    got = march.advanced(operator, steps, phase[None, 1:], turned[::2], turned[1:2], start)[0][1]
+    got = time_stepping.advanced(operator, steps, phase[None, 1:], turned[::2], turned[1:2], start)[0][1]
     np.testing.assert_allclose(got, want, rtol=1e-12)
 
 
@@ -66,7 +68,7 @@ def test_a_push_is_the_change_times_the_motion(rng):
     a, a_mid = rng.normal(size=(3, 2, 3)) + 0j, rng.normal(size=(2, 2, 3)) + 0j
     force, mid = np.ones((3, 2, 6), dtype=complex), np.ones((2, 2, 6), dtype=complex)
     still, turning = coefficients.reshape(2, 2, -1)
-    march.push(still, turning, power, alpha, a, a_mid, force, mid)
+    time_stepping.push(still, turning, power, alpha, a, a_mid, force, mid)
     L, T = coefficients[..., 0] + 1j * coefficients[..., 1]
 
     def pushed(x, a):

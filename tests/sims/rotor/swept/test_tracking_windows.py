@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.drive import drive
 from rotorrig.sims.rotor.model.loads import Load
-from rotorrig.sims.rotor.timeline import SpeedRange, Timeline
-from rotorrig.sims.rotor.tracking import tracked_rows
+from rotorrig.sims.rotor.swept.forcing import drive
+from rotorrig.sims.rotor.swept.timeline import SpeedRange, Timeline
+from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 
 OMEGA = 200.0
 PULSES = 2 * np.pi / OMEGA * np.arange(101)

@@ -1,15 +1,15 @@
-"""The amplitudes of the passed modes from turn to turn, and their derivatives: passage.py's equation, stepped."""
+"""The amplitudes of the passed modes from turn to turn, and their derivatives: passed_modes.py's equation, stepped."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.drive import Drive
-from rotorrig.sims.rotor.march import advanced, propagators, push
-from rotorrig.sims.rotor.passage import Passage
-from rotorrig.sims.rotor.timeline import TURN
-from rotorrig.sims.rotor.tracking import TrackedRows
+from rotorrig.sims.rotor.swept.forcing import Drive
+from rotorrig.sims.rotor.swept.passed_modes import Passage
+from rotorrig.sims.rotor.swept.time_stepping import advanced, propagators, push
+from rotorrig.sims.rotor.swept.timeline import TURN
+from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

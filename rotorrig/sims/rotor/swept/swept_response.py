@@ -14,18 +14,18 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.sims.rotor.drive import Drive, drive
-from rotorrig.sims.rotor.envelope import Envelope, Motion
-from rotorrig.sims.rotor.mirrored import Mirror, driven_with_mirror, mirror, mirror_derivatives
 from rotorrig.sims.rotor.model.assembly import RotorModel
 from rotorrig.sims.rotor.model.derivatives import Direction
 from rotorrig.sims.rotor.model.loads import Load, patterns, unbalance_loads, unbalance_pattern
-from rotorrig.sims.rotor.passage import Passage, passage
-from rotorrig.sims.rotor.passage_derivatives import passage_derivatives
-from rotorrig.sims.rotor.passing import passing
 from rotorrig.sims.rotor.steady.derivatives import Derivatives
-from rotorrig.sims.rotor.timeline import Timeline
-from rotorrig.sims.rotor.tracking import TrackedRows, Window, tracked_rows
+from rotorrig.sims.rotor.swept.envelope import Envelope, Motion
+from rotorrig.sims.rotor.swept.forcing import Drive, drive
+from rotorrig.sims.rotor.swept.passed_modes import Passage, passage
+from rotorrig.sims.rotor.swept.passed_modes_derivatives import passage_derivatives
+from rotorrig.sims.rotor.swept.rotating_stiffness import Mirror, driven_with_mirror, mirror, mirror_derivatives
+from rotorrig.sims.rotor.swept.swept_modes import passing
+from rotorrig.sims.rotor.swept.timeline import Timeline
+from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows, Window, tracked_rows
 
 Complex = NDArray[np.complex128]
 

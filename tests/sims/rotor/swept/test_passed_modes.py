@@ -3,19 +3,19 @@
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor import passage
 from rotorrig.sims.rotor.model.assembly import RotorModel, with_bearing
 from rotorrig.sims.rotor.model.loads import unbalance_pattern
 from rotorrig.sims.rotor.modes.modes import whirl_modes
 from rotorrig.sims.rotor.steady.harmonic_response import probe_response
-from rotorrig.sims.rotor.timeline import SpeedRange
+from rotorrig.sims.rotor.swept import passed_modes
+from rotorrig.sims.rotor.swept.timeline import SpeedRange
 
 U = {"disk": 1e-5}
 SPEEDS = SpeedRange(50.0, 377.0)
 
 
-def passed(model: RotorModel) -> passage.Passage:
-    return passage.passage(passage.spectra(model, SPEEDS), unbalance_pattern(model, U)[:, None])
+def passed(model: RotorModel) -> passed_modes.Passage:
+    return passed_modes.passage(passed_modes.spectra(model, SPEEDS), unbalance_pattern(model, U)[:, None])
 
 
 def at(omega, coefficients):
@@ -32,9 +32,9 @@ def test_the_passed_modes_are_the_rotors_own(small):
 
 def test_poles_near_the_speeds_are_passed_and_the_widest_gap_bounds_them():
     distance = np.array([4.0, 5.0, 280.0, 285.0, 300.0, 900.0])
-    assert passage._passed(distance, far=100.0) == 2
-    assert passage._passed(distance, far=290.0) == 5
-    assert passage._passed(distance, far=1e4) == 5  # all there are but one
+    assert passed_modes._passed(distance, far=100.0) == 2
+    assert passed_modes._passed(distance, far=290.0) == 5
+    assert passed_modes._passed(distance, far=1e4) == 5  # all there are but one
 
 
 @pytest.mark.parametrize("c", [1.0, 15.0])
