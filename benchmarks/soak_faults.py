@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-Script = Mapping[str, Any]  # a fault of rotorrig/sims/wire/faults.py without its moment
+Script = Mapping[str, Any]  # a fault of rotorrig/sims/wire/fault_script.py without its moment
 
 
 class Ends(StrEnum):

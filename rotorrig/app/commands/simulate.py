@@ -18,7 +18,7 @@ from rotorrig.sims.plant.faults.base import check
 from rotorrig.sims.plant.sealed_truth import seal, unseal
 from rotorrig.sims.plant.truth import FaultSpec, Truth
 from rotorrig.sims.wire.console import Said
-from rotorrig.sims.wire.faults import read_script
+from rotorrig.sims.wire.fault_script import read_script
 from rotorrig.sims.wire.launch import BenchPorts, simulated_bench
 
 

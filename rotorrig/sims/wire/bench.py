@@ -31,7 +31,7 @@ from rotorrig.rig.errors import ConfigError, RigError
 from rotorrig.sims.plant import truth
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.wire.emulation import Emulation, emulating
-from rotorrig.sims.wire.faults import Script, parse_script, read_script
+from rotorrig.sims.wire.fault_script import Script, parse_script, read_script
 from rotorrig.sims.wire.simulated_time import DEFAULT_RATE
 
 _LONGEST_SENTENCE = 500  # characters

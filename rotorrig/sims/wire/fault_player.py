@@ -11,7 +11,7 @@ import numpy as np
 
 from rotorrig.rig.errors import ConfigError
 from rotorrig.sims.wire.drive import Drive
-from rotorrig.sims.wire.faults import (
+from rotorrig.sims.wire.fault_script import (
     DaqOverrun,
     Device,
     Disconnect,

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from rotorrig.sims.wire.faults import Corrupt, Delay, Drop, Duplicate, OfMessages
+from rotorrig.sims.wire.fault_script import Corrupt, Delay, Drop, Duplicate, OfMessages
 
 Deliver = Callable[[bytes], Awaitable[None]]
 Toward = Literal["to-device", "from-device"]

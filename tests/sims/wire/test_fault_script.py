@@ -7,7 +7,15 @@ from pathlib import Path
 import pytest
 
 from rotorrig.rig.errors import ConfigError
-from rotorrig.sims.wire.faults import Corrupt, Disconnect, DriveFault, Script, StuckSpeed, parse_script, read_script
+from rotorrig.sims.wire.fault_script import (
+    Corrupt,
+    Disconnect,
+    DriveFault,
+    Script,
+    StuckSpeed,
+    parse_script,
+    read_script,
+)
 
 RPM = math.pi / 30
 
