@@ -14,8 +14,8 @@ import can
 import canopen
 from canopen import objectdictionary as od
 
+from rotorrig.sims.wire.cables.serial_end import serial_end
 from rotorrig.sims.wire.cia402 import DICTIONARY, Cia402, Refused
-from rotorrig.sims.wire.serial_end import serial_end
 from rotorrig.sims.wire.slcan import Adapter
 
 _TICK = 0.01  # s between looks at ramps and heartbeat

@@ -12,11 +12,11 @@ from typing import assert_never
 from rotorrig.rig.clock import Clock
 from rotorrig.rig.config.devices import CanOpen, LineController, ModbusRtu, ModbusTcp, Motor
 from rotorrig.sims.wire.background import running
+from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
+from rotorrig.sims.wire.cables.tcp_bridge import HOST, TcpBridge
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.fault_player import Disguise, Link
 from rotorrig.sims.wire.plant_port import Plant
-from rotorrig.sims.wire.pty_bridge import PtyBridge
-from rotorrig.sims.wire.tcp_bridge import HOST, TcpBridge
 
 Place = dict[str, str | int]  # keys of [motor] or [daq], and where they are found
 _BITS_PER_CHARACTER = 6.0  # of a CAN frame per character of its text in slcan: 5 with eight bytes of data, 8 with none

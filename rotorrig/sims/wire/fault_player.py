@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from rotorrig.rig.errors import ConfigError
+from rotorrig.sims.wire.cables.interference import Interference
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.fault_script import (
     DaqOverrun,
@@ -24,7 +25,6 @@ from rotorrig.sims.wire.fault_script import (
     WrongDevice,
 )
 from rotorrig.sims.wire.inputs import Inputs
-from rotorrig.sims.wire.interference import Interference
 from rotorrig.sims.wire.plant_port import Plant
 
 Report = Callable[[dict[str, Any]], None]

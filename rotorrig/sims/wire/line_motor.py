@@ -8,9 +8,9 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from rotorrig.rig.clock import Clock
+from rotorrig.sims.wire.cables.serial_end import Send, serial_end
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.plant_port import Plant
-from rotorrig.sims.wire.serial_end import Send, serial_end
 
 MODEL = "RK4 bench controller, rev B"
 NO_REQUEST = 1  # the fault number of the watchdog; those of a script mean what `FAULTS` says

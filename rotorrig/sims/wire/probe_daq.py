@@ -14,8 +14,8 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.sims.wire.cables.pty_bridge import Cable
 from rotorrig.sims.wire.plant_port import Plant
-from rotorrig.sims.wire.pty_bridge import Cable
 
 FRAME_TIME = 0.02  # s of samples in a DATA frame
 FIFO_TIME = 1.0  # s of samples a board that cannot wait keeps for its reader

@@ -14,9 +14,9 @@ import serial
 from canopen.profiles.p402 import BaseNode402
 
 from rotorrig.rig.clock import WallClock
+from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
 from rotorrig.sims.wire.can_motor import serving, serving_on
 from rotorrig.sims.wire.cia402 import Cia402
-from rotorrig.sims.wire.pty_bridge import PtyBridge
 
 RPM = math.pi / 30
 NODE = 5

@@ -8,11 +8,11 @@ import pytest
 
 from rotorrig.rig.errors import ConfigError
 from rotorrig.sims.wire import fault_player
+from rotorrig.sims.wire.cables.interference import Interference
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.fault_player import Player, Victims
 from rotorrig.sims.wire.fault_script import Script, parse_script
 from rotorrig.sims.wire.inputs import Inputs
-from rotorrig.sims.wire.interference import Interference
 from rotorrig.sims.wire.probe_daq import Firmware
 
 

@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rotorrig.rig.clock import ManualClock, WallClock
+from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
 from rotorrig.sims.wire.line_motor import LineDevice, serving
-from rotorrig.sims.wire.pty_bridge import PtyBridge
 from tests.sims.wire.conftest import ToyPlant
 
 RPM = math.pi / 30

@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Self
 
 from rotorrig.rig.errors import RigError
-from rotorrig.sims.wire.interference import Interference, Lane
+from rotorrig.sims.wire.cables.interference import Interference, Lane
 
 HOST = "127.0.0.1"  # the loopback alone: nobody outside has a say in a simulated rig
 STRANGER = b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n"  # a web server's answer to what is no HTTP

@@ -10,9 +10,9 @@ import pytest
 import serial
 
 from rotorrig.rig.errors import RigError
-from rotorrig.sims.wire import pty_bridge
 from rotorrig.sims.wire.background import running
-from rotorrig.sims.wire.pty_bridge import PtyBridge
+from rotorrig.sims.wire.cables import pty_bridge
+from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
 
 Background = Callable[..., AbstractContextManager[None]]
 EVERY_BYTE = bytes(range(256))

@@ -15,7 +15,7 @@ from types import TracebackType
 from typing import IO, Any, Self
 
 from rotorrig.rig.errors import RigError
-from rotorrig.sims.wire.interference import Deliver, Interference, Lane
+from rotorrig.sims.wire.cables.interference import Deliver, Interference, Lane
 
 BITS_PER_BYTE = 10.0  # 8N1: start bit, eight data bits, stop bit
 STRANGER = b"\r\nERROR\r\n"  # what a modem answers to anything but AT commands: ITU-T V.250

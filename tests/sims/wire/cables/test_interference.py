@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rotorrig.sims.wire.background import running
+from rotorrig.sims.wire.cables.interference import Interference, Lane
 from rotorrig.sims.wire.fault_script import parse_script
-from rotorrig.sims.wire.interference import Interference, Lane
 
 MESSAGE = bytes(range(16))
 

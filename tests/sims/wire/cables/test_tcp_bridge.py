@@ -9,10 +9,10 @@ import psutil
 import pytest
 
 from rotorrig.rig.errors import RigError
-from rotorrig.sims.wire import tcp_bridge
 from rotorrig.sims.wire.background import running
+from rotorrig.sims.wire.cables import tcp_bridge
+from rotorrig.sims.wire.cables.tcp_bridge import TcpBridge
 from rotorrig.sims.wire.fault_script import Drop
-from rotorrig.sims.wire.tcp_bridge import TcpBridge
 
 Background = Callable[..., AbstractContextManager[None]]
 
