@@ -23,9 +23,9 @@ import numpy as np
 
 from rotorrig.rig.clock import WallClock
 from rotorrig.rig.config.description import RigConfig, load
-from rotorrig.sims.wire import controllers
 from rotorrig.sims.wire.cables.pty_bridge import Pty
 from rotorrig.sims.wire.drive import Drive
+from rotorrig.sims.wire.motors import controllers
 from rotorrig.sims.wire.probe_daq import frame, int24
 
 SPEED = 3000 * np.pi / 30  # rad/s

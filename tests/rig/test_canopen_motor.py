@@ -22,8 +22,8 @@ from rotorrig.rig.motor import can_link, canopen_motor
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.motor.canopen_motor import CanOpenMotor
 from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
-from rotorrig.sims.wire.can_motor import serving
-from rotorrig.sims.wire.cia402 import Cia402
+from rotorrig.sims.wire.motors.can_motor import serving
+from rotorrig.sims.wire.motors.cia402 import Cia402
 from tests.rig.wire_fakes import wait_for
 from tests.sims.wire.conftest import ToyPlant, in_background
 

@@ -10,10 +10,10 @@ from typing import Any, Literal
 
 from rotorrig.rig.clock import WallClock
 from rotorrig.rig.config.devices import ModbusProfile, ModbusRtu, ModbusTcp
-from rotorrig.sims.wire import modbus_motor
 from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
-from rotorrig.sims.wire.inverters import registers_of
-from rotorrig.sims.wire.modbus_motor import Disguise, Registers
+from rotorrig.sims.wire.motors import modbus_motor
+from rotorrig.sims.wire.motors.inverters import registers_of
+from rotorrig.sims.wire.motors.modbus_motor import Disguise, Registers
 from tests.sims.wire.conftest import ToyPlant, in_background
 
 Wire = Literal["rtu", "tcp"]

@@ -12,7 +12,7 @@ from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.config.description import load
 from rotorrig.sims.plant import truth
 from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.wire.powerflex400 import PowerFlex400
+from rotorrig.sims.wire.motors.powerflex400 import PowerFlex400
 
 CONFIG = Path(__file__).parents[3] / "configs" / "rk4.toml"
 

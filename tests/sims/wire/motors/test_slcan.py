@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rotorrig.sims.wire.slcan import Adapter
+from rotorrig.sims.wire.motors.slcan import Adapter
 
 
 class Line:

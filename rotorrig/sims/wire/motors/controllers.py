@@ -56,8 +56,8 @@ def serving(
 
 @asynccontextmanager
 async def _modbus_rtu(table: ModbusRtu, plant: Plant, clock: Clock, bridge: PtyBridge) -> AsyncIterator[Controller]:
-    from rotorrig.sims.wire import modbus_motor
-    from rotorrig.sims.wire.inverters import registers_of
+    from rotorrig.sims.wire.motors import modbus_motor
+    from rotorrig.sims.wire.motors.inverters import registers_of
 
     with bridge:
         registers, disguise = registers_of(table, plant, clock), modbus_motor.Disguise()
@@ -69,8 +69,8 @@ async def _modbus_rtu(table: ModbusRtu, plant: Plant, clock: Clock, bridge: PtyB
 
 @asynccontextmanager
 async def _modbus_tcp(table: ModbusTcp, plant: Plant, clock: Clock) -> AsyncIterator[Controller]:
-    from rotorrig.sims.wire import modbus_motor
-    from rotorrig.sims.wire.inverters import registers_of
+    from rotorrig.sims.wire.motors import modbus_motor
+    from rotorrig.sims.wire.motors.inverters import registers_of
 
     registers, disguise = registers_of(table, plant, clock), modbus_motor.Disguise()
     async with modbus_motor.serving_tcp(registers, address=table.address, disguise=disguise) as port:
@@ -82,7 +82,7 @@ async def _modbus_tcp(table: ModbusTcp, plant: Plant, clock: Clock) -> AsyncIter
 
 @asynccontextmanager
 async def _line(table: LineController, plant: Plant, clock: Clock, bridge: PtyBridge) -> AsyncIterator[Controller]:
-    from rotorrig.sims.wire import line_motor
+    from rotorrig.sims.wire.motors import line_motor
 
     with bridge:
         device = line_motor.LineDevice(plant, max_speed=table.max_speed, clock=clock)
@@ -92,8 +92,8 @@ async def _line(table: LineController, plant: Plant, clock: Clock, bridge: PtyBr
 
 @asynccontextmanager
 async def _canopen(table: CanOpen, plant: Plant, clock: Clock, adapter: PtyBridge) -> AsyncIterator[Controller]:
-    from rotorrig.sims.wire import can_motor
-    from rotorrig.sims.wire.cia402 import Cia402
+    from rotorrig.sims.wire.motors import can_motor
+    from rotorrig.sims.wire.motors.cia402 import Cia402
 
     with adapter:
         device = Cia402(plant, max_speed=table.max_speed, rpm_per_unit=table.rpm_per_unit, clock=clock)

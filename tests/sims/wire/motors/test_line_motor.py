@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 
 from rotorrig.rig.clock import ManualClock, WallClock
 from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
-from rotorrig.sims.wire.line_motor import LineDevice, serving
+from rotorrig.sims.wire.motors.line_motor import LineDevice, serving
 from tests.sims.wire.conftest import ToyPlant
 
 RPM = math.pi / 30
-SPEC = Path(__file__).parents[3] / "docs" / "motor-line.md"
+SPEC = Path(__file__).parents[4] / "docs" / "motor-line.md"
 
 
 def crc(text: str) -> str:

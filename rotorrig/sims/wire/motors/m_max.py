@@ -19,7 +19,7 @@ from types import MappingProxyType
 from rotorrig.rig.clock import Clock
 from rotorrig.rig.errors import ConfigError
 from rotorrig.sims.wire.drive import Drive, OnSilence
-from rotorrig.sims.wire.modbus_motor import Unanswered
+from rotorrig.sims.wire.motors.modbus_motor import Unanswered
 from rotorrig.sims.wire.plant_port import Plant
 
 CONTROL_WORD, GENERAL_CONTROL_WORD, SETPOINT = 2001, 2002, 2003  # IDs

@@ -5,12 +5,12 @@ from typing import assert_never
 from rotorrig.rig.clock import Clock
 from rotorrig.rig.config.devices import ModbusRtu, ModbusTcp
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.wire.acs355 import Acs355
-from rotorrig.sims.wire.m_max import MMax
-from rotorrig.sims.wire.modbus_motor import Registers
+from rotorrig.sims.wire.motors.acs355 import Acs355
+from rotorrig.sims.wire.motors.m_max import MMax
+from rotorrig.sims.wire.motors.modbus_motor import Registers
+from rotorrig.sims.wire.motors.powerflex400 import PowerFlex400
+from rotorrig.sims.wire.motors.vfd_ed import VfdEd
 from rotorrig.sims.wire.plant_port import Plant
-from rotorrig.sims.wire.powerflex400 import PowerFlex400
-from rotorrig.sims.wire.vfd_ed import VfdEd
 
 
 def registers_of(table: ModbusRtu | ModbusTcp, plant: Plant, clock: Clock) -> Registers:

@@ -15,8 +15,8 @@ from canopen.profiles.p402 import BaseNode402
 
 from rotorrig.rig.clock import WallClock
 from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
-from rotorrig.sims.wire.can_motor import serving, serving_on
-from rotorrig.sims.wire.cia402 import Cia402
+from rotorrig.sims.wire.motors.can_motor import serving, serving_on
+from rotorrig.sims.wire.motors.cia402 import Cia402
 
 RPM = math.pi / 30
 NODE = 5

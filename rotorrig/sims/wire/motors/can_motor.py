@@ -15,8 +15,8 @@ import canopen
 from canopen import objectdictionary as od
 
 from rotorrig.sims.wire.cables.serial_end import serial_end
-from rotorrig.sims.wire.cia402 import DICTIONARY, Cia402, Refused
-from rotorrig.sims.wire.slcan import Adapter
+from rotorrig.sims.wire.motors.cia402 import DICTIONARY, Cia402, Refused
+from rotorrig.sims.wire.motors.slcan import Adapter
 
 _TICK = 0.01  # s between looks at ramps and heartbeat
 _HEARTBEAT = 0x700  # function code of the CAN identifier; the node is added
