@@ -15,9 +15,9 @@ def page(tables: str, summary: dict[str, float], versions: str, rounds: int) -> 
 
 Written by `benchmarks/forward.py --write` (`make bench`); do not edit.
 
-Once per speed grid `sims/rotor/steady/receptance.py` condenses the rotor to the bearings that change, the unbalance and the
-probes. A candidate (k, c, u) is then a solve of twice the number of these bearings per speed. All figures are of one
-run and one thread: medians of {rounds} rounds, of the dense solves {(rounds + 4) // 5}, of ROSS 5; CPU time of the
+Once per speed grid `sims/rotor/steady/receptance.py` condenses the rotor to the bearings that change, the unbalance and
+the probes. A candidate (k, c, u) is then a solve of twice the number of these bearings per speed. All figures are of
+one run and one thread: medians of {rounds} rounds, of the dense solves {(rounds + 4) // 5}, of ROSS 5; CPU time of the
 process, beside it wall time. Other load on the machine moves them by up to a factor of two, the ratios less.
 
 RK4: configs/rk4.toml, 84 speeds, one bearing of eight coefficients. Lalanne: benchmarks/lalanne.toml, 75 speeds, two

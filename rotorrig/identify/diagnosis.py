@@ -1,8 +1,8 @@
 """From responses to a `Diagnosis`: is the model adequate, where does it part from the measurement, and why.
 
 The base model is fitted to all recordings together; what its residual calls for is looked for among the effects of
-sims/effects (stepwise_selection.py), named or not (verdict.py), and what the extended model buys is measured on data that no fit
-saw (cross_validation.py).
+sims/effects (stepwise_selection.py), named or not (verdict.py), and what the extended model buys is measured on data
+that no fit saw (cross_validation.py).
 """
 
 from collections.abc import Callable, Collection, Sequence

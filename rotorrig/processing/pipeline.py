@@ -119,7 +119,11 @@ def recorded_trial_masses(recording: Recorded) -> list[tuple[float, dict[str, co
     masses: list[TrialMass] = []
     for event in recording.events:
         if event.kind == "trial":
-            masses = [] if event.text == NO_TRIAL else [*masses, read_trial_mass(event.text, rig=recording.rig)]
+            masses = (
+                []
+                if event.text == NO_TRIAL
+                else [*masses, read_trial_mass(event.text, planes=recording.rig.unbalance_planes)]
+            )
             changes.append((event.t_ns / 1e9, trial_unbalance(masses)))
     return changes
 

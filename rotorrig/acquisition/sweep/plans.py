@@ -116,7 +116,7 @@ def planned(
 ) -> tuple[Step, ...]:
     """Return the steps of a plan, allowed or not. Raises ConfigError if there is no such plan or trial mass."""
     for mass in trial:
-        read_trial_mass(mass, rig=rig)
+        read_trial_mass(mass, planes=rig.unbalance_planes)
     if name not in rig.plans:
         raise ConfigError(f"plan '{name}': the config has none of that name, want one of {sorted(rig.plans)}")
     plan = rig.plans[name]

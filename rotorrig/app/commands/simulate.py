@@ -81,7 +81,7 @@ def simulated(rig: RigConfig, stand_in: StandIn, *, trial: Sequence[str] = ()) -
 
 def truth_of(rig: RigConfig, stand_in: StandIn, *, trial: Sequence[str] = ()) -> Truth:
     """Return what the simulated rig is, trial masses on. Raises as `simulated` does."""
-    added = trial_unbalance(read_trial_mass(mass, rig=rig) for mass in trial)
+    added = trial_unbalance(read_trial_mass(mass, planes=rig.unbalance_planes) for mass in trial)
     masses = {disk: (abs(u), cmath.phase(u)) for disk, u in added.items()}
     if stand_in.hidden is None:
         truth = draw(rig, seed=stand_in.seed, faults=faults_of(rig), trial=masses)

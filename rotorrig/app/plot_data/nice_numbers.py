@@ -1,4 +1,4 @@
-"""TITLE."""
+"""Round numbers for scales and axes."""
 
 import math
 

@@ -65,7 +65,7 @@ def track(
         slow_roll=SpeedWindow.read(slow_roll, where="--slow-roll") if slow_roll else None,
     )
     with open_recording(run) as recording, progress_bars() as bars:
-        masses = [read_trial_mass(text, rig=recording.rig) for text in trial] if trial else None
+        masses = [read_trial_mass(text, planes=recording.rig.unbalance_planes) for text in trial] if trial else None
         seconds = recording.samples / recording.daq.sample_rate
         task = bars.add_task("tracking", total=1.0, note="", unit="x real time", scale=seconds)
         response = pipeline.track(

@@ -9,8 +9,8 @@ The sigmas are of single rows and neighbouring residuals are correlated (a scale
 them), so chi2 tables do not give the false-alarm rate. The thresholds come from simulated healthy rigs instead,
 nameplate errors included: benchmarks/healthy.py, figures in docs/adequacy.md.
 
-How the mean position moves (0X, mean_position.py) is described by the same stretches, and decides nothing: no effect says
-what it should be, so a model that explains everything else would be called wrong for it.
+How the mean position moves (0X, mean_position.py) is described by the same stretches, and decides nothing: no effect
+says what it should be, so a model that explains everything else would be called wrong for it.
 """
 
 from collections.abc import Iterator, Mapping

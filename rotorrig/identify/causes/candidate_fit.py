@@ -10,8 +10,6 @@ import numpy as np
 
 from rotorrig.identify.adequacy.residual_tests import STRETCH
 from rotorrig.identify.base_model.parameters import Reals
-
-pass
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_nuisances
 from rotorrig.identify.causes.score_test import Score, relocated
 from rotorrig.identify.extended_model.problem import ExtendedProblem

@@ -12,9 +12,9 @@ both ends, so the sum converges fast: with 20 samples per turn it is off by 1e-6
 order, such as the 0.47X of an oil whirl, leaks a fifth of what Hann's window lets through (see windows).
 
 Measured on a run-up from 600 to 6000 rpm in 30 s at 25.6 kS/s, rows of 8 turns: the sum is off by less than 1e-9 of
-the amplitude and takes 45 ms; by way of a grid of 64 points per turn, filled by the filter of synchronous_waveform.py, 1e-6 and
-265 ms; filled by linear interpolation, 3e-5 and 1.4 times the noise, as most samples take no part. With turns * n
-whole, all orders are powers of e^{-j psi / turns}, of which w is made too.
+the amplitude and takes 45 ms; by way of a grid of 64 points per turn, filled by the filter of synchronous_waveform.py,
+1e-6 and 265 ms; filled by linear interpolation, 3e-5 and 1.4 times the noise, as most samples take no part. With turns
+* n whole, all orders are powers of e^{-j psi / turns}, of which w is made too.
 """
 
 from collections.abc import Callable

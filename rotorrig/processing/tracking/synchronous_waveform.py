@@ -13,12 +13,9 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.signal.windows import kaiser
 
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
-from rotorrig.processing.waveform import Stretch
-
-pass
 from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.waveform import Waveforms
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.waveform import Stretch, Waveforms
 
 CROSSINGS = 12  # zero crossings of the sinc on either side
 BETA = 10.0  # of its Kaiser window: -100 dB

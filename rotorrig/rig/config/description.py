@@ -36,6 +36,7 @@ from rotorrig.rig.config.nameplate import (
 )
 from rotorrig.rig.config.sweep_plans import Plan, TrialMassRuns
 from rotorrig.rig.config.toml_file import parsed_toml, read_toml
+from rotorrig.rig.config.trial_mass import read_trial_mass
 from rotorrig.rig.config.validation import checked
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.provenance import short_hash
@@ -256,10 +257,10 @@ class RigConfig(Part):
             if known[name].rigid or known[name].over_speed:
                 kind = "rigid" if known[name].rigid else "given over speed"
                 raise ValueError(f"identify.bearings: '{name}' is {kind}, want a bearing of constant coefficients")
-        places = [*(disk.name for disk in self.disks), *(plane.name for plane in self.planes)]
         for name in self.identify.unbalance:
-            if name not in places:
-                raise ValueError(f"identify.unbalance: no {self._place} '{name}', want one of {places}")
+            if name not in self.unbalance_planes:
+                planes = list(self.unbalance_planes)
+                raise ValueError(f"identify.unbalance: no {self._place} '{name}', want one of {planes}")
 
     def _limits_name_probes(self) -> None:
         names = [probe.name for probe in self.probes]
@@ -268,10 +269,6 @@ class RigConfig(Part):
                 raise ValueError(f"{table}: no probe '{name}', want one of {names}")
 
     def _trial_masses_fit(self) -> None:
-        from rotorrig.rig.config.trial_mass import (
-            read_trial_mass,  # which reads them for a RigConfig, and so imports this
-        )
-
         for name, plan in self.plans.items():
             if not isinstance(plan, TrialMassRuns):
                 continue
@@ -280,9 +277,14 @@ class RigConfig(Part):
                 raise ValueError(f"plans.{name}.plan: got '{plan.plan}', want another plan of the config: {others}")
             try:
                 for mass in plan.masses:
-                    read_trial_mass(mass, rig=self)
+                    read_trial_mass(mass, planes=self.unbalance_planes)
             except ConfigError as error:
                 raise ValueError(f"plans.{name}.masses: {error}") from error
+
+    @property
+    def unbalance_planes(self) -> tuple[str, ...]:
+        """Names of the places an unbalance or a trial mass may sit at: the disks, then the massless planes."""
+        return (*(disk.name for disk in self.disks), *(plane.name for plane in self.planes))
 
     @property
     def _place(self) -> str:

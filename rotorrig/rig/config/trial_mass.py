@@ -1,9 +1,8 @@
 """`TrialMass`: a known mass put on a disk for a whole recording, and how it is written: "disk: 12 g mm at 90 deg"."""
 
 import cmath
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
-from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.nameplate import Angle, Part, UnbalanceAmount
 from rotorrig.rig.config.validation import checked
 from rotorrig.rig.errors import ConfigError
@@ -20,18 +19,17 @@ class TrialMass(Part):
     angle: Angle
 
 
-def read_trial_mass(text: str, *, rig: RigConfig) -> TrialMass:
+def read_trial_mass(text: str, *, planes: Collection[str]) -> TrialMass:
     """Return what "disk: 12 g mm at 90 deg" says. Raises ConfigError, in one sentence.
 
-    A massless plane of the config is as good as a disk.
+    `planes` are the disks and massless planes it may sit on: `RigConfig.unbalance_planes`.
     """
     disk, colon, rest = (part.strip() for part in text.rpartition(":"))
     amount, at, angle = rest.rpartition(" at ")
     if not (colon and at):
         raise ConfigError(f"trial mass: got '{text}', {_WANT}")
-    places = [*(d.name for d in rig.disks), *(p.name for p in rig.planes)]
-    if disk not in places:
-        raise ConfigError(f"trial mass '{text}': the config has no disk or plane '{disk}', want one of {places}")
+    if disk not in planes:
+        raise ConfigError(f"trial mass '{text}': the config has no disk or plane '{disk}', want one of {list(planes)}")
     table = {"disk": disk, "amount": amount, "angle": angle}
     return checked(TrialMass, table, where=f"trial mass '{text}'")
 

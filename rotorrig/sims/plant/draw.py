@@ -1,4 +1,4 @@
-"""TITLE."""
+"""Draw a hidden rig from a seed: the nameplate within its tolerances, and the faults asked for."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -7,45 +7,24 @@ import numpy as np
 
 from rotorrig.rig.config.description import Bearing, Disk, RigConfig
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.sims.plant.faults.base import check, deviated, fault
+from rotorrig.sims.plant.faults.base import check, check_faults, deviated, fault
 from rotorrig.sims.plant.streams import stream
 from rotorrig.sims.plant.truth import BearingTruth, FaultSpec, Noise, Truth, UnbalanceTruth
 
 # Uniform within +-, relative to the nameplate: what nobody knows of a bearing before a test.
 STIFFNESS_TOLERANCE = 0.05
-
-
 DAMPING_TOLERANCE = 0.20
-
-
 UNBALANCE_TOLERANCE = 0.10
-
 
 # One standard deviation, clipped at two: what a careful workshop reaches.
 MODULUS_SIGMA = 0.01
-
-
 DENSITY_SIGMA = 0.002
-
-
 DISK_MASS_SIGMA = 0.005
-
-
 GAIN_SIGMA = 0.01
-
-
 PROBE_ANGLE_SIGMA = math.radians(1.0)
-
-
 KEYPHASOR_SIGMA = math.radians(2.0)
-
-
 CURVATURE_TOLERANCE = 0.002  # of the scale factor at 300 um, quadratic and cubic part each
-
-
 BALANCE_QUALITY = 6.3e-3  # m/s: grade G 6.3 of ISO 21940-11, for a disk whose nameplate names no unbalance
-
-
 COEFFICIENTS = ("kxx", "kyy", "kxy", "kyx", "cxx", "cyy", "cxy", "cyx")
 
 
@@ -83,7 +62,7 @@ def draw(
         keyphasor_offset=_clipped(seed, "keyphasor", KEYPHASOR_SIGMA),
         runout_seed=seed,
         noise=Noise(),
-        faults=_checked(faults),
+        faults=check_faults(faults),
         trial=_trial(rig, trial or {}),
         run=_run_number(run),
     )
@@ -128,7 +107,7 @@ def nameplate(rig: RigConfig, *, seed: int = 0, faults: Iterable[FaultSpec] = ()
         keyphasor_offset=0.0,
         runout_seed=None,
         noise=Noise.none(),
-        faults=_checked(faults),
+        faults=check_faults(faults),
     )
 
 
@@ -220,10 +199,3 @@ def _within(seed: int, name: str, tolerance: float) -> float:
 
 def _clipped(seed: int, name: str, sigma: float) -> float:
     return float(np.clip(stream(seed, name).normal(), -2.0, 2.0) * sigma)
-
-
-def _checked(faults: Iterable[FaultSpec]) -> tuple[FaultSpec, ...]:
-    kept = tuple(faults)
-    for spec in kept:
-        check(spec.name, spec.parameters)
-    return kept

@@ -1,4 +1,4 @@
-"""TITLE."""
+"""Seal a truth into a JSON file before a sweep; unseal it to score a diagnosis."""
 
 import json
 import math
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.plant.draw import _checked
+from rotorrig.sims.plant.faults.base import check_faults
 from rotorrig.sims.plant.truth import Truth
 
 SCHEMA = "rotorrig.plant.truth/2"
@@ -36,7 +36,7 @@ def unseal(path: Path) -> Truth:
     del table["schema"]
     try:
         truth: Truth = _decode(Truth, table, "truth")
-        _checked(truth.faults)
+        check_faults(truth.faults)
     except (ValueError, DataError) as error:
         raise DataError(f"{path}: is no usable truth: {error}") from error
     return truth

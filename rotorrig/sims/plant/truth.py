@@ -1,6 +1,6 @@
-"""What the simulated rig really is: hidden deviations from the nameplate, noise levels, faults; and its sealed file.
+"""A simulated rig as it really is: hidden deviations from the nameplate, noise levels, faults.
 
-A `Truth` is drawn from a seed within the tolerances below, sealed into a JSON file before a sweep, and opened only by
+A `Truth` is drawn from a seed (draw.py), sealed into a JSON file before a sweep (sealed_truth.py), and opened only by
 a scorer after a diagnosis has been written.
 """
 

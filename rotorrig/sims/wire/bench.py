@@ -28,8 +28,9 @@ from typing import Any
 from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.config.devices import Motor
 from rotorrig.rig.errors import ConfigError, RigError
-from rotorrig.sims.plant import truth
+from rotorrig.sims.plant.draw import draw
 from rotorrig.sims.plant.plant import Plant
+from rotorrig.sims.plant.sealed_truth import unseal
 from rotorrig.sims.wire.emulation import Emulation, emulating
 from rotorrig.sims.wire.fault_script import Script, parse_script, read_script
 from rotorrig.sims.wire.simulated_time import DEFAULT_RATE
@@ -116,10 +117,10 @@ def _motor(rig: RigConfig, path: Path) -> Motor:
 def _plant(rig: RigConfig, given: argparse.Namespace) -> tuple[Plant, int | None]:
     """Return the plant, at rest, and the seed its truth was drawn from (None: it was unsealed)."""
     if given.hidden:
-        actual, seed = truth.unseal(given.hidden), None
+        actual, seed = unseal(given.hidden), None
     else:
         seed = secrets.randbelow(2**31) if given.seed is None else given.seed
-        actual = truth.draw(rig, seed=seed)
+        actual = draw(rig, seed=seed)
     return Plant(rig, actual), seed  # compiles on first use, before anybody waits for a sample
 
 

@@ -10,12 +10,15 @@ from rotorrig.rig.errors import ConfigError
 
 
 def test_a_quarter_turn_from_the_mark_is_imaginary(rig_config: RigConfig) -> None:
-    mass = read_trial_mass("disk: 12 g mm at 90 deg", rig=rig_config)
+    mass = read_trial_mass("disk: 12 g mm at 90 deg", planes=rig_config.unbalance_planes)
     assert trial_unbalance([mass])["disk"] == pytest.approx(12e-6j)
 
 
 def test_masses_on_one_disk_add_as_vectors(rig_config: RigConfig) -> None:
-    masses = [read_trial_mass(f"disk: 10 g mm at {angle}", rig=rig_config) for angle in ("30 deg", "-30 deg")]
+    masses = [
+        read_trial_mass(f"disk: 10 g mm at {angle}", planes=rig_config.unbalance_planes)
+        for angle in ("30 deg", "-30 deg")
+    ]
     assert trial_unbalance(masses) == {"disk": pytest.approx(math.sqrt(3) * 10e-6)}
 
 
@@ -32,6 +35,6 @@ def test_masses_on_one_disk_add_as_vectors(rig_config: RigConfig) -> None:
 )
 def test_a_mistake_is_one_sentence(rig_config: RigConfig, text: str, said: str) -> None:
     with pytest.raises(ConfigError) as caught:
-        read_trial_mass(text, rig=rig_config)
+        read_trial_mass(text, planes=rig_config.unbalance_planes)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)

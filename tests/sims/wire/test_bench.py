@@ -16,7 +16,8 @@ import pytest
 import serial
 
 from rotorrig.rig.config.description import load
-from rotorrig.sims.plant import truth
+from rotorrig.sims.plant.draw import draw
+from rotorrig.sims.plant.sealed_truth import seal
 from rotorrig.sims.wire.bench import main
 
 CONFIG = Path(__file__).parents[3] / "configs" / "rk4.toml"
@@ -67,7 +68,7 @@ def test_it_ends_cleanly_when_interrupted_while_it_streams() -> None:
 
 def test_a_sealed_truth_is_used_and_its_seed_kept_secret(tmp_path: Path) -> None:
     sealed = tmp_path / "sealed.json"
-    truth.seal(truth.draw(load(CONFIG), seed=4242), sealed)
+    seal(draw(load(CONFIG), seed=4242), sealed)
     with bench(str(CONFIG), "--seed", "7", "--hidden", str(sealed)) as process:
         assert said(process)["seed"] is None
 

@@ -10,7 +10,7 @@ import serial
 
 from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.config.description import load
-from rotorrig.sims.plant import truth
+from rotorrig.sims.plant.draw import draw
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.wire.motors.powerflex400 import PowerFlex400
 
@@ -20,7 +20,7 @@ CONFIG = Path(__file__).parents[3] / "configs" / "rk4.toml"
 @pytest.fixture(scope="module")
 def rotor() -> Plant:
     rig = load(CONFIG)
-    return Plant(rig, truth.draw(rig, seed=1))
+    return Plant(rig, draw(rig, seed=1))
 
 
 def test_the_simulated_rotor_goes_where_the_drive_believes_it_is(rotor: Plant, clock: ManualClock) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-pass
 from rotorrig.app.viewer.plots.rotor_3d import LINE_LIKE
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.identify.base_model.unknowns import Space

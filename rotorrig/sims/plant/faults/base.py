@@ -8,19 +8,17 @@ Dropping a file in here is all it takes. No hook knows of the model a fit uses f
 import difflib
 import importlib
 import pkgutil
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, Protocol, cast
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.plant import faults
+from rotorrig.sims.plant.chain import Chain
 from rotorrig.sims.plant.force_laws import Force
+from rotorrig.sims.plant.shaft import Rotor
 from rotorrig.sims.plant.sizes import Range
-
-if TYPE_CHECKING:  # these modules import this one
-    from rotorrig.sims.plant.chain import Chain
-    from rotorrig.sims.plant.shaft import Rotor
-    from rotorrig.sims.plant.truth import Truth
+from rotorrig.sims.plant.truth import FaultSpec, Truth
 
 Values = Mapping[str, float]  # every parameter of a fault
 
@@ -32,19 +30,19 @@ class Fault(Protocol):
     SIZE: tuple[str, ...]
     RANGE: dict[str, Range]
 
-    def deviations(self, rig: RigConfig, truth: "Truth", values: Values) -> "Truth":
+    def deviations(self, rig: RigConfig, truth: Truth, values: Values) -> Truth:
         """Return `truth` with the deviations a truth has words for: a bearing's coefficients, a probe's gain."""
         ...
 
-    def forces(self, rig: RigConfig, truth: "Truth", values: Values) -> tuple[Force, ...]:
+    def forces(self, rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
         """Return the fault's force laws; whatever they act on becomes a coordinate of the rotor."""
         ...
 
-    def structure(self, rig: RigConfig, truth: "Truth", rotor: "Rotor", values: Values) -> "Rotor":
+    def structure(self, rig: RigConfig, truth: Truth, rotor: Rotor, values: Values) -> Rotor:
         """Return `rotor` with other matrices, or with more coordinates behind its own."""
         ...
 
-    def sensors(self, rig: RigConfig, chain: "Chain", values: Values) -> "Chain":
+    def sensors(self, rig: RigConfig, chain: Chain, values: Values) -> Chain:
         """Return the sensor `chain` as the fault leaves it."""
         ...
 
@@ -64,19 +62,27 @@ def check(name: str, parameters: Values) -> None:
             raise DataError(f"fault '{name}': has no parameter '{parameter}', {_hint(parameter, known)}")
 
 
+def check_faults(specs: Iterable[FaultSpec]) -> tuple[FaultSpec, ...]:
+    """Return `specs` as a tuple. Raises DataError unless each is a fault the plant has, with its parameters."""
+    kept = tuple(specs)
+    for spec in kept:
+        check(spec.name, spec.parameters)
+    return kept
+
+
 def fault(name: str) -> Fault:
     """Return the module of that fault."""
     return cast(Fault, importlib.import_module(f"{faults.__name__}.{name}"))
 
 
-def deviated(rig: RigConfig, truth: "Truth") -> "Truth":
+def deviated(rig: RigConfig, truth: Truth) -> Truth:
     """Return `truth` with what its faults change of it. Raises DataError as `check` does."""
     for _, hook, values in _hooks(truth, "deviations"):
         truth = hook(rig, truth, values)
     return truth
 
 
-def forces(rig: RigConfig, truth: "Truth") -> tuple[Force, ...]:
+def forces(rig: RigConfig, truth: Truth) -> tuple[Force, ...]:
     """Return the force laws of all faults of `truth`. Raises DataError as `check`, and on a place off the shaft."""
     acting: list[Force] = []
     for name, hook, values in _hooks(truth, "forces"):
@@ -91,21 +97,21 @@ def forces(rig: RigConfig, truth: "Truth") -> tuple[Force, ...]:
     return tuple(acting)
 
 
-def restructured(rig: RigConfig, truth: "Truth", rotor: "Rotor") -> "Rotor":
+def restructured(rig: RigConfig, truth: Truth, rotor: Rotor) -> Rotor:
     """Return `rotor` with what the faults of `truth` change of its matrices."""
     for _, hook, values in _hooks(truth, "structure"):
         rotor = hook(rig, truth, rotor, values)
     return rotor
 
 
-def misread(rig: RigConfig, truth: "Truth", chain: "Chain") -> "Chain":
+def misread(rig: RigConfig, truth: Truth, chain: Chain) -> Chain:
     """Return the sensor `chain` with what the faults of `truth` change of it."""
     for _, hook, values in _hooks(truth, "sensors"):
         chain = hook(rig, chain, values)
     return chain
 
 
-def _hooks(truth: "Truth", hook: str) -> Iterator[tuple[str, Any, dict[str, float]]]:
+def _hooks(truth: Truth, hook: str) -> Iterator[tuple[str, Any, dict[str, float]]]:
     """Yield name, hook and values of every fault that is there and has that hook."""
     for spec in truth.faults:
         check(spec.name, spec.parameters)

@@ -1,4 +1,4 @@
-"""Derivatives of a model's matrices by what a fit changes in it, and of the steady response along them."""
+"""Derivatives of a model's matrices by what a fit changes in it."""
 
 from collections.abc import Collection
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""The compiled part of harmonic_balance.py: mean and harmonics of a force on a periodic motion, and how they change with it.
+"""The compiled part of harmonic_balance.py: mean and harmonics of a force on a periodic motion, and their derivatives.
 
 A place moves as x = mean + Re(Q e^{j psi}) and its overtones up to the third; its force is evaluated at POINTS angles
 and its mean and harmonics taken (alternating frequency and time: Cameron, Griffin, J. Appl. Mech. 56 (1989) 149).

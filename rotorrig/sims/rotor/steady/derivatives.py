@@ -1,4 +1,4 @@
-"""TITLE."""
+"""Steady-state unbalance response and its derivatives along directions of the matrices."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -48,7 +48,8 @@ def steady_response(
     `unbalance` is disk or plane -> U e^{j phi} [kg m], phi from the keyphasor mark in the sense of rotation. `bow` is
     disk or plane -> b e^{j psi} [m], the shaft's residual bow there (loads.bow_force). `force` is disk, plane or
     bearing -> (Fx, Fy) [N], numbers or (speed,) each. `order`: the masses and forces turn that many times per
-    revolution. `alpha` [rad/s^2] adds the tangential force of a changing speed, but not the response's lag: swept_response.py.
+    revolution. `alpha` [rad/s^2] adds the tangential force of a changing speed, but not the response's lag:
+    swept_response.py.
 
     Raises ValueError on a name the model does not have, DataError on a speed at an undamped resonance.
     """

@@ -2,8 +2,9 @@
 
 K + Re(T e^{2 j theta}), T symmetric, on a motion Re(A e^{j theta}) exerts -1/2 T conj(A) at 1X. (The other half of it,
 -1/2 T A at 3X, meets backward whirl alone and is left out.) So the response is linear in real amounts only: a load
-times j has a response of its own. All that is conjugate stands in a second `Passage`, beside the one of passed_modes.py:
-the passed modes follow a' = .. + L conj(a) + g conj(law), the probes see shape conj(a) + others conj(law) besides.
+times j has a response of its own. All that is conjugate stands in a second `Passage`, beside the one of
+passed_modes.py: the passed modes follow a' = .. + L conj(a) + g conj(law), the probes see shape conj(a) + others
+conj(law) besides.
 
 Through the modes that follow at once, of flexibility G, the force acts on itself: F = -1/2 T conj(w + G F), w the
 motion without that, so F = E (-1/2 T conj(w) + 1/4 T G* T* w), E = (1 - 1/4 T G* T* G)^-1. Source: Tondl, Some

@@ -11,8 +11,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-pass
-
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
