@@ -21,8 +21,8 @@ WRITE_FOREVER = """
 import sys
 from pathlib import Path
 import numpy as np
-from rotorrig.acquisition.mcap_file import RecordingWriter
-from rotorrig.rig.description import load
+from rotorrig.acquisition.files.recording_mcap import RecordingWriter
+from rotorrig.rig.config.description import load
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance

@@ -232,7 +232,7 @@ def test_a_drive_whose_master_was_killed_stops_the_rotor_by_itself(stand: Stand,
 _MASTER = """
 import ast, sys, time
 from rotorrig.rig import connect
-from rotorrig.rig.description import parse
+from rotorrig.rig.config.description import parse
 text, place, speed, ramp = sys.argv[1:]
 motor = connect.motor(parse(text, where="rig"), at=ast.literal_eval(place))
 motor.open()

@@ -25,7 +25,7 @@ GROWTH_MB = 20.0  # stated: of a recording ten times as long, 43 MB of counts mo
 PEAK = """
 import sys
 from pathlib import Path
-from rotorrig.acquisition.mcap_file import open_recording
+from rotorrig.acquisition.files.recording_mcap import open_recording
 from rotorrig.processing.pipeline import track
 with open_recording(Path(sys.argv[1])) as recording:
     track(recording)

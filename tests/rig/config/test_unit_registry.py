@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-ASK = "from rotorrig.rig.units import to_si; print(to_si('2 mil', 'length'))"
+ASK = "from rotorrig.rig.config.units import to_si; print(to_si('2 mil', 'length'))"
 
 
 def started(home: Path) -> subprocess.Popen[str]:

@@ -63,7 +63,7 @@ def second_moment(tube: Tube) -> float:
 def shear_factor(tube: Tube) -> float:
     """Return the effective part of the cross-section in shear: Cowper, J. Appl. Mech. 33 (1966) 335, hollow circle.
 
-    >>> from rotorrig.rig.nameplate import Tube
+    >>> from rotorrig.rig.config.nameplate import Tube
     >>> rod = Tube(
     ...     start=0, length=1, diameter=0.1, inner_diameter=0, density=7800, youngs_modulus=2e11, poisson_ratio=0.3
     ... )

@@ -130,9 +130,9 @@ def test_a_view_that_never_wakes_is_ended_when_the_sweep_is_over(
 ORPHAN = """
 import sys
 from pathlib import Path
-from rotorrig.app.live_view import LiveView
-from rotorrig.app.sinks import to_file
-from rotorrig.rig.description import load
+from rotorrig.app.viewer.live.view import LiveView
+from rotorrig.app.viewer.sinks import to_file
+from rotorrig.rig.config.description import load
 from rotorrig.rig.probes.base import DaqInfo
 
 info = DaqInfo(model="", serial="", sample_rate=1e4, channels=5, volts_per_count=(1.0,) * 5, full_scale_counts=32768)

@@ -12,7 +12,7 @@ from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
 from rotorrig.rig.motor import line_frames
 from rotorrig.rig.motor.line_frames import Reply
 
-SPEC = (Path(__file__).parents[2] / "docs" / "motor-line.md").read_text(encoding="utf-8")
+SPEC = (Path(__file__).parents[3] / "docs" / "motor-line.md").read_text(encoding="utf-8")
 EXAMPLE = SPEC.partition("## Worked example")[2].split("```")[1]
 REQUESTS = re.findall(r"^>([0-9A-F]{2}) ([^*\n]*)(\*[0-9A-F]{4})", EXAMPLE, flags=re.MULTILINE)
 REPLIES = re.findall(r"^<([0-9A-F]{2}) (OK|ERR) ?([^*\n]*)(\*[0-9A-F]{4})", EXAMPLE, flags=re.MULTILINE)
