@@ -21,7 +21,7 @@ from rotorrig.sims.effects.unbalance_plane import UnbalancePlane
 from rotorrig.sims.plant.faults.base import fault
 from rotorrig.sims.plant.motor import DRAG_CONSTANT, DRAG_LINEAR
 from rotorrig.sims.plant.truth import FaultSpec, Truth
-from rotorrig.sims.rotor.model.loads import ONE_RECORDING, between
+from rotorrig.sims.rotor.model.loads import ONE_RECORDING, between_recordings
 
 Values = Mapping[str, float]
 
@@ -178,7 +178,7 @@ def _unbalance_step(rig: RigConfig, truth: Truth, values: Values) -> Answer:
     """Say when the plan passes that speed; the drive lags behind it by some tenths of a second."""
     step = _phasor("step", values["amount"], values["angle"] + truth.keyphasor_offset)
     number = math.ceil(values["run"])
-    time = between(number)
+    time = between_recordings(number)
     if number == values["run"]:
         time = number * ONE_RECORDING + max(_passed(rig.plans["default"], values["speed"]), values["time"])
     return _one("unbalance_step", step | {"time": time}, same=tuple(step))

@@ -14,12 +14,12 @@ from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.model.disk import unbalance_direction
-from rotorrig.sims.rotor.steady.receptance import Derivatives, Receptance, condense_groups
+from rotorrig.sims.rotor.steady.receptance import ReceptanceDerivatives, Receptance, condense_groups
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-_FIELDS = {"k": Derivatives._fields.index("by_stiffness"), "c": Derivatives._fields.index("by_damping")}
+_FIELDS = {"k": ReceptanceDerivatives._fields.index("by_stiffness"), "c": ReceptanceDerivatives._fields.index("by_damping")}
 _END = 1e-12  # of the unit interval: mobility is nil or infinite there
 _ELEMENT = 0.05  # m: 2e-5 of the peak from a mesh of 20 mm on configs/rk4.toml, made in half the time
 
@@ -35,7 +35,7 @@ class Steady:
         self._soft = soft
         names = space.coefficients * len(space.groups)
         self._stiffness = np.array([name[0] == "k" for name in names])
-        self._places = [  # of each coefficient: field of Derivatives, group, row and column
+        self._places = [  # of each coefficient: field of ReceptanceDerivatives, group, row and column
             (_FIELDS[name[0]], i // len(space.coefficients), "xy".index(name[1]), "xy".index(name[2]))
             for i, name in enumerate(names)
         ]

@@ -12,7 +12,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, catalogue
 from rotorrig.sims.effects.internal_damping import InternalDamping
 from rotorrig.sims.effects.unbalance_step import Stretch, UnbalanceStep
-from rotorrig.sims.rotor.model.loads import ONE_RECORDING, between
+from rotorrig.sims.rotor.model.loads import ONE_RECORDING, between_recordings
 
 MOMENTS = 16  # of a recording that are tried first for what may happen at any of them
 
@@ -58,7 +58,7 @@ def _scanned(effect: UnbalanceStep, recordings: Sequence[Recording]) -> Unbalanc
     runs: list[Stretch] = []
     for r in recordings:
         if r.number:
-            stretches.append((between(r.number),))
+            stretches.append((between_recordings(r.number),))
         begins = r.number * ONE_RECORDING
         own = [Stretch(run=name, t=begins + t, omega=omega) for name, t, omega in _timed_runs(r)]
         if own:

@@ -10,7 +10,7 @@ from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.model.assembly import assemble
-from rotorrig.sims.rotor.model.loads import ONE_RECORDING, Load, between, unbalance_loads
+from rotorrig.sims.rotor.model.loads import ONE_RECORDING, Load, between_recordings, unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
 from tests.identify.swept import swept_response
 
@@ -91,7 +91,7 @@ def test_one_clock_runs_through_all_recordings(short: OrderTrackedResponse, rig:
     (always,) = unbalance_loads(model, ["disk"])
     half = float(short.keyphasor_t[-1] / 2) + 0.003  # s, between two pulses
     second = Load(always.pattern, "unbalance", since=ONE_RECORDING + half)
-    gap = Load(always.pattern, "unbalance", since=between(2))
+    gap = Load(always.pattern, "unbalance", since=between_recordings(2))
     first, own, last = (Recording(short, number=i).columns(model, [always, second, gap], order=1) for i in range(3))
     assert not first[..., 1:].any() and not own[..., 2].any()
     np.testing.assert_array_equal(last, np.repeat(last[..., :1], 3, axis=-1))
@@ -114,7 +114,7 @@ def test_a_steady_model_knows_too_what_has_not_begun(short: OrderTrackedResponse
     begun = np.append(short.t >= half, False)[:, None]
     np.testing.assert_array_equal(z[..., 1], np.where(begun, z[..., 0], 0))
     table = replace(short, t=np.full(len(short.t), np.nan), keyphasor_t=np.empty(0))
-    gap = Load(always.pattern, "unbalance", since=between(1))
+    gap = Load(always.pattern, "unbalance", since=between_recordings(1))
     before, after = (Recording(table, number=i).columns(model, [gap], order=1) for i in range(2))
     assert not before.any()
     assert np.abs(after).min() > 0

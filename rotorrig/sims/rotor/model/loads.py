@@ -54,14 +54,14 @@ class Load:
 def recording_at(time: float) -> tuple[int, float]:
     """Return the number of the recording that a moment on the clock of all is in, or next before, and since its start.
 
-    >>> recording_at(1000084.0), recording_at(between(1))
+    >>> recording_at(1000084.0), recording_at(between_recordings(1))
     ((1, 84.0), (1, -500000.0))
     """
     number = math.floor(time / ONE_RECORDING + 0.5)
     return number, time - number * ONE_RECORDING
 
 
-def between(number: int) -> float:
+def between_recordings(number: int) -> float:
     """Return a moment [s] before recording `number` begins and after the one before has ended."""
     return (number - 0.5) * ONE_RECORDING
 

@@ -34,7 +34,7 @@ _OBJECTIVES = {"f1": kernels.F1, "f2": kernels.F2, "f3": kernels.F3}
 _DIRECT = [0, 3, 4, 7]  # kxx, kyy, cxx, cyy among the coefficients
 
 
-class Derivatives(NamedTuple):
+class ReceptanceDerivatives(NamedTuple):
     """The response of one candidate and its derivatives, all analytic."""
 
     z: Complex  # (speed, probe) m
@@ -104,7 +104,7 @@ class Receptance:
         """
         return self._answer(*self._general(K, C, u))
 
-    def response_and_derivatives(self, K: ArrayLike, C: ArrayLike, u: ArrayLike) -> Derivatives:
+    def response_and_derivatives(self, K: ArrayLike, C: ArrayLike, u: ArrayLike) -> ReceptanceDerivatives:
         """Return the response of one candidate and its derivatives; K, C (group, 2, 2), u (load,). Raises likewise."""
         coefficients, amounts, shape = self._general(K, C, u)
         if shape:
@@ -119,7 +119,7 @@ class Receptance:
         if bad >= 0:
             self._refuse(coefficients[0], amounts[0], 0)
         by = by_coefficient.reshape(groups, 2, 2, 2, self.probes, speeds).swapaxes(-1, -2)
-        return Derivatives(z.T, by[:, 0], by[:, 1], by_amount.swapaxes(-1, -2))
+        return ReceptanceDerivatives(z.T, by[:, 0], by[:, 1], by_amount.swapaxes(-1, -2))
 
     @property
     def _condensed(self) -> tuple[Real, Real, NDArray[np.int64], complex]:
