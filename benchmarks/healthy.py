@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.blind_run import record
 from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
-from rotorrig.identify.fit import fit
+from rotorrig.identify.fit import identify
 from rotorrig.processing.pipeline import track
 from rotorrig.rig.config.description import load
 from rotorrig.sims.plant.draw import draw, identified_truth
@@ -28,7 +28,7 @@ def case(arguments: tuple[Path, int]) -> dict[str, float]:
     config, seed = arguments
     rig = load(config)
     response = track(record(rig, seed=seed))
-    found = fit(response, seed=seed)
+    found = identify(response, seed=seed)
     adequacy = assess(response, {1: found.fits[0].prediction}, reduced_chi2=found.fits[0].chi2 / found.fits[0].dof)
     truth = identified_truth(rig, draw(rig, seed=seed))
     row = {"seed": seed, "chi2": adequacy.reduced_chi2, "worst": adequacy.worst_sigma}

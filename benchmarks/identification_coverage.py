@@ -24,7 +24,7 @@ from threadpoolctl import threadpool_limits
 from benchmarks.coverage_groups import GROUPS, NAMES
 from benchmarks.matched_run import draw
 from benchmarks.uncertainty_page import page, table
-from rotorrig.identify.fit import fit
+from rotorrig.identify.fit import identify
 from rotorrig.identify.uncertainty.bootstrap import Resampling
 from rotorrig.rig.config.description import RigConfig, load
 
@@ -72,7 +72,7 @@ def case(job: tuple[str, int, int]) -> Outcome:
     began = time.perf_counter()
     drawn = draw(_rig(), group.design, rng=np.random.default_rng([seed, i]))
     resampling = Resampling(draws=group.draws) if group.draws else None
-    found = fit(drawn.response, seed=i, resampling=resampling).fits[0]
+    found = identify(drawn.response, seed=i, resampling=resampling).fits[0]
     trials = []
     for key, truth in drawn.truth.items():
         estimate = found.estimate(key)

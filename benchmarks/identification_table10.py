@@ -38,7 +38,7 @@ from rotorrig.identify.base_model.parameters import Parameters
 from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.base_model.steady_forward import Steady
 from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.identify.fit import fit
+from rotorrig.identify.fit import identify
 from rotorrig.identify.measurement import Measurement
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
@@ -129,7 +129,7 @@ def simulated(seed: int) -> OrderTrackedResponse:
 
 def _fitted(response: OrderTrackedResponse) -> tuple[Real, int, float]:
     began = time.perf_counter()
-    found = fit(response).fits[0]
+    found = identify(response).fits[0]
     theta = np.array([found.estimate(name).value for name in NAMES])
     return theta, found.evaluations, time.perf_counter() - began
 

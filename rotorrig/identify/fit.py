@@ -37,7 +37,7 @@ _SEEN = 0.3  # sine of the least angle between a probe and the other axis for it
 Progress = Callable[[str], None]
 
 
-def fit(
+def identify(
     response: OrderTrackedResponse,
     *,
     seed: int = 0,

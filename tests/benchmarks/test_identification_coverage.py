@@ -10,7 +10,7 @@ from benchmarks.coverage_groups import GROUPS, NAMES
 from benchmarks.identification_coverage import Outcome, Trial, case, summarise, text
 from benchmarks.matched_run import Case, Design, draw
 from benchmarks.uncertainty_page import page
-from rotorrig.identify.fit import fit
+from rotorrig.identify.fit import identify
 from rotorrig.identify.measurement import measure
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.model.assembly import assemble, with_bearing
@@ -27,7 +27,7 @@ def test_a_case_is_that_of_its_seed_and_its_noise_is_as_told(rig_config: RigConf
     first, again = drawn(rig_config, QUICK), drawn(rig_config, QUICK)
     np.testing.assert_array_equal(first.response.z, again.response.z)
     assert first.truth == again.truth
-    found = fit(first.response).fits[0]
+    found = identify(first.response).fits[0]
     assert found.chi2 / found.dof == pytest.approx(1.0, abs=4 * np.sqrt(2 / found.dof))
 
 

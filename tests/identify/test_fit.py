@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
-from rotorrig.identify.fit import WHOLE, fit
+from rotorrig.identify.fit import WHOLE, identify
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse
@@ -21,7 +21,7 @@ from tests.conftest import BLIND_SEED
 
 @pytest.fixture(scope="module")
 def found(blind_response: OrderTrackedResponse) -> Identification:
-    return fit(blind_response, seed=0)
+    return identify(blind_response, seed=0)
 
 
 def test_the_plants_hidden_values_are_found_within_their_uncertainty(
@@ -54,7 +54,7 @@ def test_a_healthy_rig_is_adequate(found: Identification, blind_response: OrderT
 
 def test_a_model_without_the_moving_speed_is_called_wrong(blind_response: OrderTrackedResponse) -> None:
     untimed = replace(blind_response, keyphasor_t=np.empty(0))
-    found = fit(untimed)
+    found = identify(untimed)
     whole = found.fits[0]
     adequacy = assess(untimed, {1: whole.prediction}, reduced_chi2=whole.chi2 / whole.dof)
     assert not adequacy.adequate
@@ -87,7 +87,7 @@ def test_one_probe_alone_leaves_the_other_direction_undetermined(blind_response:
     identify = blind_response.rig.identify
     assert identify is not None
     rig = blind_response.rig.model_copy(update={"identify": identify.model_copy(update={"bands": {}})})
-    alone = fit(replace(blind_response, rig=rig, usable=usable)).fits[0]
+    alone = identify(replace(blind_response, rig=rig, usable=usable)).fits[0]
     assert alone.estimate("kxx").determined
     assert not alone.estimate("cyy").determined
     assert math.isinf(alone.estimate("cyy").sigma)
@@ -99,7 +99,7 @@ def test_a_band_the_data_do_not_reach_is_left_out_and_said(blind_response: Order
     identify = blind_response.rig.identify
     assert identify is not None
     beyond = identify.model_copy(update={"bands": {"overspeed": (1000.0, 2000.0)}})
-    found = fit(replace(blind_response, rig=blind_response.rig.model_copy(update={"identify": beyond})))
+    found = identify(replace(blind_response, rig=blind_response.rig.model_copy(update={"identify": beyond})))
     assert [f.name for f in found.fits] == [WHOLE]
     assert any("The band 'overspeed' was left out: " in words for words in found.fits[0].words)
 
@@ -107,7 +107,7 @@ def test_a_band_the_data_do_not_reach_is_left_out_and_said(blind_response: Order
 def test_an_objective_on_amplitudes_refuses_runs_with_trial_masses_alone(blind_response: OrderTrackedResponse) -> None:
     runs = tuple(replace(run, trial_unbalance={"disk": 12e-6 + 0j}) for run in blind_response.runs)
     with pytest.raises(DataError, match="every run carries a trial mass, want one without"):
-        fit(replace(blind_response, runs=runs), objective="f2")
+        identify(replace(blind_response, runs=runs), objective="f2")
 
 
 def test_too_few_rows_are_refused(blind_response: OrderTrackedResponse) -> None:
@@ -118,4 +118,4 @@ def test_too_few_rows_are_refused(blind_response: OrderTrackedResponse) -> None:
 def test_a_rig_without_an_identify_table_is_refused(blind_response: OrderTrackedResponse) -> None:
     rig = blind_response.rig.model_copy(update={"identify": None})
     with pytest.raises(ConfigError, match=r"no \[identify\] section"):
-        fit(replace(blind_response, rig=rig))
+        identify(replace(blind_response, rig=rig))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from rotorrig.acquisition.exporters.channels import named_channels
-from rotorrig.acquisition.exporters.whole_file import whole_file
+from rotorrig.acquisition.exporters.whole_file import write_whole_file
 from rotorrig.acquisition.recording import RawRecording
 
 PIECE = 8192  # rows formatted at a time
@@ -20,7 +20,7 @@ def write_csv(path: Path, recording: RawRecording) -> int:
     """Write every scan, one row each, and return their number. Raises DataError if the file cannot be written."""
     channels = named_channels(recording)
     heading = ",".join(["time [s]", *(f"{name} [V]" for name, _ in channels)])
-    with whole_file(path) as file:
+    with write_whole_file(path) as file:
         file.write(f"{heading}\n".encode())
         for text in _rows(recording, [place for _, place in channels]):
             file.write(text.encode())

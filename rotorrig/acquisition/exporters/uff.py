@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition.exporters.channels import named_channels
 from rotorrig.acquisition.exporters.uff58 import GENERAL, TIME, TIME_RESPONSE, Axis, Function, binary_function
-from rotorrig.acquisition.exporters.whole_file import whole_file
+from rotorrig.acquisition.exporters.whole_file import write_whole_file
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.calibration import channel_volts
@@ -20,7 +20,7 @@ from rotorrig.rig.probes.calibration import channel_volts
 def write_uff(path: Path, recording: RawRecording) -> int:
     """Write all waveforms and return the number of data sets. Raises DataError if the file cannot be written."""
     written = 0
-    with whole_file(path) as file:
+    with write_whole_file(path) as file:
         for first, counts in recording.segments():
             for name, channel in named_channels(recording):
                 volts = channel_volts(counts, channel=channel, info=recording.daq)

@@ -9,7 +9,7 @@ from rotorrig.rig.errors import DataError
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[PartFile]:
+def write_whole_file(path: Path) -> Iterator[PartFile]:
     """Give a file for the length of the block; it takes its name when the block ends well. Raises DataError."""
     try:
         file = PartFile(path, overwrite=True)

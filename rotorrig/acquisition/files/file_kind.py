@@ -9,7 +9,7 @@ from rotorrig.acquisition.files.mcap_records import records
 from rotorrig.rig.errors import DataError
 
 
-def file_kind(path: Path) -> str:
+def read_file_kind(path: Path) -> str:
     """Return "run" or "response". Raises DataError for a file that is not there or none of this program's."""
     if not path.is_file():
         raise DataError(f"{path}: is not there, want a run.mcap or a response.mcap")

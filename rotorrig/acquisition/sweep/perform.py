@@ -6,7 +6,7 @@ from rotorrig.acquisition.sweep.operator import Operator
 from rotorrig.acquisition.sweep.run_down import AT_REST
 from rotorrig.acquisition.sweep.session import Session
 from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
-from rotorrig.acquisition.sweep.timeline import timeline
+from rotorrig.acquisition.sweep.timeline import plan_timeline
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import LimitExceeded
 from rotorrig.rig.motor.base import Stop
@@ -23,7 +23,7 @@ COAST_LIMIT = 900.0  # s; an RK4 needs about 45
 
 def perform(steps: tuple[Step, ...], session: Session, operator: Operator, progress: Progress | None) -> Iterator[None]:
     """Perform the steps; yield after every block. Raises LimitExceeded if one does not get where it should."""
-    timed = timeline(steps)
+    timed = plan_timeline(steps)
     total = timed[-1].end if timed and timed[-1].end else 1.0
     shown = 0.0
     for part in timed:

@@ -25,7 +25,7 @@ class Timed:
         return self.end - self.begin
 
 
-def timeline(steps: Iterable[Step]) -> tuple[Timed, ...]:
+def plan_timeline(steps: Iterable[Step]) -> tuple[Timed, ...]:
     """Return the steps with their times, from rest; the time an operator takes is not known and counts as none."""
     timed: list[Timed] = []
     t, ramp = 0.0, 1.0

@@ -17,7 +17,7 @@ from rotorrig.app.terminal.console import out as console
 from rotorrig.app.terminal.console import progress_bars
 from rotorrig.app.viewer.open import write_result_rrd
 from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.fit import fit
+from rotorrig.identify.fit import identify
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.result_files import write_diagnosis, write_identification
 from rotorrig.processing.files.response_mcap import read_response, write_response
@@ -85,7 +85,7 @@ def _run_case(rig: RigConfig, case: Case, folder: Path, rate: float) -> tuple[Id
         write_response(folder / "response.mcap", response)
         bars.update(task, completed=1.0)
         task = bars.add_task("identifying (CHEA)", total=None, note="")
-        found = fit(response, seed=case.seed, progress=lambda text: bars.update(task, note=text))
+        found = identify(response, seed=case.seed, progress=lambda text: bars.update(task, note=text))
         write_identification(folder / "fit.json", found)
         bars.update(task, total=1.0, completed=1.0, note="")
     diagnosis = diagnose.diagnosed([response], seed=case.seed)

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from rotorrig.acquisition.files.file_kind import file_kind
+from rotorrig.acquisition.files.file_kind import read_file_kind
 from rotorrig.rig.errors import DataError
 
 LAYOUT = ".json"
@@ -18,7 +18,7 @@ def write_out(file: Path, out: Path) -> str:
         raise DataError(f"{out}: ends in '{out.suffix}', want {want}")
     if out.exists() and file.exists() and out.samefile(file):
         raise DataError(f"{out}: would be written over the file to export, want another name")
-    write = _response if file_kind(file) == "response" else _run
+    write = _response if read_file_kind(file) == "response" else _run
     if write is _run and out.suffix.lower() == LAYOUT:
         raise DataError(f"{out}: a layout is made for a response.mcap, {file} is a run")
     return f"{out}: {write(file, out)}"

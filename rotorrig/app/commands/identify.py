@@ -4,7 +4,7 @@ from rich.progress import Progress
 
 from rotorrig.app.terminal.console import progress_bars
 from rotorrig.identify.base_model.objectives import Name
-from rotorrig.identify.fit import fit
+from rotorrig.identify.fit import identify
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.uncertainty.bootstrap import Resampling
 from rotorrig.processing.response import OrderTrackedResponse
@@ -26,7 +26,7 @@ def identified(
     with progress_bars() as bars:
         task = bars.add_task("identifying", total=None, note="")
         resampling = _resampling(bars, draws, workers) if draws else None
-        found = fit(
+        found = identify(
             response,
             objective=objective,
             profile=profile,

@@ -11,7 +11,7 @@ from rotorrig.acquisition.files.recording_mcap import RecordingWriter
 from rotorrig.acquisition.sweep import plans
 from rotorrig.acquisition.sweep.engine import SweepResult, run_sweep
 from rotorrig.acquisition.sweep.operator import Operator
-from rotorrig.acquisition.sweep.timeline import timeline
+from rotorrig.acquisition.sweep.timeline import plan_timeline
 from rotorrig.app.commands.config_model import criticals_to_pass
 from rotorrig.app.commands.simulate import StandIn, simulated
 from rotorrig.app.commands.sweep_preview import expected_bytes
@@ -92,7 +92,7 @@ def refuse_full_disk(out: Path, rig: RigConfig, steps: Sequence[plans.Step]) -> 
     """Raise DataError if the recording will hardly fit on its disk."""
     if rig.daq is None or not out.parent.is_dir():
         return  # said by whoever opens them
-    want = expected_bytes(rig, timeline(steps)[-1].end if steps else 0.0)
+    want = expected_bytes(rig, plan_timeline(steps)[-1].end if steps else 0.0)
     free = shutil.disk_usage(out.parent).free
     if free < want:
         raise DataError(f"{out}: {free / 1e6:.0f} MB are free there, want {want / 1e6:.0f} MB for this sweep")

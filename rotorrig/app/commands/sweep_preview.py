@@ -11,7 +11,7 @@ from rich.text import Text
 
 from rotorrig.acquisition.sweep import critical_speeds, plans
 from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Trial
-from rotorrig.acquisition.sweep.timeline import COAST_SECONDS, Timed, timeline
+from rotorrig.acquisition.sweep.timeline import COAST_SECONDS, Timed, plan_timeline
 from rotorrig.app.commands.config_model import criticals_of
 from rotorrig.app.terminal.console import out, tell
 from rotorrig.rig.config.description import RigConfig
@@ -47,7 +47,7 @@ def preview(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> Preview:
     criticals = criticals_of(rig)
     planned = plans.planned(rig, plan, trial=trial, criticals=criticals)
     return Preview(
-        steps=timeline(planned),
+        steps=plan_timeline(planned),
         criticals=tuple(criticals),
         bands=critical_speeds.bands(rig.limits, criticals),
         objections=tuple(plans.objections(rig, planned, criticals=criticals)),

@@ -14,12 +14,15 @@ from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.model.disk import unbalance_direction
-from rotorrig.sims.rotor.steady.receptance import ReceptanceDerivatives, Receptance, condense_groups
+from rotorrig.sims.rotor.steady.receptance import Receptance, ReceptanceDerivatives, condense_groups
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-_FIELDS = {"k": ReceptanceDerivatives._fields.index("by_stiffness"), "c": ReceptanceDerivatives._fields.index("by_damping")}
+_FIELDS = {
+    "k": ReceptanceDerivatives._fields.index("by_stiffness"),
+    "c": ReceptanceDerivatives._fields.index("by_damping"),
+}
 _END = 1e-12  # of the unit interval: mobility is nil or infinite there
 _ELEMENT = 0.05  # m: 2e-5 of the peak from a mesh of 20 mm on configs/rk4.toml, made in half the time
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rotorrig.acquisition.exporters.whole_file import whole_file
+from rotorrig.acquisition.exporters.whole_file import write_whole_file
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.tracking.full_spectrum import WhirlVectors, whirl_vectors
 from rotorrig.rig.config.units import RPM, UM
@@ -45,7 +45,7 @@ def write_csv(path: Path, response: OrderTrackedResponse) -> int:
         cells += [cell for whirl in whirls for cell in _whirl(whirl, row)]
         remarks = response.remarks[row] if response.remarks else ()
         writer.writerow([*cells, "; ".join(response.reasons[row]), "; ".join(remarks)])
-    with whole_file(path) as file:
+    with write_whole_file(path) as file:
         file.write(text.getvalue().encode())
     return len(response.omega)
 

@@ -23,7 +23,7 @@ from rotorrig.acquisition.exporters.uff58 import (
     ascii_function,
     units_in_si,
 )
-from rotorrig.acquisition.exporters.whole_file import whole_file
+from rotorrig.acquisition.exporters.whole_file import write_whole_file
 from rotorrig.processing.probe_planes import whirl
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.tracking.full_spectrum import whirl_vectors
@@ -40,7 +40,7 @@ def write_uff(path: Path, response: OrderTrackedResponse) -> int:
     """Write every run, probe, plane and turning order and return the number of data sets. Raises DataError."""
     turning = [n for n, order in enumerate(response.orders) if order]
     written = 0
-    with whole_file(path) as file:
+    with write_whole_file(path) as file:
         file.write(units_in_si())
         for run in range(len(response.runs)):
             for function in (*_of_probes(response, run, turning), *_of_planes(response, run, turning)):

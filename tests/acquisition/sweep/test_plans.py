@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.acquisition.sweep.critical_speeds import Band, bands, quick
 from rotorrig.acquisition.sweep.plans import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial, steps
-from rotorrig.acquisition.sweep.timeline import timeline
+from rotorrig.acquisition.sweep.timeline import plan_timeline
 from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import ConfigError
@@ -163,7 +163,7 @@ def test_a_plan_beyond_the_limits_is_refused() -> None:
 
 def test_the_timeline_of_a_plan_is_whole_and_adds_up() -> None:
     rig = rig_with(f'kind = "run-up-ramp-down"\n{RUN_UP}')
-    timed = timeline(steps(rig, "test"))
+    timed = plan_timeline(steps(rig, "test"))
     assert timed[0].begin == 0.0
     for before, after in pairwise(timed):
         assert before.end == after.begin
@@ -173,5 +173,5 @@ def test_the_timeline_of_a_plan_is_whole_and_adds_up() -> None:
 
 
 def test_a_stop_between_two_runs_takes_the_time_of_the_last_ramp() -> None:
-    timed = timeline([Ramp(to=100.0, rate=20.0), Rest(), Ramp(to=50.0, rate=10.0)])
+    timed = plan_timeline([Ramp(to=100.0, rate=20.0), Rest(), Ramp(to=50.0, rate=10.0)])
     assert [(t.begin, t.end, t.to) for t in timed] == [(0.0, 5.0, 100.0), (5.0, 10.0, 0.0), (10.0, 15.0, 50.0)]

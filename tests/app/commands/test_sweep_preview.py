@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rotorrig.acquisition.sweep.plans import Ramp
-from rotorrig.acquisition.sweep.timeline import timeline
+from rotorrig.acquisition.sweep.timeline import plan_timeline
 from rotorrig.app import cli
 from rotorrig.app.commands import sweep_preview
 from rotorrig.rig.config.description import RigConfig, load, parse
@@ -76,7 +76,7 @@ def rig() -> RigConfig:
 
 @pytest.mark.parametrize("plain", [True, False])
 def test_the_chart_rises_where_the_speed_does(plain: bool) -> None:
-    steps = timeline([Ramp(to=100.0, rate=10.0), Ramp(to=50.0, rate=1.0)])  # 10 s up, 50 s half-way down
+    steps = plan_timeline([Ramp(to=100.0, rate=10.0), Ramp(to=50.0, rate=1.0)])  # 10 s up, 50 s half-way down
     chart = sweep_preview.chart(steps, criticals=[75.0], width=80, plain=plain).plain
     lines = chart.splitlines()
     assert chart.isascii() is plain

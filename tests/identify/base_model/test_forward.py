@@ -8,7 +8,7 @@ import pytest
 from rotorrig.identify.base_model.forward import Forward
 from rotorrig.identify.base_model.parameters import Parameters
 from rotorrig.identify.base_model.structure import Structure
-from rotorrig.identify.fit import fit
+from rotorrig.identify.fit import identify
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import from_si
 from rotorrig.rig.errors import ConfigError
@@ -43,4 +43,4 @@ def test_a_rigid_bearing_is_no_nuisance_and_holds_the_shaft_in_the_prediction(
 def test_a_bearing_given_over_speed_is_refused_before_any_work(blind_response: OrderTrackedResponse) -> None:
     table = {"speed": [0.0, 300.0], "value": [1e6, 2e6]}
     with pytest.raises(ConfigError, match="bearing 'left A' is given over speed, want constants to identify by"):
-        fit(with_left_bearing(blind_response, kxx=table))
+        identify(with_left_bearing(blind_response, kxx=table))

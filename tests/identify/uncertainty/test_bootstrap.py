@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.base_model.problem import Problem
-from rotorrig.identify.fit import fit
+from rotorrig.identify.fit import identify
 from rotorrig.identify.least_squares.solve import Polished
 from rotorrig.identify.measurement import measure
 from rotorrig.identify.uncertainty.bootstrap import FEWEST, Bootstrap, Resampling, bootstrap, simulated
@@ -100,9 +100,9 @@ def test_the_interval_leaves_out_a_fortieth_of_the_draws_at_either_end() -> None
 def test_a_fit_takes_its_intervals_from_the_bootstrap(response: OrderTrackedResponse, found: Bootstrap) -> None:
     counted: list[int] = []
     asked = Resampling(draws=FEWEST, progress=counted.append)
-    resampled = fit(response, seed=5, resampling=asked).fits[0]
+    resampled = identify(response, seed=5, resampling=asked).fits[0]
     assert counted == list(range(1, FEWEST + 1))
     assert {e.interval_by for e in resampled.estimates} == {"bootstrap"}
-    few = fit(response, seed=5, resampling=Resampling(draws=2, search=True)).fits[0]
+    few = identify(response, seed=5, resampling=Resampling(draws=2, search=True)).fits[0]
     assert {e.interval_by for e in few.estimates} == {"covariance"}
     assert any("2 draws" in words for words in few.words)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.base_model.problem import Problem
-from rotorrig.identify.fit import fit
+from rotorrig.identify.fit import identify
 from rotorrig.identify.identification import Estimate, Fit
 from rotorrig.identify.measurement import measure
 from rotorrig.identify.uncertainty.intervals import HALF_WIDTH, RISE
@@ -41,7 +41,7 @@ def interval(found: Fit, name: str) -> tuple[float, float]:
 
 
 def test_what_is_well_determined_has_the_interval_of_its_covariance(ordinary: OrderTrackedResponse) -> None:
-    found = fit(ordinary).fits[0]
+    found = identify(ordinary).fits[0]
     assert {e.interval_by for e in found.estimates} == {"covariance"}
     kxx, phase = found.estimate("kxx"), found.estimate("phase")
     low, high = interval(found, "kxx")
@@ -53,7 +53,7 @@ def test_what_is_well_determined_has_the_interval_of_its_covariance(ordinary: Or
 
 
 def test_near_a_bound_the_profile_says_how_much_there_can_be_at_most(bounded: OrderTrackedResponse) -> None:
-    found = fit(bounded).fits[0]
+    found = identify(bounded).fits[0]
     cxx = found.estimate("cxx")
     low, high = interval(found, "cxx")
     assert cxx.interval_by == "profile likelihood"
@@ -64,7 +64,7 @@ def test_near_a_bound_the_profile_says_how_much_there_can_be_at_most(bounded: Or
 
 def test_at_the_ends_of_a_profile_interval_a_refit_is_worse_by_the_rise(bounded: OrderTrackedResponse) -> None:
     problem = Problem(bounded, measure(bounded))
-    found = fit(bounded, profile=True).fits[0]
+    found = identify(bounded, profile=True).fits[0]
     best = problem.refined(np.array([33e3, 36e3, 14.5, 16.0]))
     rise = RISE * max(1.0, best.chi2 / best.dof)
     for i, name in enumerate(("kxx", "kyy")):
@@ -76,7 +76,7 @@ def test_at_the_ends_of_a_profile_interval_a_refit_is_worse_by_the_rise(bounded:
 def test_on_demand_all_are_of_the_profile_and_hardly_differ_where_chi2_is_quadratic(
     ordinary: OrderTrackedResponse,
 ) -> None:
-    asked, usual = fit(ordinary, profile=True).fits[0], fit(ordinary).fits[0]
+    asked, usual = identify(ordinary, profile=True).fits[0], identify(ordinary).fits[0]
     assert {e.interval_by for e in asked.estimates} == {"profile likelihood"}
     for e in usual.estimates:
         width = np.ptp(interval(usual, e.name))
@@ -86,7 +86,7 @@ def test_on_demand_all_are_of_the_profile_and_hardly_differ_where_chi2_is_quadra
 def test_coefficients_along_an_axis_no_probe_looks_at_get_no_interval(ordinary: OrderTrackedResponse) -> None:
     usable = ordinary.usable.copy()
     usable[:, [1, 3]] = False
-    found = fit(replace(ordinary, usable=usable)).fits[0]
+    found = identify(replace(ordinary, usable=usable)).fits[0]
     assert found.estimate("kyy").interval is None
     assert found.estimate("kxx").interval is not None
 
@@ -94,7 +94,7 @@ def test_coefficients_along_an_axis_no_probe_looks_at_get_no_interval(ordinary: 
 def test_the_quantities_are_those_of_the_estimates_in_their_order(ordinary: OrderTrackedResponse) -> None:
     problem = Problem(ordinary, measure(ordinary))
     p = problem.start(np.array([33e3, 36e3, 14.0, 16.0]))
-    found: tuple[Estimate, ...] = fit(ordinary).fits[0].estimates
+    found: tuple[Estimate, ...] = identify(ordinary).fits[0].estimates
     assert [q.name for q in quantities(problem.parameters, p)] == [e.name for e in found]
 
 

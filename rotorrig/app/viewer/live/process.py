@@ -1,6 +1,6 @@
 """The process that tracks and draws a live view.
 
-`python -m rotorrig.app.viewer.live.process`, started by `LiveView`. Standard input: see live_pipe. Standard output: a line
+`python -m rotorrig.app.viewer.live.process`, started by `LiveView`. Standard input: see pipe.py. Standard output: a line
 when it is ready. Standard error: one sentence if it cannot go on.
 """
 

@@ -12,7 +12,7 @@ Send = Callable[[bytes], None]
 
 
 @asynccontextmanager
-async def serial_end(port: str, *, received: Callable[[bytes], None]) -> AsyncIterator[Send]:
+async def open_serial_end(port: str, *, received: Callable[[bytes], None]) -> AsyncIterator[Send]:
     """Hand what arrives on the tty `port` to `received` for the length of the block; yield what sends.
 
     Bytes the line has no room for are lost, as those of a UART are whose other end is not listening; so is everything

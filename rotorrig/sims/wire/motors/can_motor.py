@@ -14,7 +14,7 @@ import can
 import canopen
 from canopen import objectdictionary as od
 
-from rotorrig.sims.wire.cables.serial_end import serial_end
+from rotorrig.sims.wire.cables.serial_end import open_serial_end
 from rotorrig.sims.wire.motors.cia402 import DICTIONARY, Cia402, Refused
 from rotorrig.sims.wire.motors.slcan import Adapter
 
@@ -37,7 +37,7 @@ async def serving(device: Cia402, *, port: str, node: int = 1, bitrate: int = 50
     served = _Node(device, node)
     adapter = Adapter(bitrate=bitrate, on_frame=served.take)
     served.transmit = adapter.deliver
-    async with serial_end(port, received=adapter.take) as send, served.alive():
+    async with open_serial_end(port, received=adapter.take) as send, served.alive():
         adapter.send = send
         yield
 

@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from rotorrig.rig.clock import Clock
-from rotorrig.sims.wire.cables.serial_end import Send, serial_end
+from rotorrig.sims.wire.cables.serial_end import Send, open_serial_end
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.plant_port import Plant
 
@@ -27,7 +27,7 @@ _LARGEST = (1 << 32) - 1
 async def serving(device: "LineDevice", *, port: str) -> AsyncIterator[None]:
     """Answer for `device` on the tty `port` for the length of the block."""
     lines = _Lines(device)
-    async with serial_end(port, received=lines.take) as send:
+    async with open_serial_end(port, received=lines.take) as send:
         lines.send = send
         ticking = asyncio.create_task(_ticks(device))
         try:
