@@ -42,11 +42,10 @@ from benchmarks.blind_measured import measured
 from benchmarks.blind_page import page, text
 from benchmarks.blind_score import FAILED, Score, score, summarise
 from benchmarks.parallel import WorkerDied, in_parallel
-from rotorrig.identify.diagnosis import diagnose
-from rotorrig.identify.result_files import write_diagnosis
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.provenance import code_version
-from rotorrig.sims.plant.sealed_truth import unseal
+from rotorrig.identify import diagnose, write_diagnosis
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig import code_version
+from rotorrig.sims.plant import unseal
 
 ROOT = Path(__file__).parents[1]
 ARRAYS = ("residual", "sigmas", "extended_residual")  # of diagnosis.json; not kept

@@ -22,15 +22,14 @@ import numpy as np
 
 from benchmarks.blind_names import ANSWERS
 from benchmarks.blind_run import record
-from rotorrig.acquisition.files.recording_mcap import read_recording, write_recording
-from rotorrig.acquisition.recording import RawRecording
-from rotorrig.processing.pipeline import track
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.description import RigConfig, from_si, load
-from rotorrig.sims.plant.draw import draw, draw_fault
+from rotorrig.acquisition import RawRecording
+from rotorrig.acquisition.files import read_recording, write_recording
+from rotorrig.processing import OrderTrackedResponse, track
+from rotorrig.rig.config import RigConfig, load
+from rotorrig.rig.config.description import from_si
+from rotorrig.sims.plant import FaultSpec, draw, seal
+from rotorrig.sims.plant.draw import draw_fault
 from rotorrig.sims.plant.faults.base import names
-from rotorrig.sims.plant.sealed_truth import seal
-from rotorrig.sims.plant.truth import FaultSpec
 
 CONFIG = Path(__file__).parents[1] / "configs/rk4.toml"
 TRIAL = {"disk": (12e-6, math.pi / 2)}  # kg m, rad from the keyphasor mark in the sense of rotation

@@ -25,19 +25,17 @@ import numpy as np
 from benchmarks.blind_cases import Case, Design, files, write_whole
 from benchmarks.blind_measured import measured
 from benchmarks.blind_names import Answer, answer
-from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.causes.candidates import background, candidates
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.causes import background, candidates
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
-from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.separability import DETECTABLE, HOPED, HOPED_OF_LAWS, NAMEABLE, fitted, separation
+from rotorrig.identify.extended_model import ExtendedProblem, Recording
+from rotorrig.identify.verdict import NAMEABLE
+from rotorrig.identify.verdict.separability import DETECTABLE, HOPED, HOPED_OF_LAWS, fitted, separation
 from rotorrig.identify.verdict.verdict import another
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError
-from rotorrig.sims.effects.base import Effect, find
-from rotorrig.sims.plant.draw import identified_truth
-from rotorrig.sims.plant.sealed_truth import unseal
-from rotorrig.sims.plant.truth import Truth
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RigConfig
+from rotorrig.sims.effects import Effect, find
+from rotorrig.sims.plant import Truth, identified_truth, unseal
 
 TEMPLATE_SEED = -1  # of the healthy case whose rows and noise are used; no case of the benchmark has it
 ENOUGH = DETECTABLE  # lam to a rival beyond which it is not asked how far: it is more than tells two causes apart

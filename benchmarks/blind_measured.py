@@ -12,8 +12,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from benchmarks.blind_cases import CONFIG, Case, measure
-from rotorrig.processing.files.response_mcap import read_response, write_response
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing.files import read_response, write_response
 from rotorrig.sims.plant.faults.base import names
 
 ROOT = Path(__file__).parents[1]

@@ -11,17 +11,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from rotorrig.acquisition.sweep.plans import SETTLING_RAMP
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.sweep_plans import RunUpCoastDown
-from rotorrig.sims.effects.base import catalogue, find
+from rotorrig.rig.config import RigConfig, RunUpCoastDown
+from rotorrig.sims.effects import catalogue, find
 from rotorrig.sims.effects.crack import MOUTHS, Crack
 from rotorrig.sims.effects.places import STEP, probe_planes
 from rotorrig.sims.effects.stiffness_over_speed import StiffnessOverSpeed
 from rotorrig.sims.effects.unbalance_plane import UnbalancePlane
-from rotorrig.sims.plant.faults.base import fault
+from rotorrig.sims.plant import FaultSpec, Truth
+from rotorrig.sims.plant.faults import fault
 from rotorrig.sims.plant.motor import DRAG_CONSTANT, DRAG_LINEAR
-from rotorrig.sims.plant.truth import FaultSpec, Truth
-from rotorrig.sims.rotor.model.loads import ONE_RECORDING, between_recordings
+from rotorrig.sims.rotor.model import ONE_RECORDING, between_recordings
 
 Values = Mapping[str, float]
 

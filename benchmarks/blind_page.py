@@ -9,7 +9,8 @@ from benchmarks.blind_cases import Design
 from benchmarks.blind_names import effect_of
 from benchmarks.blind_score import Rate, Score, rates
 from benchmarks.tables import markdown
-from rotorrig.identify.verdict.separability import DETECTABLE, NAMEABLE
+from rotorrig.identify.verdict import NAMEABLE
+from rotorrig.identify.verdict.separability import DETECTABLE
 
 WORDS = {
     "detectable": f"detectable: lam >= {DETECTABLE:g}",

@@ -3,14 +3,13 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from rotorrig.acquisition.recording import Event, RawRecording
+from rotorrig.acquisition import Event, RawRecording
 from rotorrig.acquisition.sweep.plans import Coast, Dwell, Mark, Ramp, steps
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.probes.base import Block, DaqInfo
-from rotorrig.rig.provenance import Provenance, code_version
-from rotorrig.sims.plant.draw import draw
-from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.truth import FaultSpec, Noise
+from rotorrig.rig import Provenance, code_version
+from rotorrig.rig.config import RigConfig
+from rotorrig.rig.probes import Block, DaqInfo
+from rotorrig.sims.plant import FaultSpec, Plant, draw
+from rotorrig.sims.plant.truth import Noise
 
 
 def record(

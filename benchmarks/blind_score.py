@@ -16,9 +16,9 @@ from scipy.stats import binomtest
 from benchmarks.blind_cases import Case, Kind
 from benchmarks.blind_lam import Lam
 from benchmarks.blind_names import Answer, answer
-from rotorrig.identify.verdict.separability import DETECTABLE, NAMEABLE
-from rotorrig.sims.plant.draw import identified_truth
-from rotorrig.sims.plant.truth import Truth
+from rotorrig.identify.verdict import NAMEABLE
+from rotorrig.identify.verdict.separability import DETECTABLE
+from rotorrig.sims.plant import Truth, identified_truth
 
 WITHIN = 1.959964  # standard deviations: 95 %
 JUDGED = ("kxx", "kyy", "u")  # stiffness and unbalance, against their Cramer-Rao bound

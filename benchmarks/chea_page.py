@@ -12,7 +12,7 @@ from benchmarks.chea_functions import cases_beyond, chapter_cases
 from benchmarks.chea_peers import CHEA, METHODS, Method
 from benchmarks.chea_score import ONE_PLACE, Score
 from benchmarks.tables import markdown
-from rotorrig.rig.provenance import code_version
+from rotorrig.rig import code_version
 
 Scores = dict[str, dict[str, Score | None]]  # method -> function -> what it came to; None: not run
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from benchmarks.matched_run import Design
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM
 
 NAMES = ("kxx", "kyy", "cxx", "cyy", "u", "phase")  # of the estimates
 

@@ -9,7 +9,7 @@ linear in the noise: where it comes to half a parameter or more, it says no more
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.least_squares.solve import inverse_information
+from rotorrig.identify.least_squares import inverse_information
 from rotorrig.identify.measurement import Measurement
 
 Real = NDArray[np.float64]

@@ -23,10 +23,10 @@ from threadpoolctl import threadpool_limits
 from benchmarks.forward_growth import POPULATION, growth_tables
 from benchmarks.forward_page import page, table
 from benchmarks.forward_peers import dense, real_form, ross, ross_case
-from rotorrig.rig.config.description import RigConfig, load
-from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
-from rotorrig.sims.rotor.steady.receptance import Receptance, condense
+from rotorrig.rig.config import RPM, RigConfig, load
+from rotorrig.sims.rotor.model import RotorModel, assemble
+from rotorrig.sims.rotor.steady import Receptance
+from rotorrig.sims.rotor.steady.receptance import condense
 
 ROOT = Path(__file__).parents[1]
 ORACLES = ROOT / "tests/data/oracle"  # whose speeds are used

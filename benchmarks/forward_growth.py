@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from benchmarks.forward_peers import dense
 from benchmarks.tables import markdown
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.model.assembly import assemble
-from rotorrig.sims.rotor.model.disk import unbalance_direction
-from rotorrig.sims.rotor.steady.receptance import condense, condense_groups
+from rotorrig.rig.config import RigConfig
+from rotorrig.sims.rotor.model import assemble, unbalance_direction
+from rotorrig.sims.rotor.steady import condense_groups
+from rotorrig.sims.rotor.steady.receptance import condense
 
 POPULATION = 200
 LARGEST_DENSE = 100  # elements up to which the dense solve is timed

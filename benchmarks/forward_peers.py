@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.model.assembly import Matrices, RotorModel, matrices, with_bearing
-from rotorrig.sims.rotor.model.disk import unbalance_direction
+from rotorrig.rig.config import RigConfig
+from rotorrig.sims.rotor.model import Matrices, RotorModel, matrices, unbalance_direction, with_bearing
 
 Complex = NDArray[np.complex128]
 Response = Callable[[float, float, float, float, float], Complex]  # kxx, kyy, cxx, cyy, u -> (speed, probe) m

@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.blind_run import record
-from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
-from rotorrig.identify.fit import identify
-from rotorrig.processing.pipeline import track
-from rotorrig.rig.config.description import load
-from rotorrig.sims.plant.draw import draw, identified_truth
+from rotorrig.identify import identify
+from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
+from rotorrig.processing import track
+from rotorrig.rig.config import load
+from rotorrig.sims.plant import draw, identified_truth
 
 ROOT = Path(__file__).parents[1]
 

@@ -4,7 +4,7 @@ Table 8 prints the error of cxx by f3 as 160 %; its own 0.852 for 0.5 is 70 %. T
 at 34.6, which is what the errors printed there are of.
 """
 
-from rotorrig.identify.base_model.objectives import Name
+from rotorrig.identify.base_model import Name
 
 NAMES = ("kxx", "kyy", "cxx", "cyy", "u")
 OBJECTIVES: tuple[Name, ...] = ("f1", "f2", "f3")

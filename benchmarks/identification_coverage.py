@@ -24,9 +24,9 @@ from threadpoolctl import threadpool_limits
 from benchmarks.coverage_groups import GROUPS, NAMES
 from benchmarks.matched_run import draw
 from benchmarks.uncertainty_page import page, table
-from rotorrig.identify.fit import identify
-from rotorrig.identify.uncertainty.bootstrap import Resampling
-from rotorrig.rig.config.description import RigConfig, load
+from rotorrig.identify import identify
+from rotorrig.identify.uncertainty import Resampling
+from rotorrig.rig.config import RigConfig, load
 
 ROOT = Path(__file__).parents[1]
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy
 
-from rotorrig.rig.provenance import code_version
+from rotorrig.rig import code_version
 
 _TABLE7 = """
 The rotor of Lalanne and Ferraris, 75 speeds from 200 to 15,000 rpm, amplitudes at nodes 2 and 12, the box of eq. (20).

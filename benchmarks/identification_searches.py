@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from benchmarks import valley_search
-from rotorrig.identify.base_model.objectives import Amplitudes, Name
+from rotorrig.identify.base_model import Name
+from rotorrig.identify.base_model.objectives import Amplitudes
 from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.residuals.least_absolute import descend_absolute
+from rotorrig.identify.chea.residuals import descend_absolute
 from rotorrig.identify.chea.residuals.levenberg_marquardt import Residual
-from rotorrig.identify.chea.session.record import Record
+from rotorrig.identify.chea.session import Record
 
 Real = NDArray[np.float64]
 Misfit = Callable[[Real], Real]  # points (n, dim) -> shares of the amplitudes (n,)

@@ -31,21 +31,15 @@ from benchmarks.identification_chapter import (
 )
 from benchmarks.identification_table8 import HALF
 from benchmarks.tables import markdown
-from rotorrig.identify import measurement
+from rotorrig.identify import identify, measurement
+from rotorrig.identify.base_model import Name, Parameters, Problem, Space
 from rotorrig.identify.base_model.global_search import search_amplitudes
-from rotorrig.identify.base_model.objectives import Amplitudes, Name
-from rotorrig.identify.base_model.parameters import Parameters
-from rotorrig.identify.base_model.problem import Problem
+from rotorrig.identify.base_model.objectives import Amplitudes
 from rotorrig.identify.base_model.steady_forward import Steady
-from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.identify.fit import identify
 from rotorrig.identify.measurement import Measurement
-from rotorrig.processing.pipeline import track
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.settings import Tracking
-from rotorrig.rig.config.description import RigConfig, load
-from rotorrig.rig.config.units import RPM
-from rotorrig.sims.plant.draw import draw, identified_truth
+from rotorrig.processing import OrderTrackedResponse, Tracking, track
+from rotorrig.rig.config import RPM, RigConfig, load
+from rotorrig.sims.plant import draw, identified_truth
 from rotorrig.sims.plant.truth import Noise
 
 Real = NDArray[np.float64]

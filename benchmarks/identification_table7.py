@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 
 from benchmarks.identification_searches import black_box
 from benchmarks.tables import markdown
+from rotorrig.identify.base_model import Name, Space
 from rotorrig.identify.base_model.global_search import search_amplitudes, search_residual
-from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, Name
+from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual
 from rotorrig.identify.base_model.steady_forward import Steady, shaft_stiffness
-from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.rig.config.description import load
-from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.model.assembly import assemble
+from rotorrig.rig.config import RPM, load
+from rotorrig.sims.rotor.model import assemble
 from rotorrig.sims.rotor.steady.receptance import condense
 
 ROOT = Path(__file__).parents[1]

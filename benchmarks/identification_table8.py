@@ -18,8 +18,9 @@ from benchmarks.identification_chapter import NAMES, OBJECTIVES, TABLE8, TABLE8_
 from benchmarks.identification_searches import black_box, box, least_of_many
 from benchmarks.identification_table7 import oracle_response, steady
 from benchmarks.tables import markdown
+from rotorrig.identify.base_model import Name
 from rotorrig.identify.base_model.global_search import search_amplitudes
-from rotorrig.identify.base_model.objectives import Amplitudes, Name
+from rotorrig.identify.base_model.objectives import Amplitudes
 
 Real = NDArray[np.float64]
 

@@ -15,13 +15,11 @@ from typing import Any
 import numpy as np
 
 from benchmarks.blind_run import record
-from rotorrig.identify.base_model.global_search import search
-from rotorrig.identify.base_model.unknowns import Space
+from rotorrig.identify.base_model import Space, search
 from rotorrig.identify.measurement import measure as measured_rows
-from rotorrig.processing.files.response_mcap import write_response
-from rotorrig.processing.pipeline import track
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.description import load
+from rotorrig.processing import OrderTrackedResponse, track
+from rotorrig.processing.files import write_response
+from rotorrig.rig.config import load
 
 ROOT = Path(__file__).parents[1]
 SEED = 7  # of the plant

@@ -14,17 +14,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.processing import OrderTrackedResponse, Run
 from rotorrig.processing.noise.covariance import NoiseSpectrum, row_covariance
-from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.processing.rows.rows import Rows
-from rotorrig.rig.config.description import RigConfig, from_si
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.provenance import Provenance
-from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
-from rotorrig.sims.rotor.model.reduction import reduce
+from rotorrig.processing.rows import Rows
+from rotorrig.rig import Provenance
+from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.rig.config.description import from_si
+from rotorrig.sims.rotor.model import RotorModel, assemble, reduce, scaled, with_bearing
 from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, probe_response
+from rotorrig.sims.rotor.swept import TURN, Timeline
 from rotorrig.sims.rotor.swept.swept_response import swept_response
-from rotorrig.sims.rotor.swept.timeline import TURN, Timeline
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -35,8 +35,8 @@ from benchmarks import recorder_page
 from benchmarks.recorder_report import Report
 from benchmarks.recorder_signal import write_signal
 from benchmarks.recorder_sweep import Task, Viewer
-from rotorrig.acquisition.files.recording_mcap import read_recording, salvage
-from rotorrig.rig.config.description import RigConfig, load, parse
+from rotorrig.acquisition.files import read_recording, salvage
+from rotorrig.rig.config import RigConfig, load, parse
 
 ROOT = Path(__file__).parents[1]
 CHANNELS, RATE = 8, 50_000.0

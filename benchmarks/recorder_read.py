@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rotorrig.acquisition.files.recording_mcap import read_recording
+from rotorrig.acquisition.files import read_recording
 
 
 def main() -> None:

@@ -21,8 +21,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rotorrig.rig.clock import WallClock
-from rotorrig.rig.config.description import RigConfig, load
+from rotorrig.rig import WallClock
+from rotorrig.rig.config import RigConfig, load
 from rotorrig.sims.wire.cables.pty_bridge import Pty
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.motors import controllers

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.recorder_rig import SPEED
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.plant.draw import draw
-from rotorrig.sims.plant.plant import Plant
+from rotorrig.rig.config import RigConfig
+from rotorrig.sims.plant import Plant, draw
 
 LOUD = 1.5  # times the limit, of the vibration that is to trip it
 SETTLE_SECONDS, LOOP_TURNS, REST_SECONDS = 3.0, 100, 1.0

@@ -14,16 +14,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 from benchmarks.recorder_rig import SPEED
-from rotorrig.acquisition.files.recording_mcap import RecordingWriter
-from rotorrig.acquisition.sweep.engine import run_sweep
+from rotorrig.acquisition.files import RecordingWriter
+from rotorrig.acquisition.sweep import run_sweep
 from rotorrig.acquisition.sweep.plans import Dwell, Mark, Ramp
-from rotorrig.app.viewer.live.view import LiveView
+from rotorrig.app.viewer.live import LiveView
 from rotorrig.app.viewer.sinks import to_file
-from rotorrig.rig import connect
-from rotorrig.rig.config.description import RigConfig, load
-from rotorrig.rig.interlock import Interlock
-from rotorrig.rig.probes.base import DaqInfo
-from rotorrig.rig.provenance import Provenance
+from rotorrig.rig import Interlock, Provenance, connect
+from rotorrig.rig.config import RigConfig, load
+from rotorrig.rig.probes import DaqInfo
 
 RAMP = 1000.0  # rad/s^2: the rotor of the benchmark has no mass
 

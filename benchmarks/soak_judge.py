@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.soak_faults import Ends, Fault
 from benchmarks.soak_rigs import FASTEST, SAMPLE_RATE, START
 from benchmarks.soak_run import Case
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM
 
 Seen = Mapping[str, Any]
 

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM
 
 _RK4 = Path(__file__).parents[1] / "configs/rk4.toml"
 

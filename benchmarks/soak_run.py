@@ -21,12 +21,11 @@ from typing import Any
 from benchmarks.soak_faults import FAULTS, Ends, Fault
 from benchmarks.soak_rigs import config
 from benchmarks.soak_wire import compare
-from rotorrig.acquisition.files.recording_mcap import read_recording
-from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.errors import RigError
-from rotorrig.rig.provenance import code_version
-from rotorrig.sims.wire.console import Console, Said
-from rotorrig.sims.wire.launch import simulated_bench
+from rotorrig.acquisition import RawRecording
+from rotorrig.acquisition.files import read_recording
+from rotorrig.rig import RigError, code_version
+from rotorrig.sims.wire import Said, simulated_bench
+from rotorrig.sims.wire.console import Console
 
 ROTOR = [sys.executable, "-m", "rotorrig.app.cli"]
 _LIMITED = """

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.recording import RawRecording
+from rotorrig.acquisition import RawRecording
 
 _SYNC = b"\xa5\x5a"
 _HEAD = struct.Struct("<BBH")  # type, flags, length

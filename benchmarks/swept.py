@@ -21,19 +21,22 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from benchmarks.tables import markdown
-from rotorrig.rig.config.description import load
-from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
-from rotorrig.sims.rotor.model.derivatives import Direction, along_bearing, along_disk_mass, along_modulus
-from rotorrig.sims.rotor.model.loads import Load, unbalance_loads
-from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.nonlinear.changes import LawChange
-from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
-from rotorrig.sims.rotor.nonlinear.swept_derivatives import swept_law_derivatives
-from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
-from rotorrig.sims.rotor.swept.swept_response import swept_columns, swept_derivatives
-from rotorrig.sims.rotor.swept.timeline import Timeline
-from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows, tracked_rows
+from rotorrig.rig.config import RPM, load
+from rotorrig.sims.rotor.model import (
+    Direction,
+    Load,
+    RotorModel,
+    along_bearing,
+    along_disk_mass,
+    along_modulus,
+    assemble,
+    reduce,
+    scaled,
+    unbalance_loads,
+    with_bearing,
+)
+from rotorrig.sims.rotor.nonlinear import ForceLaw, LawChange, swept_law_derivatives, swept_with_law
+from rotorrig.sims.rotor.swept import Timeline, TrackedRows, swept_columns, swept_derivatives, tracked_rows
 
 ROOT = Path(__file__).parents[1]
 STEP = 1e-4  # relative, of the differences

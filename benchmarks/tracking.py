@@ -32,12 +32,12 @@ from benchmarks.tracking_live import measure_latency
 from benchmarks.tracking_page import METHODS
 from benchmarks.tracking_signal import RunUp, resonant, standard, without, write_run
 from docs.tracking_drawing import windows
-from rotorrig.acquisition.files.recording_mcap import read_recording
-from rotorrig.acquisition.recording import RawRecording
-from rotorrig.processing.pipeline import track
+from rotorrig.acquisition import RawRecording
+from rotorrig.acquisition.files import read_recording
+from rotorrig.processing import Tracking, track
 from rotorrig.processing.response import Method
-from rotorrig.processing.settings import USUAL, Tracking
-from rotorrig.rig.probes.calibration import ProbeScale, channel_volts
+from rotorrig.processing.settings import USUAL
+from rotorrig.rig.probes import ProbeScale, channel_volts
 
 ROOT = Path(__file__).parents[1]
 COVERED = (0.0, 1.0, 2.0, 3.0)  # orders whose truth is known: 0.47X is within the window of 0.5X

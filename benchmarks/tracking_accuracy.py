@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.tracking_signal import RunUp
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 from rerun.chunk import RrdReader
 
 from benchmarks.tracking_signal import RunUp, blocks, daq_of, rig_of, standard
-from rotorrig.app.viewer.live.view import LiveView
+from rotorrig.app.viewer.live import LiveView
 from rotorrig.app.viewer.sinks import LOOPBACK, Sink, proxy, serve
-from rotorrig.rig.probes.base import Block
+from rotorrig.rig.probes import Block
 
 CHANNELS, RATE = 8, 50_000.0  # the keyphasor's among them
 BLOCK_SECONDS = 0.02  # a frame of the serial DAQ

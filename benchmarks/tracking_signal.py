@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.files.recording_mcap import RecordingWriter
-from rotorrig.acquisition.recording import Event
-from rotorrig.rig.config.description import RigConfig, parse
-from rotorrig.rig.probes.base import Block, DaqInfo
-from rotorrig.rig.provenance import Provenance
+from rotorrig.acquisition import Event
+from rotorrig.acquisition.files import RecordingWriter
+from rotorrig.rig import Provenance
+from rotorrig.rig.config import RigConfig, parse
+from rotorrig.rig.probes import Block, DaqInfo
 
 ROOT = Path(__file__).parents[1]
 Reals = NDArray[np.float64]

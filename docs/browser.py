@@ -7,7 +7,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from rotorrig.rig.errors import RigError
+from rotorrig.rig import RigError
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 PATIENCE = 120.0  # s to draw one page

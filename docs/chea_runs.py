@@ -12,7 +12,7 @@ from rotorrig.identify.chea.chapter.genetic import Colony
 from rotorrig.identify.chea.chapter.settings import SEED
 from rotorrig.identify.chea.profiles import Profile
 from rotorrig.identify.chea.search import Search
-from rotorrig.identify.chea.session.record import Evaluations, Record
+from rotorrig.identify.chea.session import Evaluations, Record
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

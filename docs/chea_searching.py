@@ -8,9 +8,8 @@ from docs.chea_drawing import square
 from docs.chea_runs import BANANA, MULTIMODAL, Function, answered, bred, clustered
 from docs.svg_plot import COLOURS, FAINT, INK, Figure
 from rotorrig.identify.chea.chapter.settings import SEED
-from rotorrig.identify.chea.session.record import Record
-from rotorrig.identify.chea.steps.far_search import farthest
-from rotorrig.identify.chea.steps.sqp import descend
+from rotorrig.identify.chea.session import Record
+from rotorrig.identify.chea.steps import descend, farthest
 
 Array = NDArray[np.float64]
 

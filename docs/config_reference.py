@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from docs.field_comments import comments
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.rig.config.unit_registry import registry
 from rotorrig.rig.config.units import QUANTITIES
 

@@ -16,8 +16,8 @@ from pathlib import Path
 from docs.effect_response import Sweep, vectors
 from docs.signature_drawing import Signature, drawn
 from docs.svg_plot import Figure
-from rotorrig.rig.config.description import RigConfig, load
-from rotorrig.sims.effects.base import Effect, catalogue, find
+from rotorrig.rig.config import RigConfig, load
+from rotorrig.sims.effects import Effect, catalogue, find
 
 ROOT = Path(__file__).parents[1]
 PARAGRAPH = re.compile(r"^\*\*(\w+)\*\* – .*?(?=\n\n)", re.MULTILINE | re.DOTALL)

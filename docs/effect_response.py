@@ -10,15 +10,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.nameplate import Plane
-from rotorrig.rig.config.units import RPM
-from rotorrig.sims.effects.base import Effect, Seen, Theta
-from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
-from rotorrig.sims.rotor.model.loads import Load, unbalance_pattern
-from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.nonlinear.steady_response import steady_with_law
-from rotorrig.sims.rotor.steady.harmonic_response import load_columns
+from rotorrig.rig.config import RPM, Plane, RigConfig
+from rotorrig.sims.effects import Effect, Seen, Theta
+from rotorrig.sims.rotor.model import Load, RotorModel, assemble, reduce, unbalance_pattern
+from rotorrig.sims.rotor.nonlinear import steady_with_law
+from rotorrig.sims.rotor.steady import load_columns
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

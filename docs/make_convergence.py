@@ -12,11 +12,10 @@ from typing import get_args
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rotorrig.rig.config.description import RigConfig, load
-from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
+from rotorrig.rig.config import RPM, RigConfig, load
+from rotorrig.sims.rotor.model import RotorModel, assemble
 from rotorrig.sims.rotor.model.beam import Element
-from rotorrig.sims.rotor.modes.modes import critical_speeds
+from rotorrig.sims.rotor.modes import critical_speeds
 from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 ROOT = Path(__file__).parents[1]

@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 
 from docs.origin import origin
 from docs.svg_plot import COLOURS, INK, Figure
-from rotorrig.identify import joint_fit
-from rotorrig.identify.diagnosis import Diagnosis, diagnose
-from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify import Diagnosis, diagnose, joint_fit
+from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.verdict.cross_validation import Prediction, held_out
-from rotorrig.processing.files.bode_table import read_table
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.description import load
-from rotorrig.rig.config.units import RPM
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing.files import read_table
+from rotorrig.rig.config import RPM, load
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT / "tests/data/kfupm-rk4"

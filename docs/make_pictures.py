@@ -21,18 +21,17 @@ from rerun.experimental import ViewerClient
 
 from docs.browser import screenshot
 from docs.origin import origin, save_png
-from rotorrig.acquisition.files.recording_mcap import read_recording
-from rotorrig.acquisition.recording import RawRecording
-from rotorrig.app.plot_data.curves import sweeps, vectors
-from rotorrig.app.plot_data.orbits import representative_rows
-from rotorrig.app.report.drawings.orbit_drawing import orbit_pictures
-from rotorrig.app.report.figures.bode import bode as bode_figure
-from rotorrig.app.viewer.open import LiveView
+from rotorrig.acquisition import RawRecording
+from rotorrig.acquisition.files import read_recording
+from rotorrig.app.plot_data import representative_rows, sweeps, vectors
+from rotorrig.app.report.drawings import orbit_pictures
+from rotorrig.app.report.figures import bode as bode_figure
+from rotorrig.app.viewer import LiveView
 from rotorrig.app.viewer.sinks import Sink, free_port, proxy, quiet_environment, viewer_program
-from rotorrig.identify.result_files import read_identification
-from rotorrig.processing.files.response_mcap import read_response
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.errors import RigError
+from rotorrig.identify import read_identification
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing.files import read_response
+from rotorrig.rig import RigError
 
 COMMAND = "python -m docs.make_pictures demo"
 IMAGES = Path(__file__).parent / "img"

@@ -21,12 +21,11 @@ import numpy as np
 from docs.browser import screenshot
 from docs.origin import origin, save_png
 from docs.svg_plot import COLOURS, INK, Figure
-from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.result_files import read_diagnosis
-from rotorrig.processing.files.response_mcap import read_response
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import RPM, UM
-from rotorrig.rig.errors import RigError
+from rotorrig.identify import Diagnosis, read_diagnosis
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing.files import read_response
+from rotorrig.rig import RigError
+from rotorrig.rig.config import RPM, UM
 
 DOCS = Path(__file__).parent
 DOCUMENT = DOCS / "tutorial.md"

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from PIL import Image, PngImagePlugin
 
-from rotorrig.rig.provenance import code_version
+from rotorrig.rig import code_version
 
 COLOURS = 256  # of a PNG: a palette is a third of the size
 KEY = "Source"  # of the PNG's text

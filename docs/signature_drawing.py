@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from docs.effect_response import HIGHEST, LOWEST, ORDERS, Vectors
 from docs.svg_plot import COLOURS, FAINT, Figure, Panel
-from rotorrig.rig.config.units import UM
+from rotorrig.rig.config import UM
 
 WITHOUT, WITH, BACKWARD, SECOND, THIRD = FAINT, COLOURS[0], COLOURS[1], COLOURS[2], COLOURS[3]
 SHOWN = 0.02  # um: less of an order, or of a difference between up and down, is not drawn

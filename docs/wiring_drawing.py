@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from docs.svg_plot import COLOURS, FAINT, INK, Figure
-from rotorrig.rig.config.description import RigConfig, load
+from rotorrig.rig.config import RigConfig, load
 
 RK4 = Path(__file__).parents[1] / "configs" / "rk4.toml"
 SIGNAL, CONTROL, POWER = COLOURS[0], COLOURS[2], COLOURS[1]

@@ -7,9 +7,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.probes.base import Block, DaqInfo
-from rotorrig.rig.provenance import Provenance
+from rotorrig.rig import Provenance
+from rotorrig.rig.config import RigConfig
+from rotorrig.rig.probes import Block, DaqInfo
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,11 +10,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Literal, Self
 
-from rotorrig.acquisition.files.recording_mcap import read_recording
+from rotorrig.acquisition.files import read_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
-from rotorrig.rig.clock import Clock, WallClock
-from rotorrig.rig.errors import ConfigError, LinkLost
-from rotorrig.rig.probes.base import Block, DaqInfo
+from rotorrig.rig import Clock, ConfigError, LinkLost, WallClock
+from rotorrig.rig.probes import Block, DaqInfo
 
 BORDERS = ("mark", "stop", "abort", "emergency", "trip", "pause")  # events that begin or end a run
 

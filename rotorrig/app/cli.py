@@ -9,9 +9,9 @@ from collections.abc import Callable
 import typer
 from rich.text import Text
 
-from rotorrig.app.terminal.console import err, out
+from rotorrig.app.terminal import err, out
 from rotorrig.app.verbs import data, model, rig
-from rotorrig.rig.errors import RigError
+from rotorrig.rig import RigError
 
 __all__ = ["app", "err", "main", "out"]
 

@@ -1,0 +1,11 @@
+"""From tracked vectors to a rotor model: identify it, say what it gets wrong, and why.
+
+`identify` fits stiffness, damping and unbalance to one response (fit.py), `diagnose` extends that model by what the
+data call for (diagnosis.py). Below: `base_model` and `extended_model` (the least-squares problems), `least_squares`
+(their solver), `chea` (the optimiser), `uncertainty`, `adequacy` (is the model good enough), `causes` (which effects
+to add), `verdict`.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -15,21 +15,15 @@ from scipy.special import chdtrc
 from threadpoolctl import threadpool_limits
 
 from rotorrig.identify import joint_fit
-from rotorrig.identify.adequacy.misfit import Misfit
-from rotorrig.identify.adequacy.residual_tests import FALSE_ALARM_RATE, Adequacy
-from rotorrig.identify.causes.candidates import candidates
-from rotorrig.identify.causes.stepwise_selection import Selection, select
-from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.adequacy import FALSE_ALARM_RATE, Adequacy, Misfit
+from rotorrig.identify.causes import Selection, candidates, select
+from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.joint_fit import Assessed
-from rotorrig.identify.verdict import gain, next_run, sentences
+from rotorrig.identify.verdict import Cause, Verdict, gain, moving_speed, next_run, sentences
 from rotorrig.identify.verdict import verdict as naming
-from rotorrig.identify.verdict.cause import Cause
-from rotorrig.identify.verdict.sweep_lag import moving_speed
-from rotorrig.identify.verdict.verdict import Verdict
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.rig.provenance import Provenance, code_version
-from rotorrig.sims.effects.base import Effect, find
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig import ConfigError, DataError, Provenance, code_version
+from rotorrig.sims.effects import Effect, find
 
 Progress = Callable[[str, float], None]
 

@@ -12,22 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.base_model.global_search import Found, search
-from rotorrig.identify.base_model.objectives import Name
-from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.base_model.problem import MOST_STEPS, Problem
+from rotorrig.identify.base_model import MOST_STEPS, Found, Name, Problem, Reals, search
 from rotorrig.identify.identification import Fit, Identification
-from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.least_squares import Polished
 from rotorrig.identify.measurement import Measurement, measure
-from rotorrig.identify.uncertainty import estimates
-from rotorrig.identify.uncertainty.bootstrap import Resampling, resampled
-from rotorrig.identify.uncertainty.identifiability import Identifiability
-from rotorrig.identify.uncertainty.identifiability_text import words
-from rotorrig.identify.uncertainty.intervals import with_intervals
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.rig.provenance import code_version
+from rotorrig.identify.uncertainty import Identifiability, Resampling, estimates, resampled, with_intervals, words
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig import ConfigError, DataError, code_version
+from rotorrig.rig.config import RigConfig
 
 WHOLE = "whole sweep"
 _STARTS = 2  # minima of the search that are refined, beside the nameplate, unless an earlier start is good

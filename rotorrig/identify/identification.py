@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.provenance import Provenance
+from rotorrig.rig import Provenance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

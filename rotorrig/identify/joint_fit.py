@@ -5,14 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rotorrig.identify.adequacy.residual_tests import Adequacy, assess
-from rotorrig.identify.causes.candidates import background
-from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
-from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.adequacy import Adequacy, assess
+from rotorrig.identify.causes import background
+from rotorrig.identify.extended_model import ExtendedProblem, MarkEdge, Recording
 from rotorrig.identify.fit import first_fit
-from rotorrig.identify.least_squares.solve import Polished
-from rotorrig.sims.effects.base import Effect
+from rotorrig.identify.least_squares import Polished
+from rotorrig.sims.effects import Effect
 
 _SETTLED = 0.1  # of chi2
 _STEPS = 15  # a model that is wrong wanders on among its nuisances

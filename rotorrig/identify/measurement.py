@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import DataError
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RPM
 
 SLOW_ROLL = "slow roll"
 _MASKED = 1.0  # m: the standard deviation of a vector that is not usable

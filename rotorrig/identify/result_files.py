@@ -12,12 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.adequacy.misfit import Misfit
+from rotorrig.identify.adequacy import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
-from rotorrig.identify.verdict.cause import Cause, Figure
-from rotorrig.rig.errors import DataError
-from rotorrig.rig.provenance import Provenance
+from rotorrig.identify.verdict import Cause, Figure
+from rotorrig.rig import DataError, Provenance
 
 _FIT = "rotorrig fit"
 _DIAGNOSIS = "rotorrig diagnosis"

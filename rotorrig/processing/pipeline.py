@@ -7,23 +7,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.recording import Recorded
+from rotorrig.acquisition import Recorded
 from rotorrig.processing.noise import covariance as noise
-from rotorrig.processing.noise.mains_lines import line_remarks
+from rotorrig.processing.noise import line_remarks
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows import quality
-from rotorrig.processing.rows.rows import Rows, lay_rows
-from rotorrig.processing.rows.runs import Span, find_runs
+from rotorrig.processing.rows import Rows, Span, find_runs, lay_rows, quality
 from rotorrig.processing.settings import USUAL, Tracking
-from rotorrig.processing.shaft_angle.read_keyphasor import read_keyphasor
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.shaft_angle import TURN, ShaftAngle, read_keyphasor
 from rotorrig.processing.slow_roll import vector as slow_roll
-from rotorrig.processing.slow_roll.find import with_slow_roll
-from rotorrig.processing.tracking.methods import METHODS, TrackingMethod
+from rotorrig.processing.slow_roll import with_slow_roll
+from rotorrig.processing.tracking import METHODS, TrackingMethod
 from rotorrig.processing.waveform import Waveforms
-from rotorrig.rig.config.trial_mass import NO_TRIAL, TrialMass, read_trial_mass, trial_unbalance
-from rotorrig.rig.errors import DataError
-from rotorrig.rig.provenance import code_version
+from rotorrig.rig import DataError, code_version
+from rotorrig.rig.config import NO_TRIAL, TrialMass, read_trial_mass, trial_unbalance
 
 _BEGUN, _VECTORS, _KNOWN = 0.2, 0.4, 0.9  # shares of the time: up to the rows, for the vectors, up to the covariance
 BEYOND = "the window reaches beyond the samples"

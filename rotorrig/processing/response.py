@@ -10,8 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.provenance import Provenance
+from rotorrig.rig import Provenance
+from rotorrig.rig.config import RigConfig
 
 Window = Literal[
     "blackman", "hann", "rectangular", "vold-kalman"

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, Self, get_args
 
 from rotorrig.processing.response import Method
-from rotorrig.rig.config.units import to_si
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import to_si
 
 ORDERS = (0.0, 0.5, 1.0, 2.0, 3.0)  # the gap, half and whole multiples of the speed that faults are known by
 #: orders apart times turns that a method wants between an order and the next, or a whole one: Blackman's window is

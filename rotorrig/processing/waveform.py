@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.recording import Recorded
-from rotorrig.rig.errors import DataError
-from rotorrig.rig.probes.calibration import ProbeScale, channels_used
+from rotorrig.acquisition import Recorded
+from rotorrig.rig import DataError
+from rotorrig.rig.probes import ProbeScale, channels_used
 
 PIECE = 2**16  # samples of one channel at a time
 

@@ -6,12 +6,10 @@ Drivers are imported when they are chosen: a rig without CAN needs no CAN librar
 from collections.abc import Mapping
 from typing import Any, assert_never
 
-from rotorrig.rig.config import devices
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig, devices
 from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.motor.base import MotorDriver
-from rotorrig.rig.probes.base import Daq
-from rotorrig.rig.probes.calibration import channels_used
+from rotorrig.rig.motor import MotorDriver
+from rotorrig.rig.probes import Daq, channels_used
 
 Place = Mapping[str, Any]  # keys of [motor] or [daq] that stand instead of the config's: where a simulated rig is
 
@@ -23,15 +21,15 @@ def motor(rig: RigConfig, *, at: Place | None = None) -> MotorDriver:
     table = rig.motor.model_copy(update=dict(at or {}))
     match table:
         case devices.ModbusRtu() | devices.ModbusTcp():
-            from rotorrig.rig.motor.modbus_motor import ModbusMotor
+            from rotorrig.rig.motor import ModbusMotor
 
             return ModbusMotor(table)
         case devices.LineController():
-            from rotorrig.rig.motor.line_motor import LineMotor
+            from rotorrig.rig.motor import LineMotor
 
             return LineMotor(table)
         case devices.CanOpen():
-            from rotorrig.rig.motor.canopen_motor import CanOpenMotor
+            from rotorrig.rig.motor import CanOpenMotor
 
             return CanOpenMotor(table)
         case _:
@@ -49,17 +47,17 @@ def daq(rig: RigConfig, *, at: Place | None = None) -> Daq:
         )
     match table:
         case devices.StreamDaq():
-            from rotorrig.rig.probes.stream_daq import StreamDaq
+            from rotorrig.rig.probes import StreamDaq
 
             return StreamDaq(
                 table.port, sample_rate=table.sample_rate, channels=channels_used(rig), baudrate=table.baudrate
             )
         case devices.OpenDaq():
-            from rotorrig.rig.probes.opendaq_daq import OpenDaqDaq
+            from rotorrig.rig.probes import OpenDaqDaq
 
             return OpenDaqDaq(table, channels=channels_used(rig))
         case devices.NiDaqmx():
-            from rotorrig.rig.probes.nidaqmx_daq import NiDaqmxDaq
+            from rotorrig.rig.probes import NiDaqmxDaq
 
             return NiDaqmxDaq(table, channels=channels_used(rig))
         case _:

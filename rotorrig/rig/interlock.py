@@ -9,14 +9,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.devices import Limits
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM, Limits, RigConfig
 from rotorrig.rig.errors import LimitExceeded
-from rotorrig.rig.motor.base import MotorState
-from rotorrig.rig.probes.base import Block, DaqInfo
-from rotorrig.rig.probes.calibration import ProbeScale
-from rotorrig.rig.probes.keyphasor_speed import KeyphasorSpeed
+from rotorrig.rig.motor import MotorState
+from rotorrig.rig.probes import Block, DaqInfo, KeyphasorSpeed, ProbeScale
 
 MEAN_SECONDS = (
     1.0  # time constant of the running mean; it follows 1X by 1 / (omega * 1 s): 4 % at 240 rpm, 0.4 % at 2400

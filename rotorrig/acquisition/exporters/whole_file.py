@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from rotorrig.acquisition.files.part_file import PartFile
-from rotorrig.rig.errors import DataError
+from rotorrig.acquisition.files import PartFile
+from rotorrig.rig import DataError
 
 
 @contextmanager

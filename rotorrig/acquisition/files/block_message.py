@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.files.schemas import message_type
-from rotorrig.rig.probes.base import Block
+from rotorrig.rig.probes import Block
 
 WAVEFORM = message_type(
     "Waveform",

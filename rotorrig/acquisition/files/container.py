@@ -21,10 +21,8 @@ from rotorrig.acquisition.files.fsync import Syncer
 from rotorrig.acquisition.files.mcap_records import Fault, Place, placed_records
 from rotorrig.acquisition.files.part_file import PartFile, part_of
 from rotorrig.acquisition.files.schemas import ENCODING, MessageType, register_schema
-from rotorrig.rig.config import description
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError, RigError
-from rotorrig.rig.provenance import Provenance
+from rotorrig.rig import DataError, Provenance, RigError
+from rotorrig.rig.config import RigConfig, description
 
 HEADER = "rotorrig"  # name of the metadata record that says what the file is
 CONFIG_TEXT, CONFIG_SI = "config.toml", "config.json"  # names of the attachments

@@ -6,7 +6,7 @@ from mcap.records import Metadata
 
 from rotorrig.acquisition.files.container import HEADER
 from rotorrig.acquisition.files.mcap_records import records
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 
 def read_file_kind(path: Path) -> str:

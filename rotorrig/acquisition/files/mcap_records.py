@@ -19,7 +19,7 @@ from mcap.records import Attachment, Channel, Chunk, Header, McapRecord, Message
 from mcap.stream_reader import breakup_chunk
 from mcap.writer import MCAP0_MAGIC
 
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 CHUNK_LIMIT = 64 * 2**20  # bytes of one chunk unpacked; ours are about 1 MiB
 TOTAL_LIMIT = 16 * 2**30  # bytes of all chunks unpacked: five hours of 8 channels at 50 kS/s

@@ -8,7 +8,7 @@ import os
 from collections import deque
 from pathlib import Path
 
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 
 def part_of(path: Path) -> Path:

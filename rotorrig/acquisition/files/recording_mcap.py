@@ -21,10 +21,9 @@ from rotorrig.acquisition.files.part_file import part_of, refuse_existing
 from rotorrig.acquisition.files.schemas import message_type
 from rotorrig.acquisition.files.stored_recording import BlockIndex, StoredRecording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError
-from rotorrig.rig.probes.base import Block, DaqInfo
-from rotorrig.rig.provenance import Provenance, file_hash
+from rotorrig.rig import DataError, Provenance, file_hash
+from rotorrig.rig.config import RigConfig
+from rotorrig.rig.probes import Block, DaqInfo
 
 __all__ = [
     "Contents",

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 from rotorrig.acquisition.files import block_message
 from rotorrig.acquisition.files.mcap_records import Fault, Place, chunk_at
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError
-from rotorrig.rig.probes.base import DaqInfo
-from rotorrig.rig.provenance import Provenance
+from rotorrig.rig import DataError, Provenance
+from rotorrig.rig.config import RigConfig
+from rotorrig.rig.probes import DaqInfo
 
 CACHE = (
     8 * 2**20

@@ -16,11 +16,8 @@ unit = "1 ms"
 from pathlib import Path
 
 from rotorrig.acquisition.importers.signal_units import signal_factor
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.nameplate import Part, Rate, Time
-from rotorrig.rig.config.toml_file import read_toml
-from rotorrig.rig.config.validation import checked
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import Part, Rate, RigConfig, Time, checked, read_toml
 
 
 class MappedChannel(Part):

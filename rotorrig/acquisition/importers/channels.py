@@ -7,8 +7,8 @@ from pathlib import Path
 
 from rotorrig.acquisition.importers.channel_mapping import ChannelMapping, MappedChannel
 from rotorrig.acquisition.importers.signal_units import signal_factor
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RigConfig
 
 KEYPHASOR = "keyphasor"
 

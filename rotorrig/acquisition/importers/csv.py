@@ -21,9 +21,8 @@ from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
 from rotorrig.acquisition.importers.channels import Format, Offer, find, wanted
 from rotorrig.acquisition.importers.waveforms import recording_of
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import to_si
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RigConfig, to_si
 
 PIECE = 65536  # rows read at a time
 JITTER = 0.25  # of a sample: times are printed with few digits, a missing row is off by a whole one

@@ -1,6 +1,6 @@
 """Units of foreign files: "mV", "Volts", "µm", "127 um" to volts or metres."""
 
-from rotorrig.rig.config.units import to_si
+from rotorrig.rig.config import to_si
 
 
 def signal_factor(text: str, *, length: bool) -> tuple[float, bool] | None:

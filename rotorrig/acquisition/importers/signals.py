@@ -11,8 +11,8 @@ from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
 from rotorrig.acquisition.importers.channels import Channel, Format, Offer, wanted
 from rotorrig.acquisition.importers.waveforms import Scale, recording_of
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RigConfig
 
 PIECE = 65536  # samples made a block at a time
 SAME_RATE = 1e-6  # relative; a clock's ppm is no other rate

@@ -22,8 +22,8 @@ from rotorrig.acquisition.importers.channels import Format
 from rotorrig.acquisition.importers.signals import Signal, read_signals
 from rotorrig.acquisition.importers.tdms_limits import BoundedFile, check_chunks, check_scales, check_segments
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError, RigError
+from rotorrig.rig import DataError, RigError
+from rotorrig.rig.config import RigConfig
 
 FORM = Format(name="TDMS", channel="channel", unnamed="no channel of numbers")
 UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription")

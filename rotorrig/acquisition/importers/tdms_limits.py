@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 MOST_PIECES = 5_000_000  # channels in all chunks of all segments; nptdms takes a microsecond or more for each
 MOST_SCALES = 10  # of a channel, one after the other; DAQmx writes two or three

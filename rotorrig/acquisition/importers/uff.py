@@ -21,8 +21,8 @@ from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
 from rotorrig.acquisition.importers.channels import Format
 from rotorrig.acquisition.importers.signals import Signal, read_signals
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RigConfig
 
 FORM = Format(name="UFF", channel="data set", unnamed="no data set 58 of a time response")
 TIME_RESPONSE, UNITS, FUNCTION = 1, 164, 58

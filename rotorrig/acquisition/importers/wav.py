@@ -21,8 +21,8 @@ from rotorrig.acquisition.importers.channels import Channel, Format
 from rotorrig.acquisition.importers.signals import Signal, read_signals
 from rotorrig.acquisition.importers.waveforms import Scale
 from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import ConfigError, DataError
+from rotorrig.rig import ConfigError, DataError
+from rotorrig.rig.config import RigConfig
 
 FORM = Format(name="WAV", channel="channel", example="{name}")
 UNKNOWN = 0xFFFFFFFF  # a size kept elsewhere (ds64), or never filled in: to the end of the file

@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition.importers.channels import KEYPHASOR, Channel, Format
 from rotorrig.acquisition.recording import Event, RawRecording
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError
-from rotorrig.rig.probes.base import Block, DaqInfo
-from rotorrig.rig.probes.calibration import channels_used
-from rotorrig.rig.provenance import Provenance, code_version, file_hash
+from rotorrig.rig import DataError, Provenance, code_version, file_hash
+from rotorrig.rig.config import RigConfig
+from rotorrig.rig.probes import Block, DaqInfo, channels_used
 
 RESOLUTION = 1e-9  # m, twice the rounding error of a displacement made counts
 FINEST = 1e-6  # V per count at the most: 0.13 nm on an 8 mm probe, and a range of 2147 V

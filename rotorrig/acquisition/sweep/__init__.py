@@ -1,0 +1,9 @@
+"""A sweep in operation: a plan's steps, the per-block loop that checks, records and shows, and the way back to rest.
+
+`plans.py` yields `Ramp`, `Dwell`, `Coast` ...; `engine.py` runs them; `session.py` handles each block;
+`motor_control.py` talks to the drive from a thread of its own; `run_down.py` follows the rotor to rest.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

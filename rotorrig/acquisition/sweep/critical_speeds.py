@@ -4,8 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from rotorrig.acquisition.sweep.steps import Coast, Dwell, Ramp, Rest, Step
-from rotorrig.rig.config.devices import Limits
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM, Limits
 
 MARGIN = 0.1  # of a model's critical speed on either side: a nameplate's is good to some per cent, a peak 5 % wide
 ROUNDING = 1e-9  # of a speed that was added up from steps

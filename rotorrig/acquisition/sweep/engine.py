@@ -19,12 +19,10 @@ from rotorrig.acquisition.sweep.perform import Progress, perform
 from rotorrig.acquisition.sweep.run_down import RunDown, run_down
 from rotorrig.acquisition.sweep.session import Session, StopTimes
 from rotorrig.acquisition.sweep.steps import Ask, Ramp, Step
-from rotorrig.rig.clock import Clock, WallClock
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost, RigError
-from rotorrig.rig.interlock import Interlock
-from rotorrig.rig.motor.base import MotorDriver, Stop
-from rotorrig.rig.probes.base import Daq
+from rotorrig.rig import Clock, ConfigError, Interlock, LimitExceeded, LinkLost, RigError, WallClock
+from rotorrig.rig.config import RigConfig
+from rotorrig.rig.motor import MotorDriver, Stop
+from rotorrig.rig.probes import Daq
 
 RUN_DOWN = 180.0  # s, where the config has no [limits]
 WATCHDOG_SHARE = 0.25  # of the drive's watchdog time, between two readings of it at most

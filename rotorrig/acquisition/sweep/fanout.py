@@ -7,8 +7,8 @@ from enum import Enum, auto
 from typing import Protocol
 
 from rotorrig.acquisition.recording import Event, MotorSample
-from rotorrig.rig.errors import DataError
-from rotorrig.rig.probes.base import Block
+from rotorrig.rig import DataError
+from rotorrig.rig.probes import Block
 
 Item = Block | Event | MotorSample
 Listener = Callable[[Block], None]

@@ -15,9 +15,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol, Self
 
-from rotorrig.rig.clock import Clock, WallClock
-from rotorrig.rig.errors import LimitExceeded
-from rotorrig.rig.motor.base import MotorDriver, MotorState, Stop
+from rotorrig.rig import Clock, LimitExceeded, WallClock
+from rotorrig.rig.motor import MotorDriver, MotorState, Stop
 
 READ_EVERY = 0.25  # s between readings
 READ_SOON = 0.05  # s, while the drive's word is all that is missing

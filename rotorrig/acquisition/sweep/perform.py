@@ -7,9 +7,9 @@ from rotorrig.acquisition.sweep.run_down import AT_REST
 from rotorrig.acquisition.sweep.session import Session
 from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
 from rotorrig.acquisition.sweep.timeline import plan_timeline
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import LimitExceeded
-from rotorrig.rig.motor.base import Stop
+from rotorrig.rig import LimitExceeded
+from rotorrig.rig.config import RPM
+from rotorrig.rig.motor import Stop
 
 Progress = Callable[[Step, float, float], None]  # step, fraction of the sweep 0..1, speed [rad/s]
 

@@ -9,12 +9,23 @@ from typing import TypeGuard, assert_never
 
 from rotorrig.acquisition.sweep.critical_speeds import Band, bands, dwelt_in, quick
 from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.devices import SAME_RAMP, ModbusRtu, ModbusTcp, Motor
-from rotorrig.rig.config.sweep_plans import DwellAt, Plan, RunUpCoastDown, RunUpRampDown, Stepped, TrialMassRuns
-from rotorrig.rig.config.trial_mass import NO_TRIAL, read_trial_mass
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import (
+    NO_TRIAL,
+    RPM,
+    SAME_RAMP,
+    DwellAt,
+    ModbusRtu,
+    ModbusTcp,
+    Motor,
+    Plan,
+    RigConfig,
+    RunUpCoastDown,
+    RunUpRampDown,
+    Stepped,
+    TrialMassRuns,
+    read_trial_mass,
+)
 
 __all__ = ["Ask", "Coast", "Dwell", "Mark", "Ramp", "Rest", "Step", "Trial", "objections", "planned", "steps"]
 

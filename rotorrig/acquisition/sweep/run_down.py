@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from rotorrig.acquisition.sweep.interrupts import EMERGENCY, ENOUGH, Interrupts
 from rotorrig.acquisition.sweep.operator import Operator
 from rotorrig.acquisition.sweep.session import Session
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import LimitExceeded, LinkLost
-from rotorrig.rig.motor.base import Stop
+from rotorrig.rig import LimitExceeded, LinkLost
+from rotorrig.rig.config import RPM
+from rotorrig.rig.motor import Stop
 
 AT_REST = 3.0  # rad/s, 29 rpm
 QUIET = 2.0  # s without a pulse, in which a shaft at that speed turns once; before two pulses no speed is known

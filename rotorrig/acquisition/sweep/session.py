@@ -8,13 +8,10 @@ from dataclasses import dataclass
 from rotorrig.acquisition.recording import Event, MotorSample
 from rotorrig.acquisition.sweep.fanout import Item, Listener, Recorder, Viewer, Writer
 from rotorrig.acquisition.sweep.motor_control import MotorControl, Reading, StopReport
-from rotorrig.rig.clock import Clock
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost, RigError
-from rotorrig.rig.interlock import Interlock
-from rotorrig.rig.motor.base import MotorDriver, MotorState, Stop
-from rotorrig.rig.probes.base import Block, Daq
+from rotorrig.rig import Clock, ConfigError, Interlock, LimitExceeded, LinkLost, RigError
+from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.rig.motor import MotorDriver, MotorState, Stop
+from rotorrig.rig.probes import Block, Daq
 
 SILENCE = 2.0  # s of wall time the DAQ may be silent
 STEADY_BAND = 0.005  # a speed is steady while it stays within this of itself, relative

@@ -7,12 +7,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from rotorrig.app.commands.config_model import check_effects
-from rotorrig.app.terminal import tables
-from rotorrig.app.terminal.console import out
-from rotorrig.rig import connect
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import DataError, LinkLost
+from rotorrig.app.terminal import out, tables
+from rotorrig.rig import DataError, LinkLost, connect
+from rotorrig.rig.config import RPM, RigConfig
 
 
 def show_rig(rig: RigConfig) -> None:
@@ -48,9 +45,8 @@ def device_facts(rig: RigConfig) -> dict[str, Any]:
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def show_model(rig: RigConfig) -> None:
     """Draw the rotor; print its masses, bearing loads and sag, critical speeds and stability. Raises DataError."""
-    from rotorrig.app.terminal import model_summary
-    from rotorrig.app.terminal.model_drawing import drawing
-    from rotorrig.sims.rotor.model.assembly import assemble
+    from rotorrig.app.terminal import drawing, model_summary
+    from rotorrig.sims.rotor.model import assemble
 
     out.print(drawing(rig, width=out.width, plain=out.options.ascii_only))
     out.print()
@@ -117,8 +113,8 @@ def _show_daq(rig: RigConfig) -> None:
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # many small eigenvalue problems: threads only slow them down
 def _critical_rpm(rig: RigConfig) -> list[float]:
-    from rotorrig.sims.rotor.model.assembly import assemble
-    from rotorrig.sims.rotor.modes.modes import critical_speeds
+    from rotorrig.sims.rotor.model import assemble
+    from rotorrig.sims.rotor.modes import critical_speeds
 
     return (np.asarray(critical_speeds(assemble(rig), up_to=_ceiling(rig))) * RPM).tolist()
 

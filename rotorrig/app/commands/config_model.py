@@ -2,15 +2,15 @@
 
 from threadpoolctl import threadpool_limits
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import RigConfig
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # many small eigenvalue problems: threads only slow them down
 def criticals_of(rig: RigConfig) -> list[float]:
     """Return the 1X critical speeds of the nameplate's model [rad/s], up to the fastest the rig may go."""
-    from rotorrig.sims.rotor.model.assembly import assemble
-    from rotorrig.sims.rotor.modes.modes import critical_speeds
+    from rotorrig.sims.rotor.model import assemble
+    from rotorrig.sims.rotor.modes import critical_speeds
 
     ceiling = rig.motor.max_speed if rig.motor else 1000.0
     return [float(speed) for speed in critical_speeds(assemble(rig), up_to=ceiling)]
@@ -27,7 +27,7 @@ def check_effects(rig: RigConfig) -> None:
     """Raise ConfigError unless the model knows every effect in the config, and every parameter of it."""
     if not rig.effects:
         return
-    from rotorrig.sims.effects.base import find  # numba takes a second to import
+    from rotorrig.sims.effects import find  # numba takes a second to import
 
     for effect in rig.effects:
         try:

@@ -7,28 +7,20 @@ from pathlib import Path
 
 from rich.progress import Progress
 
-from rotorrig.acquisition.files.recording_mcap import read_recording
-from rotorrig.acquisition.sweep.plans import Step
+from rotorrig.acquisition.files import read_recording
+from rotorrig.acquisition.sweep import Step
 from rotorrig.app.commands import diagnose
 from rotorrig.app.commands.sweep import record_sweep
-from rotorrig.app.report.page import write_report
-from rotorrig.app.terminal import tables
-from rotorrig.app.terminal.console import out as console
-from rotorrig.app.terminal.console import progress_bars
-from rotorrig.app.viewer.open import write_result_rrd
-from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.fit import identify
-from rotorrig.identify.identification import Identification
-from rotorrig.identify.result_files import write_diagnosis, write_identification
-from rotorrig.processing.files.response_mcap import read_response, write_response
-from rotorrig.processing.pipeline import track
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
-from rotorrig.sims.plant.draw import draw, identified_truth
-from rotorrig.sims.plant.sealed_truth import seal, unseal
-from rotorrig.sims.plant.truth import FaultSpec, Truth
-from rotorrig.sims.wire.launch import simulated_bench
+from rotorrig.app.report import write_report
+from rotorrig.app.terminal import out as console
+from rotorrig.app.terminal import progress_bars, tables
+from rotorrig.app.viewer import write_result_rrd
+from rotorrig.identify import Diagnosis, Identification, identify, write_diagnosis, write_identification
+from rotorrig.processing import OrderTrackedResponse, track
+from rotorrig.processing.files import read_response, write_response
+from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.sims.plant import FaultSpec, Truth, draw, identified_truth, seal, unseal
+from rotorrig.sims.wire import simulated_bench
 
 SEALED = "truth.sealed.json"
 

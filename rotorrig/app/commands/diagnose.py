@@ -7,17 +7,14 @@ from pathlib import Path
 from typing import Literal
 
 from rotorrig.app.commands.config_model import check_effects
-from rotorrig.app.terminal import tables
-from rotorrig.app.terminal.console import out, progress_bars
+from rotorrig.app.terminal import out, progress_bars, tables
 from rotorrig.app.text import causes
-from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
-from rotorrig.identify.verdict.cause import Cause
-from rotorrig.processing.files.response_mcap import read_response
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.extended_config import extended_by
-from rotorrig.rig.config.extension import Extension
-from rotorrig.rig.errors import DataError
+from rotorrig.identify import Diagnosis, Verdict, diagnose
+from rotorrig.identify.verdict import Cause
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing.files import read_response
+from rotorrig.rig import DataError
+from rotorrig.rig.config import Extension, RigConfig, extended_by
 
 
 def read_responses(paths: Sequence[Path], *, config: RigConfig | None = None) -> list[OrderTrackedResponse]:

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from rotorrig.acquisition.files.file_kind import read_file_kind
-from rotorrig.rig.errors import DataError
+from rotorrig.acquisition.files import read_file_kind
+from rotorrig.rig import DataError
 
 LAYOUT = ".json"
 
@@ -26,8 +26,7 @@ def write_out(file: Path, out: Path) -> str:
 
 def _response(file: Path, out: Path) -> str:
     from rotorrig.app.commands.foxglove_layout import write_foxglove_layout
-    from rotorrig.processing.files import response_csv, response_uff
-    from rotorrig.processing.files.response_mcap import read_response
+    from rotorrig.processing.files import read_response, response_csv, response_uff
 
     response = read_response(file)
     if out.suffix.lower() == LAYOUT:
@@ -38,9 +37,8 @@ def _response(file: Path, out: Path) -> str:
 
 
 def _run(file: Path, out: Path) -> str:
-    from rotorrig.acquisition.exporters.csv import write_csv
-    from rotorrig.acquisition.exporters.uff import write_uff
-    from rotorrig.acquisition.files.recording_mcap import read_recording
+    from rotorrig.acquisition.exporters import write_csv, write_uff
+    from rotorrig.acquisition.files import read_recording
 
     recording = read_recording(file)
     made = (

@@ -9,11 +9,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rotorrig.app.plot_data.curves import slow_roll_known
-from rotorrig.processing.files.response_scene import FRAME
-from rotorrig.processing.probe_planes import measured_planes
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.errors import DataError
+from rotorrig.app.plot_data import slow_roll_known
+from rotorrig.processing import OrderTrackedResponse, measured_planes
+from rotorrig.processing.files import FRAME
+from rotorrig.rig import DataError
 
 SPEED = "exact_speed_rpm"
 COLOURS = ("#4aa3df", "#f28e2b", "#62be78", "#ce74be", "#dcc85a", "#78c8d2")

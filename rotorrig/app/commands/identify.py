@@ -2,12 +2,11 @@
 
 from rich.progress import Progress
 
-from rotorrig.app.terminal.console import progress_bars
-from rotorrig.identify.base_model.objectives import Name
-from rotorrig.identify.fit import identify
-from rotorrig.identify.identification import Identification
-from rotorrig.identify.uncertainty.bootstrap import Resampling
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.app.terminal import progress_bars
+from rotorrig.identify import Identification, identify
+from rotorrig.identify.base_model import Name
+from rotorrig.identify.uncertainty import Resampling
+from rotorrig.processing import OrderTrackedResponse
 
 
 def identified(

@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-from rotorrig.acquisition.recording import RawRecording
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.toml_file import read_toml
-from rotorrig.rig.errors import DataError
+from rotorrig.acquisition import RawRecording
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RigConfig, read_toml
 
 #: first bytes -> what the file is, whatever it is called
 _BEGINNINGS = {b"TDSm": "tdms", b"RIFF": "wav", b"RF64": "wav", b"BW64": "wav", b"    -1\n": "uff", b"    -1\r": "uff"}
@@ -44,8 +43,7 @@ def _refuse_source(file: Path, out: Path) -> None:
 
 
 def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
-    from rotorrig.processing.files.bode_table import read_table
-    from rotorrig.processing.files.response_mcap import write_response
+    from rotorrig.processing.files import read_table, write_response
 
     response = read_table(file, mapping, rig)
     write_response(out, response)
@@ -54,7 +52,7 @@ def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
 
 
 def _waveforms(file: Path, mapping: Path | None, rig: RigConfig, out: Path) -> str:
-    from rotorrig.acquisition.files.recording_mcap import write_recording
+    from rotorrig.acquisition.files import write_recording
 
     recording = read_waveforms(file, rig, mapping)
     write_recording(out, recording)
@@ -64,11 +62,7 @@ def _waveforms(file: Path, mapping: Path | None, rig: RigConfig, out: Path) -> s
 
 def read_waveforms(file: Path, rig: RigConfig, mapping: Path | None) -> RawRecording:
     """Read foreign waveforms of any kind as a recording of the rig. Raises DataError, ConfigError."""
-    from rotorrig.acquisition.importers.channel_mapping import load_channels
-    from rotorrig.acquisition.importers.csv import read_csv
-    from rotorrig.acquisition.importers.tdms import read_tdms
-    from rotorrig.acquisition.importers.uff import read_uff
-    from rotorrig.acquisition.importers.wav import read_wav
+    from rotorrig.acquisition.importers import load_channels, read_csv, read_tdms, read_uff, read_wav
 
     read = {"csv": read_csv, "uff": read_uff, "tdms": read_tdms, "wav": read_wav}[kind_of(file)]
     return read(file, rig, load_channels(mapping, rig) if mapping else None)

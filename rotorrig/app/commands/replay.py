@@ -5,15 +5,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from rotorrig.acquisition.files.recording_mcap import read_recording
-from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
-from rotorrig.acquisition.replay import ReplayDaq, cut_from
-from rotorrig.app.terminal.console import progress_bars
-from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.probes.base import Block
+from rotorrig.acquisition import Event, MotorSample, RawRecording, ReplayDaq, cut_from
+from rotorrig.acquisition.files import read_recording
+from rotorrig.app.terminal import progress_bars
+from rotorrig.rig import ConfigError
+from rotorrig.rig.probes import Block
 
 if TYPE_CHECKING:
-    from rotorrig.app.viewer.open import LiveView
+    from rotorrig.app.viewer import LiveView
 
 
 def play(path: Path, *, rate: str, view: bool, track: Path | None = None, begin: float = 0.0) -> float:
@@ -49,7 +48,7 @@ def _pace(rate: str) -> float | Literal["max"]:
 
 
 def _live_view(recording: RawRecording) -> "LiveView":
-    from rotorrig.app.viewer.open import LiveView, serve  # Rerun takes a second to import
+    from rotorrig.app.viewer import LiveView, serve  # Rerun takes a second to import
 
     return LiveView(recording.rig, recording.daq, serve(), events=recording.events)
 
@@ -80,7 +79,7 @@ def _played(recording: RawRecording, pace: float | Literal["max"], live: "LiveVi
 
 
 def _track(recording: RawRecording, out: Path) -> None:
-    from rotorrig.processing.files.response_mcap import write_response
-    from rotorrig.processing.pipeline import track
+    from rotorrig.processing import track
+    from rotorrig.processing.files import write_response
 
     write_response(out, track(recording))

@@ -2,14 +2,9 @@
 
 from pathlib import Path
 
-from rotorrig.rig.config.description import load, parse
-from rotorrig.rig.config.units import to_si
-from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.ross.from_config import ross_rotor
-from rotorrig.rig.ross.reading import read_ross
-from rotorrig.rig.ross.rotor import RossRotor
-from rotorrig.rig.ross.to_config import config_text, sections
-from rotorrig.rig.ross.writing import ross_text
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import load, parse, to_si
+from rotorrig.rig.ross import RossRotor, config_text, read_ross, ross_rotor, ross_text, sections
 
 
 def bring_in(file: Path, *, out: Path, keep_nodes: bool) -> list[str]:
@@ -24,7 +19,7 @@ def bring_in(file: Path, *, out: Path, keep_nodes: bool) -> list[str]:
 
 def write_out(config: Path, *, out: Path, max_element: str) -> list[str]:
     """Write the rotor of a config for ROSS and return what to say of it, notes first. Raises ConfigError."""
-    from rotorrig.sims.rotor.model.assembly import assemble
+    from rotorrig.sims.rotor.model import assemble
 
     rig = load(config)
     try:

@@ -9,17 +9,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rotorrig.app.terminal.console import out
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.trial_mass import read_trial_mass, trial_unbalance
-from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.sims.plant.draw import draw
-from rotorrig.sims.plant.faults.base import check
-from rotorrig.sims.plant.sealed_truth import seal, unseal
-from rotorrig.sims.plant.truth import FaultSpec, Truth
-from rotorrig.sims.wire.console import Said
-from rotorrig.sims.wire.fault_script import read_script
-from rotorrig.sims.wire.launch import BenchPorts, simulated_bench
+from rotorrig.app.terminal import out
+from rotorrig.rig import ConfigError, DataError
+from rotorrig.rig.config import RigConfig, read_trial_mass, trial_unbalance
+from rotorrig.sims.plant import FaultSpec, Truth, draw, seal, unseal
+from rotorrig.sims.plant.faults import check
+from rotorrig.sims.wire import BenchPorts, Said, read_script, simulated_bench
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,27 +7,19 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rotorrig.acquisition.files.recording_mcap import RecordingWriter
-from rotorrig.acquisition.sweep import plans
-from rotorrig.acquisition.sweep.engine import SweepResult, run_sweep
-from rotorrig.acquisition.sweep.operator import Operator
-from rotorrig.acquisition.sweep.timeline import plan_timeline
+from rotorrig.acquisition.files import RecordingWriter
+from rotorrig.acquisition.sweep import Operator, SweepResult, plan_timeline, plans, run_sweep
 from rotorrig.app.commands.config_model import criticals_to_pass
 from rotorrig.app.commands.simulate import StandIn, simulated
 from rotorrig.app.commands.sweep_preview import expected_bytes
-from rotorrig.app.terminal.console import progress_bars
-from rotorrig.app.terminal.operator import HINT, operator_for
-from rotorrig.rig import connect
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.rig.interlock import Interlock
-from rotorrig.rig.probes.base import DaqInfo
-from rotorrig.rig.provenance import Provenance, code_version
-from rotorrig.sims.wire.launch import BenchPorts
+from rotorrig.app.terminal import HINT, operator_for, progress_bars
+from rotorrig.rig import ConfigError, DataError, Interlock, Provenance, code_version, connect
+from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.rig.probes import DaqInfo
+from rotorrig.sims.wire import BenchPorts
 
 if TYPE_CHECKING:
-    from rotorrig.app.viewer.open import LiveView
+    from rotorrig.app.viewer import LiveView
 
 Progress = Callable[[plans.Step, float, float], None]  # step, fraction of the sweep's steps, speed [rad/s]
 
@@ -145,6 +137,6 @@ def record_sweep(
 
 
 def _live_view(rig: RigConfig, info: DaqInfo) -> "LiveView":
-    from rotorrig.app.viewer.open import LiveView, serve  # Rerun takes a second to import
+    from rotorrig.app.viewer import LiveView, serve  # Rerun takes a second to import
 
     return LiveView(rig, info, serve())

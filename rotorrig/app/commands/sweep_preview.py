@@ -9,15 +9,25 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from rotorrig.acquisition.sweep import critical_speeds, plans
-from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Trial
-from rotorrig.acquisition.sweep.timeline import COAST_SECONDS, Timed, plan_timeline
+from rotorrig.acquisition.sweep import (
+    COAST_SECONDS,
+    Ask,
+    Coast,
+    Dwell,
+    Mark,
+    Ramp,
+    Rest,
+    Timed,
+    Trial,
+    critical_speeds,
+    plan_timeline,
+    plans,
+)
 from rotorrig.app.commands.config_model import criticals_of
-from rotorrig.app.terminal.console import out, tell
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import ConfigError
-from rotorrig.rig.probes.calibration import channels_used
+from rotorrig.app.terminal import out, tell
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.rig.probes import channels_used
 
 BYTES_PER_SAMPLE = 2  # and channel, before compression
 COMPRESSION = 0.5  # of a rotor's vibration: a quiet one less, a noisy one up to 0.7

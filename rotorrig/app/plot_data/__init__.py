@@ -1,0 +1,60 @@
+"""Numbers for plots, shared by report, viewer and documents.
+
+Curves over speed, orbits, spectra, centrelines, thinning.
+"""
+
+from rotorrig.app.plot_data.centreline_paths import (
+    REFERENCE,
+    CentrelinePath,
+    ClearanceCircle,
+    centreline_paths,
+    centreline_words,
+    clearance_circle,
+)
+from rotorrig.app.plot_data.curves import (
+    Curve,
+    curves,
+    lag_degrees,
+    model_vectors,
+    phase_window,
+    residual_grid,
+    slow_roll_known,
+    sweeps,
+    vectors,
+    whirl_grid,
+)
+from rotorrig.app.plot_data.diagnosis_of_response import Vectors, extended_sigmas, part_of, predictions
+from rotorrig.app.plot_data.nice_numbers import nice
+from rotorrig.app.plot_data.orbits import Plane, orbit, representative_rows
+from rotorrig.app.plot_data.order_spectrum import OrderSpectrum, order_spectra
+from rotorrig.app.plot_data.thinning import thinned
+
+__all__ = [
+    "REFERENCE",
+    "CentrelinePath",
+    "ClearanceCircle",
+    "Curve",
+    "OrderSpectrum",
+    "Plane",
+    "Vectors",
+    "centreline_paths",
+    "centreline_words",
+    "clearance_circle",
+    "curves",
+    "extended_sigmas",
+    "lag_degrees",
+    "model_vectors",
+    "nice",
+    "orbit",
+    "order_spectra",
+    "part_of",
+    "phase_window",
+    "predictions",
+    "representative_rows",
+    "residual_grid",
+    "slow_roll_known",
+    "sweeps",
+    "thinned",
+    "vectors",
+    "whirl_grid",
+]

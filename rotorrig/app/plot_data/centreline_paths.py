@@ -6,10 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data.curves import sweeps
-from rotorrig.processing.probe_planes import measured_planes
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM, UM, micrometres
+from rotorrig.processing import OrderTrackedResponse, measured_planes
+from rotorrig.rig.config import RPM, UM, RigConfig, micrometres
 
 REFERENCE = 8  # rows, the slowest of a run: where its path begins
 

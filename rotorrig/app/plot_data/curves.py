@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing.probe_planes import measured_planes, whirl
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.processing import OrderTrackedResponse, measured_planes, whirl
+from rotorrig.rig.config import RPM, UM
 
 STRONG = 0.1  # of the largest vector: below, a phase is mostly noise and has no say in where the axis is cut
 

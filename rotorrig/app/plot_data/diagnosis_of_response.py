@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.identification import Fit
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.errors import DataError
+from rotorrig.identify import Diagnosis, Fit
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig import DataError
 
 Vectors = NDArray[np.complex128]
 

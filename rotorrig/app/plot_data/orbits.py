@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing.probe_planes import Plane
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse, Plane
 
 
 def orbit(

@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data.curves import binned_rms, slow_roll_known, speed_edges, sweeps
-from rotorrig.processing.probe_planes import Plane
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.tracking.full_spectrum import whirl_vectors
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.processing import OrderTrackedResponse, Plane
+from rotorrig.processing.tracking import whirl_vectors
+from rotorrig.rig.config import RPM, UM
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,9 +2,8 @@
 
 from rotorrig.app.report.html import Section, items, paragraph, section, table
 from rotorrig.app.text import causes as cause_text
-from rotorrig.app.text.quantities import long
-from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.identification import Identification
+from rotorrig.app.text import long
+from rotorrig.identify import Diagnosis, Identification
 
 
 def causes(diagnosis: Diagnosis | None) -> Section | None:

@@ -4,10 +4,9 @@ import math
 from collections.abc import Mapping
 
 from rotorrig.app.report.html import Section, folded, paragraph, section, table
-from rotorrig.app.text.quantities import at_bound, change, determined, in_sigmas, interval, long, plus_minus, shown
-from rotorrig.identify.diagnosis import Diagnosis, Verdict
-from rotorrig.identify.identification import Estimate, Fit, Identification
-from rotorrig.rig.config.units import RPM
+from rotorrig.app.text import at_bound, change, determined, in_sigmas, interval, long, plus_minus, shown
+from rotorrig.identify import Diagnosis, Estimate, Fit, Identification, Verdict
+from rotorrig.rig.config import RPM
 
 
 def identified(

@@ -4,7 +4,7 @@ from html import escape
 
 import numpy as np
 
-from rotorrig.app.plot_data.centreline_paths import (
+from rotorrig.app.plot_data import (
     REFERENCE,
     CentrelinePath,
     ClearanceCircle,
@@ -12,12 +12,12 @@ from rotorrig.app.plot_data.centreline_paths import (
     centreline_words,
     clearance_circle,
 )
-from rotorrig.app.report.drawings.orbit_drawing import orbit_pictures
-from rotorrig.app.report.figures.centreline import centreline as centreline_figure
+from rotorrig.app.report.drawings import orbit_pictures
+from rotorrig.app.report.figures import centreline as centreline_figure
 from rotorrig.app.report.html import Section, paragraph, plot, section, table
 from rotorrig.app.report.synchronous import compensation
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import UM, micrometres
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig.config import UM, micrometres
 
 
 def orbits(response: OrderTrackedResponse) -> Section | None:

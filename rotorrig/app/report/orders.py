@@ -2,13 +2,11 @@
 
 import numpy as np
 
-from rotorrig.app.plot_data.curves import sweeps, vectors
-from rotorrig.app.plot_data.order_spectrum import OrderSpectrum, order_spectra
-from rotorrig.app.report.figures.amplitudes import order_amplitudes
-from rotorrig.app.report.figures.maps import full_spectrum_map
+from rotorrig.app.plot_data import OrderSpectrum, order_spectra, sweeps, vectors
+from rotorrig.app.report.figures import full_spectrum_map, order_amplitudes
 from rotorrig.app.report.html import Section, name_of_order, paragraph, plot, section, table
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig.config import RPM, UM
 
 
 def full_spectrum(response: OrderTrackedResponse) -> Section | None:

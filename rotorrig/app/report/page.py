@@ -15,7 +15,7 @@ from string import Template
 
 from plotly.offline import get_plotlyjs
 
-from rotorrig.app.plot_data.diagnosis_of_response import part_of
+from rotorrig.app.plot_data import part_of
 from rotorrig.app.report.causes import causes, untold
 from rotorrig.app.report.html import Section
 from rotorrig.app.report.identified import identified
@@ -27,10 +27,9 @@ from rotorrig.app.report.source import conventions, provenance
 from rotorrig.app.report.synchronous import synchronous
 from rotorrig.app.report.tracking import tracking
 from rotorrig.app.report.verdict import banner
-from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.identification import Identification
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.errors import DataError
+from rotorrig.identify import Diagnosis, Identification
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig import DataError
 
 
 def write_report(

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 
-from rotorrig.app.plot_data.diagnosis_of_response import extended_sigmas
-from rotorrig.app.report.figures.maps import residual_map, whirl_map
+from rotorrig.app.plot_data import extended_sigmas
+from rotorrig.app.report.figures import residual_map, whirl_map
 from rotorrig.app.report.html import Section, folded, name_of_order, paragraph, plot, section, table
-from rotorrig.identify.diagnosis import Diagnosis, Verdict
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.identify import Diagnosis, Verdict
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig.config import RPM, UM
 
 LISTED = 12
 

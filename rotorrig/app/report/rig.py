@@ -2,10 +2,10 @@
 
 import math
 
-from rotorrig.app.report.drawings.rig_drawing import end_view, side_view
+from rotorrig.app.report.drawings import end_view, side_view
 from rotorrig.app.report.html import Section, folded, paragraph, section, table
-from rotorrig.app.text.quantities import bearing_coefficients
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.app.text import bearing_coefficients
+from rotorrig.rig.config import RigConfig
 
 
 def rig(config: RigConfig) -> Section:

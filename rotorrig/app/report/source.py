@@ -1,10 +1,9 @@
 """Where the numbers come from and how to read them: provenance and conventions."""
 
 from rotorrig.app.report.html import Section, pairs, section
-from rotorrig.app.text.quantities import UNDETERMINED
-from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.identification import Identification
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.app.text import UNDETERMINED
+from rotorrig.identify import Diagnosis, Identification
+from rotorrig.processing import OrderTrackedResponse
 
 
 def provenance(

@@ -6,15 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.app.plot_data.curves import Curve, curves, model_vectors, slow_roll_known, sweeps, vectors
-from rotorrig.app.plot_data.diagnosis_of_response import Vectors, predictions
-from rotorrig.app.report.figures.bode import bode
-from rotorrig.app.report.figures.polar import polar
+from rotorrig.app.plot_data import Curve, Vectors, curves, model_vectors, predictions, slow_roll_known, sweeps, vectors
+from rotorrig.app.report.figures import bode, polar
 from rotorrig.app.report.html import Section, folded, paragraph, plot, section, table
-from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.identification import Fit, Identification
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.identify import Diagnosis, Fit, Identification
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig.config import RPM, UM
 
 NUMBERS = 24  # speeds of a run in the table beside a plot
 

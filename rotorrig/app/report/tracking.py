@@ -7,11 +7,11 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.curves import lag_degrees
+from rotorrig.app.plot_data import lag_degrees
 from rotorrig.app.report.html import Section, items, pairs, paragraph, section, table
-from rotorrig.app.text.quantities import plus_minus_of
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.app.text import plus_minus_of
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig.config import RPM, UM
 
 LISTED = 12  # reasons, remarks
 METHODS = {

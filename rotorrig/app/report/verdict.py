@@ -5,12 +5,10 @@ from collections.abc import Sequence
 from html import escape
 
 from rotorrig.app.report.html import Section, items, paragraph
-from rotorrig.app.text import causes
-from rotorrig.app.text.quantities import probability
-from rotorrig.identify.adequacy.misfit import Misfit
-from rotorrig.identify.diagnosis import Diagnosis, Verdict
-from rotorrig.identify.identification import Identification
-from rotorrig.rig.config.units import UM
+from rotorrig.app.text import causes, probability
+from rotorrig.identify import Diagnosis, Identification, Verdict
+from rotorrig.identify.adequacy import Misfit
+from rotorrig.rig.config import UM
 
 POOR = 2.0  # chi2 per degree of freedom above which a fit without a diagnosis is called poor outright
 SHOWN_MISFITS = 3

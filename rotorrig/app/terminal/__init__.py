@@ -1,0 +1,5 @@
+"""What the terminal shows: progress bars, tables, the rotor drawn in characters, questions to the operator."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -5,7 +5,7 @@ A character is taken to be twice as high as wide, so half of one, as in ▀ and 
 
 from rich.text import Text
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 
 STYLES = {"disk": "cyan", "bearing": "green", "probe": "yellow", "ruler": "dim", "shaft": ""}
 PLAIN = str.maketrans({"█": "#", "▀": '"', "▄": "_", "▲": "^", "▼": "v", "│": "|", "─": "-", "┬": "+", "▓": "#"})

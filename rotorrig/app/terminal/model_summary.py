@@ -4,12 +4,17 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
-from rotorrig.sims.rotor.modes.campbell import campbell, stability_onset
-from rotorrig.sims.rotor.modes.modes import critical_modes, critical_speeds, static_sag
-from rotorrig.sims.rotor.modes.statics import bearing_loads, shaft_mass
+from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.sims.rotor.model import RotorModel, assemble
+from rotorrig.sims.rotor.modes import (
+    bearing_loads,
+    campbell,
+    critical_modes,
+    critical_speeds,
+    shaft_mass,
+    stability_onset,
+    static_sag,
+)
 
 CIRCULAR = 0.1  # of a mode's whirl: below, it is called neither forward nor backward
 SPEEDS = 31  # at which modes are followed from rest

@@ -6,8 +6,8 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 
-from rotorrig.acquisition.sweep.steps import Ask, Step
-from rotorrig.rig.errors import ConfigError
+from rotorrig.acquisition.sweep import Ask, Step
+from rotorrig.rig import ConfigError
 
 STOP_WORDS = ("s", "stop")
 HINT = "s + Enter stops down the ramp, Ctrl-C aborts, twice is an emergency stop."

@@ -7,12 +7,10 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from rotorrig.app.text import SHOWN, bearing_coefficients, change, interval
 from rotorrig.app.text import causes as cause_text
-from rotorrig.app.text.quantities import SHOWN, bearing_coefficients, change, interval
-from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.identification import Estimate, Identification
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
+from rotorrig.identify import Diagnosis, Estimate, Identification
+from rotorrig.rig.config import RPM, RigConfig
 
 
 def identified(found: Identification, truth: Mapping[str, float] | None = None) -> Table:

@@ -5,10 +5,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rotorrig.app.text.quantities import plus_minus_of, shown, unit_of
-from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.verdict.cause import Cause
-from rotorrig.identify.verdict.separability import NAMEABLE
-from rotorrig.rig.config.units import UM
+from rotorrig.identify import Diagnosis
+from rotorrig.identify.verdict import NAMEABLE, Cause
+from rotorrig.rig.config import UM
 
 LISTED = 8  # causes in a table
 

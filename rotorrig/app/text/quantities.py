@@ -2,8 +2,8 @@
 
 import math
 
-from rotorrig.identify.identification import Estimate
-from rotorrig.rig.config.nameplate import Bearing, OverSpeed
+from rotorrig.identify import Estimate
+from rotorrig.rig.config import Bearing, OverSpeed
 
 #: SI unit -> (unit shown, factor)
 SHOWN = {

@@ -4,10 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows.rows import too_close
-from rotorrig.processing.settings import Tracking
-from rotorrig.rig.config.units import RPM
+from rotorrig.processing import OrderTrackedResponse, Tracking
+from rotorrig.processing.rows import too_close
+from rotorrig.rig.config import RPM
 
 
 def tracked_words(response: OrderTrackedResponse) -> str:

@@ -1,0 +1,1 @@
+"""The verbs of `rotor`: their arguments and options, parsed and passed on to `commands`."""

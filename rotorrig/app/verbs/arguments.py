@@ -6,12 +6,12 @@ from typing import Annotated
 
 import typer
 
-from rotorrig.rig.errors import RigError
+from rotorrig.rig import RigError
 
 
 def plans_of_the_config(context: typer.Context, incomplete: str) -> list[str]:
     """Return the plans a shell may complete `--plan` with; none where no config given so far can be read."""
-    from rotorrig.rig.config.description import load
+    from rotorrig.rig.config import load
 
     given = [context.params.get("config"), *context.args]  # behind an option without its value it is still a word
     for word in filter(None, given):

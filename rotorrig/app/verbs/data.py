@@ -5,10 +5,10 @@ from typing import Annotated, Literal
 
 import typer
 
-from rotorrig.app.terminal.console import err, progress_bars, tell, working
+from rotorrig.app.terminal import err, progress_bars, tell, working
 from rotorrig.app.verbs.arguments import AsJson, Out, Recording, Trial, View
-from rotorrig.rig.config.description import load
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import load
 
 
 def replay(
@@ -50,12 +50,11 @@ def track(
 
     Trial masses are those the sweep noted; --trial stands instead of them.
     """
-    from rotorrig.acquisition.files.recording_mcap import open_recording
-    from rotorrig.app.text.tracking import quality_words, spacing_words, tracked_facts, tracked_words
-    from rotorrig.processing import pipeline
-    from rotorrig.processing.files.response_mcap import write_response
-    from rotorrig.processing.settings import Spacing, SpeedWindow, Tracking, read_orders
-    from rotorrig.rig.config.trial_mass import read_trial_mass
+    from rotorrig.acquisition.files import open_recording
+    from rotorrig.app.text import quality_words, spacing_words, tracked_facts, tracked_words
+    from rotorrig.processing import Spacing, SpeedWindow, Tracking, pipeline, read_orders
+    from rotorrig.processing.files import write_response
+    from rotorrig.rig.config import read_trial_mass
 
     settings = Tracking(
         turns=turns,
@@ -133,7 +132,7 @@ def salvage(run: Recording, out_file: Out, as_json: AsJson = False) -> None:
     """Make a valid recording of one that was cut off."""
     from dataclasses import asdict
 
-    from rotorrig.acquisition.files.recording_mcap import salvage as save
+    from rotorrig.acquisition.files import salvage as save
 
     with working(f"reading {run.name}"):
         saved = save(run, out_file)

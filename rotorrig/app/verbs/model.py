@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 import typer
 
-from rotorrig.app.terminal.console import err, out, tell, working
+from rotorrig.app.terminal import err, out, tell, working
 from rotorrig.app.verbs.arguments import AsJson, Out, Response, Seed
-from rotorrig.rig.config.description import load
+from rotorrig.rig.config import load
 
 
 def identify(
@@ -29,8 +29,8 @@ def identify(
     """Fit bearing stiffness, damping and unbalance."""
     from rotorrig.app.commands import identify
     from rotorrig.app.terminal import tables
-    from rotorrig.identify.result_files import identification_table, write_identification
-    from rotorrig.processing.files.response_mcap import read_response
+    from rotorrig.identify import identification_table, write_identification
+    from rotorrig.processing.files import read_response
 
     measured = read_response(response)
     found = identify.identified(
@@ -65,7 +65,7 @@ def diagnose(
 ) -> None:
     """Say whether the model is adequate; if not, where it is wrong, name the cause and measure what it explains."""
     from rotorrig.app.commands import diagnose
-    from rotorrig.identify.result_files import diagnosis_table, write_diagnosis
+    from rotorrig.identify import diagnosis_table, write_diagnosis
 
     paths = [*responses, holdout] if holdout else responses
     seen = diagnose.read_responses(paths, config=load(config) if config else None)
@@ -93,9 +93,9 @@ def report(
     diagnosis: Annotated[Path | None, typer.Option(help="the diagnosis.json to report")] = None,
 ) -> None:
     """Write one self-contained HTML file: verdict, Bode plots, values, provenance."""
-    from rotorrig.app.report.page import write_report
-    from rotorrig.identify.result_files import read_diagnosis, read_identification
-    from rotorrig.processing.files.response_mcap import read_response
+    from rotorrig.app.report import write_report
+    from rotorrig.identify import read_diagnosis, read_identification
+    from rotorrig.processing.files import read_response
 
     with working(f"writing {out_file.name}"):
         write_report(
@@ -117,7 +117,7 @@ def view(
     ] = None,
 ) -> None:
     """Open a file in the Rerun viewer; a response with its fit and diagnosis, and the run for what was recorded."""
-    from rotorrig.app.viewer.open import Evidence, save_result, view_file
+    from rotorrig.app.viewer import Evidence, save_result, view_file
 
     evidence = Evidence(fit=fit, diagnosis=diagnosis, run=run)
     if out_file is None:

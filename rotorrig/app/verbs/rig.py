@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
-from rotorrig.app.terminal.console import err, tell
+from rotorrig.app.terminal import err, tell
 from rotorrig.app.verbs.arguments import AsJson, Config, Faults, Hidden, Plan, Rate, Seed, Trial, View
-from rotorrig.rig.config.description import RigConfig, load
-from rotorrig.rig.errors import ConfigError, RigError
+from rotorrig.rig import ConfigError, RigError
+from rotorrig.rig.config import RigConfig, load
 
 
 def check(

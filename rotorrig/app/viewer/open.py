@@ -4,19 +4,18 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from rotorrig.acquisition.files.recording_mcap import read_recording
-from rotorrig.acquisition.recording import RawRecording
-from rotorrig.app.terminal.console import working
-from rotorrig.app.viewer.live.data.history import history_of, stepped
-from rotorrig.app.viewer.live.parts.scene import LiveScene
-from rotorrig.app.viewer.live.process import open_stream
-from rotorrig.app.viewer.live.view import LiveView
-from rotorrig.app.viewer.result.view import write_result_rrd
+from rotorrig.acquisition import RawRecording
+from rotorrig.acquisition.files import read_recording
+from rotorrig.app.terminal import working
+from rotorrig.app.viewer.live import LiveView, open_stream
+from rotorrig.app.viewer.live.data import history_of, stepped
+from rotorrig.app.viewer.live.parts import LiveScene
+from rotorrig.app.viewer.result import write_result_rrd
 from rotorrig.app.viewer.sinks import Sink, serve, show_files, to_file
-from rotorrig.identify.result_files import read_diagnosis, read_identification
-from rotorrig.processing.files.response_mcap import read_response
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.errors import DataError
+from rotorrig.identify import read_diagnosis, read_identification
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing.files import read_response
+from rotorrig.rig import DataError
 
 __all__ = ["LiveView", "Sink", "serve", "to_file", "view_file", "write_recording_rrd", "write_result_rrd"]
 

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, Self
 
-from rotorrig.app.terminal.console import err
-from rotorrig.rig.errors import RigError
+from rotorrig.app.terminal import err
+from rotorrig.rig import RigError
 
 LOOPBACK = "127.0.0.1"
 START_SECONDS = 20.0  # a cold start on a slow disk

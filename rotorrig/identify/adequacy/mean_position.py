@@ -21,10 +21,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.extended_model.parameters import CURVED_AT
+from rotorrig.identify.extended_model import CURVED_AT
 from rotorrig.identify.measurement import SLOW_ROLL
-from rotorrig.processing.probe_planes import measured_planes
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse, measured_planes
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

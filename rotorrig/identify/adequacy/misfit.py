@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy.mean_position import MEAN
-from rotorrig.processing.probe_planes import measured_planes, whirl
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import RPM, micrometres
+from rotorrig.processing import OrderTrackedResponse, measured_planes, whirl
+from rotorrig.rig.config import RPM, micrometres
 
 Complex = NDArray[np.complex128]
 

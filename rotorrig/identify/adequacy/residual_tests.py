@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.adequacy.mean_position import MEAN, departures
 from rotorrig.identify.adequacy.misfit import Misfit, Stretch, misfit
 from rotorrig.identify.measurement import measure
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse
 
 Predicted = Mapping[int, NDArray[np.complex128]]  # order -> (speed, probe) m as measured, runout included
 

@@ -11,12 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.structure import StructuralModel, Structure
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
-from rotorrig.sims.rotor.steady.harmonic_response import columns
-from rotorrig.sims.rotor.swept.swept_response import swept_columns, swept_derivatives
-from rotorrig.sims.rotor.swept.timeline import Timeline
-from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.sims.rotor.steady import columns, steady_derivatives
+from rotorrig.sims.rotor.swept import Timeline, swept_columns, swept_derivatives, tracked_rows
 
 Complex = NDArray[np.complex128]
 

@@ -14,14 +14,19 @@ from threadpoolctl import threadpool_limits
 
 from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, Name
 from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.identify.chea.residuals.least_absolute import descend_absolute
-from rotorrig.identify.chea.residuals.levenberg_marquardt import Counted, descend, evaluate
-from rotorrig.identify.chea.residuals.residual_search import RESIDUAL, ResidualSettings, residual_search
-from rotorrig.identify.chea.session.minima import Minima
-from rotorrig.identify.chea.session.stopping import StopReason
+from rotorrig.identify.chea.residuals import (
+    RESIDUAL,
+    Counted,
+    ResidualSettings,
+    descend,
+    descend_absolute,
+    evaluate,
+    residual_search,
+)
+from rotorrig.identify.chea.session import Minima, StopReason
 from rotorrig.identify.identification import Optimum
 from rotorrig.identify.measurement import Measurement
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse
 
 Real = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from rotorrig.identify.base_model.steady_forward import Steady
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import Measurement, trial_unbalance
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.errors import ConfigError, DataError
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig import ConfigError, DataError
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

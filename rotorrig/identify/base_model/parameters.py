@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.structure import Structure
 from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 
 Reals = NDArray[np.float64]
 

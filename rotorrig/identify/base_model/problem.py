@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.forward import Forward, UnitResponse
 from rotorrig.identify.base_model.parameters import Parameters, Reals
-from rotorrig.identify.least_squares.levenberg_marquardt import TOLERANCE
-from rotorrig.identify.least_squares.solve import NONE_FIXED, Polished, solve
+from rotorrig.identify.least_squares import NONE_FIXED, TOLERANCE, Polished, solve
 from rotorrig.identify.measurement import Measurement, trial_unbalance
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse
 
 Complex = NDArray[np.complex128]
 

@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.model.assembly import assemble
-from rotorrig.sims.rotor.model.disk import unbalance_direction
-from rotorrig.sims.rotor.steady.receptance import Receptance, ReceptanceDerivatives, condense_groups
+from rotorrig.rig.config import RigConfig
+from rotorrig.sims.rotor.model import assemble, unbalance_direction
+from rotorrig.sims.rotor.steady import Receptance, ReceptanceDerivatives, condense_groups
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

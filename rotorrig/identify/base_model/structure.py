@@ -7,17 +7,19 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.nameplate import Plane
-from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
-from rotorrig.sims.rotor.model.derivatives import (
+from rotorrig.rig.config import Plane, RigConfig
+from rotorrig.sims.rotor.model import (
     Direction,
+    RotorModel,
     along_bearing,
     along_density,
     along_disk_mass,
     along_modulus,
+    assemble,
+    reduce,
+    scaled,
+    with_bearing,
 )
-from rotorrig.sims.rotor.model.reduction import reduce
 
 _MODES = 6  # beside the static shapes: 3e-10 of the peak from the full model on the RK4, twice as fast as ten
 NOWHERE: Mapping[str, float] = MappingProxyType({})

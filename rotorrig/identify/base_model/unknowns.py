@@ -14,8 +14,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.rig.config.description import Identify, RigConfig
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import Identify, RigConfig
 
 Real = NDArray[np.float64]
 Scale = Literal["log", "linear"]

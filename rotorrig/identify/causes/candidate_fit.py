@@ -8,15 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rotorrig.identify.adequacy.residual_tests import STRETCH
-from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.adequacy import STRETCH
+from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_nuisances
 from rotorrig.identify.causes.score_test import Score, relocated
-from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.least_squares.levenberg_marquardt import Stop, Worth
-from rotorrig.identify.least_squares.solve import Polished
-from rotorrig.rig.errors import DataError
-from rotorrig.sims.effects.base import Effect, magnitudes
+from rotorrig.identify.extended_model import ExtendedProblem
+from rotorrig.identify.least_squares import Polished, Stop, Worth
+from rotorrig.rig import DataError
+from rotorrig.sims.effects import Effect, magnitudes
 
 NEAR = 48.0  # of BIC, three times what tells two causes apart: a candidate further behind the best is given up
 _UNSURE = 2.0  # sigmas by which a size may be beyond its range

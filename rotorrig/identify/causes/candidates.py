@@ -6,13 +6,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.measurement import SLOW_ROLL
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.effects.base import Effect, catalogue
-from rotorrig.sims.effects.internal_damping import InternalDamping
-from rotorrig.sims.effects.unbalance_step import Stretch, UnbalanceStep
-from rotorrig.sims.rotor.model.loads import ONE_RECORDING, between_recordings
+from rotorrig.rig.config import RigConfig
+from rotorrig.sims.effects import Effect, InternalDamping, Stretch, UnbalanceStep, catalogue
+from rotorrig.sims.rotor.model import ONE_RECORDING, between_recordings
 
 MOMENTS = 16  # of a recording that are tried first for what may happen at any of them
 

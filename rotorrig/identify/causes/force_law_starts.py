@@ -12,14 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.pinned_nuisances import SETTLED, STEPS, held_nuisances
 from rotorrig.identify.causes.score_test import Score
-from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.least_squares.levenberg_marquardt import LinearModel, Stop
-from rotorrig.identify.least_squares.solve import Polished
-from rotorrig.rig.errors import DataError
-from rotorrig.sims.effects.base import Effect, Parameter
+from rotorrig.identify.extended_model import ExtendedProblem
+from rotorrig.identify.least_squares import LinearModel, Polished, Stop
+from rotorrig.rig import DataError
+from rotorrig.sims.effects import Effect, Parameter
 
 _WEAK = (0.03, 0.2, 1.0)  # of the strength of every start
 _BEHIND = 0.5  # of what the best law has taken from chi2: one that cannot take that much is given up

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rotorrig.sims.effects.base import Effect
+from rotorrig.sims.effects import Effect
 
 Promise = Callable[[Sequence[Effect]], Sequence[float]]  # by how much chi2 would fall, for each
 

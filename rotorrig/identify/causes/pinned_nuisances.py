@@ -6,9 +6,9 @@ that cause does not find back. Held, they leave the rotor what it is.
 
 import numpy as np
 
-from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.extended_model import ExtendedProblem
+from rotorrig.identify.least_squares import Polished
 
 SETTLED = 1.0  # of chi2: where a fit that only begins another may end
 STEPS = 15

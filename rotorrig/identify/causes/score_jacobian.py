@@ -11,15 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.extended_model.excited_rotor import Moving, halved_loads
-from rotorrig.identify.extended_model.jacobian import acts_on_probes
-from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.sims.effects.base import Effect, Parameter
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.derivatives import Direction, between
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.extended_model import ExtendedProblem, Moving, Recording, acts_on_probes, halved_loads
+from rotorrig.sims.effects import Effect, Parameter
+from rotorrig.sims.rotor.model import Direction, Load, RotorModel, between
 
 Complex = NDArray[np.complex128]
 

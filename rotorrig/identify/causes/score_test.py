@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.locate import best_place
 from rotorrig.identify.causes.score_jacobian import score_columns
-from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.rig.errors import DataError
-from rotorrig.sims.effects.base import Effect
+from rotorrig.identify.extended_model import ExtendedProblem
+from rotorrig.rig import DataError
+from rotorrig.sims.effects import Effect
 
 _TOGETHER = 16  # candidates whose columns are projected at once: passes over the basis are what takes time
 _OPEN = 1e-6  # of a column that the base cannot follow: less is rounding

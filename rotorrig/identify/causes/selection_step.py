@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.identify.adequacy.residual_tests import GLOBAL_LIMIT
+from rotorrig.identify.adequacy import GLOBAL_LIMIT
 from rotorrig.identify.causes.candidate_fit import Candidate, on_trial, plausible
 from rotorrig.identify.causes.force_law_starts import held_scores
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
-from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.least_squares.solve import Polished
-from rotorrig.sims.effects.base import Effect
+from rotorrig.identify.extended_model import ExtendedProblem
+from rotorrig.identify.least_squares import Polished
+from rotorrig.sims.effects import Effect
 
 DETECTED = 18.0  # of chi2
 _FITTED = 8  # candidates that are fitted for every one taken up

@@ -13,12 +13,12 @@ from functools import partial
 
 import numpy as np
 
-from rotorrig.identify.adequacy.residual_tests import STRETCH
+from rotorrig.identify.adequacy import STRETCH
 from rotorrig.identify.causes.candidate_fit import Candidate, named_by_place, price, refit
 from rotorrig.identify.causes.selection_step import DETECTED, Stage, step
-from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.least_squares.solve import Polished
-from rotorrig.sims.effects.base import Effect
+from rotorrig.identify.extended_model import ExtendedProblem
+from rotorrig.identify.least_squares import Polished
+from rotorrig.sims.effects import Effect
 
 ENOUGH = 4.0  # of BIC
 MOST = 3  # causes at once

@@ -11,14 +11,10 @@ from typing import Any
 import numpy as np
 from scipy.optimize import OptimizeResult
 
-from rotorrig.identify.chea.calls.call import Objective
-from rotorrig.identify.chea.calls.evaluation import Evaluation, Map
+from rotorrig.identify.chea.calls import Evaluation, Map, Objective
 from rotorrig.identify.chea.profiles import Profile
 from rotorrig.identify.chea.search import Search
-from rotorrig.identify.chea.session.result import CheaResult
-from rotorrig.identify.chea.session.scaling import Box
-from rotorrig.identify.chea.session.state import SearchState
-from rotorrig.identify.chea.session.stopping import StopReason
+from rotorrig.identify.chea.session import Box, CheaResult, SearchState, StopReason
 
 Callback = Callable[..., object]
 

@@ -6,7 +6,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.session.record import Evaluations
+from rotorrig.identify.chea.session import Evaluations
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

@@ -6,8 +6,7 @@ import numpy as np
 
 from rotorrig.identify.chea.chapter import chapter
 from rotorrig.identify.chea.modern import modern
-from rotorrig.identify.chea.session.record import Evaluations, Record
-from rotorrig.identify.chea.session.stopping import StopReason
+from rotorrig.identify.chea.session import Evaluations, Record, StopReason
 
 Profile = Literal["modern", "seed"]
 

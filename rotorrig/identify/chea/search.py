@@ -9,11 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.chea.profiles import Profile, begin
-from rotorrig.identify.chea.session.record import Evaluations, Record
-from rotorrig.identify.chea.session.result import CheaResult, assemble
-from rotorrig.identify.chea.session.scaling import Box, from_bounds
-from rotorrig.identify.chea.session.state import SearchState
-from rotorrig.identify.chea.session.stopping import StopReason
+from rotorrig.identify.chea.session import (
+    Box,
+    CheaResult,
+    Evaluations,
+    Record,
+    SearchState,
+    StopReason,
+    assemble,
+    from_bounds,
+)
 
 Array = NDArray[np.float64]
 

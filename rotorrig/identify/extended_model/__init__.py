@@ -1,0 +1,21 @@
+"""The rotor model with effects as a least-squares problem over one or more recordings.
+
+Motion, measuring chain, Jacobian.
+"""
+
+from rotorrig.identify.extended_model.excited_rotor import Moving, halved_loads
+from rotorrig.identify.extended_model.jacobian import acts_on_probes
+from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
+from rotorrig.identify.extended_model.parameters import CURVED_AT
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
+
+__all__ = [
+    "CURVED_AT",
+    "ExtendedProblem",
+    "MarkEdge",
+    "Moving",
+    "Recording",
+    "acts_on_probes",
+    "halved_loads",
+]

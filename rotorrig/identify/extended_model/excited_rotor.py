@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.loads import Load
-from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.rotor.model import Load, RotorModel
+from rotorrig.sims.rotor.nonlinear import ForceLaw
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.excited_rotor import halved_amounts
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.sims.effects.base import Effect
-from rotorrig.sims.rotor.model.derivatives import Direction
-from rotorrig.sims.rotor.model.loads import Load
-from rotorrig.sims.rotor.nonlinear.changes import LawChange
-from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.effects import Effect
+from rotorrig.sims.rotor.model import Direction, Load
+from rotorrig.sims.rotor.nonlinear import ForceLaw, LawChange
 
 if TYPE_CHECKING:
     from rotorrig.identify.extended_model.excited_rotor import Moving

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.excited_rotor import halved_amounts
 from rotorrig.identify.extended_model.force_law_jacobian import LawColumns, under_laws
 from rotorrig.identify.extended_model.parameters import MAINS, bends
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.sims.effects.base import Effect
+from rotorrig.sims.effects import Effect
 
 if TYPE_CHECKING:
     from rotorrig.identify.extended_model.excited_rotor import Moving

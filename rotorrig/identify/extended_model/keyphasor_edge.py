@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, Seen, Theta
+from rotorrig.sims.effects import EVERY, Complex, Effect, Parameter, Seen, Theta
 
 WIDE = 0.35  # rad, one standard deviation: a notch of 20 degrees is common
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.parameters import MAINS, ExtendedParameters, bends
 from rotorrig.identify.extended_model.tracked_recording import Recording
 

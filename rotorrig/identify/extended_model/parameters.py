@@ -10,9 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_model.parameters import Parameters, Reals
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.effects.base import Effect
+from rotorrig.identify.base_model import Parameters, Reals
+from rotorrig.rig.config import RigConfig
+from rotorrig.sims.effects import Effect
 
 Complex = NDArray[np.complex128]
 

@@ -12,20 +12,16 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.base_model.structure import StructuralModel
+from rotorrig.identify.base_model import Reals, StructuralModel
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts, halved_loads
 from rotorrig.identify.extended_model.jacobian import MARCHED, columns
 from rotorrig.identify.extended_model.measuring_chain import ProbeSide
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.tracked_recording import ORDERS, Recording
 from rotorrig.identify.extended_model.unit_responses import UnitResponses
-from rotorrig.identify.least_squares.levenberg_marquardt import TOLERANCE, Stop, Worth, always
-from rotorrig.identify.least_squares.solve import NONE_FIXED, Index, Polished, solve
-from rotorrig.sims.effects.base import Effect, Theta
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.derivatives import Direction, between
-from rotorrig.sims.rotor.model.loads import Load, unbalance_pattern
+from rotorrig.identify.least_squares import NONE_FIXED, TOLERANCE, Index, Polished, Stop, Worth, always, solve
+from rotorrig.sims.effects import Effect, Theta
+from rotorrig.sims.rotor.model import Direction, Load, RotorModel, between, unbalance_pattern
 
 Complex = NDArray[np.complex128]
 

@@ -10,25 +10,30 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.extended_model.parameters import MAINS
 from rotorrig.identify.measurement import Measurement, measure, trial_unbalance
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError
-from rotorrig.sims.effects.base import Seen
-from rotorrig.sims.effects.line_hum import leak
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.derivatives import Direction
-from rotorrig.sims.rotor.model.loads import Load, in_recording
-from rotorrig.sims.rotor.model.reversal import reversed_direction, reversed_load, reversed_rotor
-from rotorrig.sims.rotor.nonlinear.changes import LawChange, LawDerivatives
-from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
-from rotorrig.sims.rotor.nonlinear.steady_response import steady_law_derivatives, steady_with_law
-from rotorrig.sims.rotor.nonlinear.swept_derivatives import swept_law_derivatives
-from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law
-from rotorrig.sims.rotor.steady.derivatives import Derivatives, steady_derivatives
-from rotorrig.sims.rotor.steady.harmonic_response import load_columns
-from rotorrig.sims.rotor.swept.swept_response import swept_columns, swept_derivatives
-from rotorrig.sims.rotor.swept.timeline import Timeline
-from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RigConfig
+from rotorrig.sims.effects import Seen, leak
+from rotorrig.sims.rotor.model import (
+    Direction,
+    Load,
+    RotorModel,
+    in_recording,
+    reversed_direction,
+    reversed_load,
+    reversed_rotor,
+)
+from rotorrig.sims.rotor.nonlinear import (
+    ForceLaw,
+    LawChange,
+    LawDerivatives,
+    steady_law_derivatives,
+    steady_with_law,
+    swept_law_derivatives,
+    swept_with_law,
+)
+from rotorrig.sims.rotor.steady import Derivatives, load_columns, steady_derivatives
+from rotorrig.sims.rotor.swept import Timeline, swept_columns, swept_derivatives, tracked_rows
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -9,12 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_model.parameters import Reals
+from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.sims.effects.base import Effect
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.effects import Effect
+from rotorrig.sims.rotor.model import Load, RotorModel
 
 Complex = NDArray[np.complex128]
 

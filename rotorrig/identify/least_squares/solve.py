@@ -17,7 +17,7 @@ from rotorrig.identify.least_squares.levenberg_marquardt import (
     minimise,
     triangle,
 )
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 Reals = NDArray[np.float64]
 Index = NDArray[np.intp]

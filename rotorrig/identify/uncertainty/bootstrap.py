@@ -16,10 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.base_model.problem import Problem
+from rotorrig.identify.base_model import Problem, Reals
 from rotorrig.identify.identification import Estimate, Fit
-from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.least_squares import Polished
 from rotorrig.identify.uncertainty.intervals import LEVEL
 from rotorrig.identify.uncertainty.quantities import quantities
 

@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 
-from rotorrig.identify.base_model.problem import Problem
-from rotorrig.identify.base_model.unknowns import Unknown
+from rotorrig.identify.base_model import Problem, Unknown
 from rotorrig.identify.identification import Estimate
-from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.least_squares import Polished
 from rotorrig.identify.uncertainty.identifiability import DETERMINED
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 
 _NUISANCE_UNITS = {"angle": "rad", "runout": "m"}  # the others are ratios
 

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from rotorrig.identify.base_model.parameters import Parameters, Reals
+from rotorrig.identify.base_model import Parameters, Reals
 from rotorrig.identify.identification import Direction
-from rotorrig.identify.least_squares.solve import Polished, inverse_information
+from rotorrig.identify.least_squares import Polished, inverse_information
 
 DETERMINED = 0.5  # relative standard deviation from which on the data do not determine something
 _TAKES_PART = 0.1  # of the largest weight: less is not worth a word

@@ -3,9 +3,8 @@
 import math
 from collections.abc import Collection, Iterator
 
-from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.base_model.problem import Problem
-from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.base_model import Problem, Reals
+from rotorrig.identify.least_squares import Polished
 from rotorrig.identify.uncertainty.identifiability import DETERMINED, Coordinate, Identifiability, Weakness
 
 _INSEPARABLE = 0.99  # correlation from which two determined quantities are better known together

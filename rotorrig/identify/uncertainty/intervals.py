@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from rotorrig.identify.base_model.problem import Problem
+from rotorrig.identify.base_model import Problem
 from rotorrig.identify.identification import Estimate
-from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.least_squares import Polished
 from rotorrig.identify.uncertainty.profile_likelihood import profile_interval
 from rotorrig.identify.uncertainty.quantities import Coefficient, Quantity, quantities
 

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.base_model.problem import Problem
-from rotorrig.identify.least_squares.solve import Polished, inverse_information
+from rotorrig.identify.base_model import Problem, Reals
+from rotorrig.identify.least_squares import Polished, inverse_information
 from rotorrig.identify.uncertainty.quantities import Amount, Phase, Quantity
 
 _CLOSE = 0.01  # of the rise: half a per cent of an interval's half width

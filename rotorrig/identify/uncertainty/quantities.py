@@ -9,8 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from rotorrig.identify.base_model.parameters import Parameters, Reals
-from rotorrig.identify.base_model.unknowns import Space
+from rotorrig.identify.base_model import Parameters, Reals, Space
 
 
 class Quantity(Protocol):

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.least_squares.levenberg_marquardt import LinearModel, stepped
-from rotorrig.rig.errors import DataError
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.extended_model import ExtendedProblem, Recording
+from rotorrig.identify.least_squares import LinearModel, stepped
+from rotorrig.rig import DataError
 
 Complex = NDArray[np.complex128]
 

@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from rotorrig.identify.causes.candidate_fit import Candidate
-from rotorrig.identify.causes.stepwise_selection import Selection, called_for
-from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.causes import Candidate, Selection, called_for
+from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.joint_fit import Assessed
-from rotorrig.identify.least_squares.levenberg_marquardt import Stop
+from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict.cross_validation import Prediction, held_out, predicted
 
 _WORSE = 1.1  # times the error of the base: a cause at 2X leaves it as it was, give or take

@@ -6,13 +6,12 @@ cheapest that tells all of them from the best is proposed, or the one that comes
 
 from typing import Any
 
-from rotorrig.identify.causes.candidate_fit import Candidate
-from rotorrig.identify.causes.stepwise_selection import Selection
-from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.causes import Candidate, Selection
+from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.verdict.planned_runs import Plan, plans, recorded
 from rotorrig.identify.verdict.separability import NAMEABLE, separation
 from rotorrig.identify.verdict.verdict import tied_candidates
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 
 def cheapest(selection: Selection) -> dict[str, Any]:

@@ -8,13 +8,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
-from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
-from rotorrig.sims.effects.base import Effect
-from rotorrig.sims.rotor.swept.timeline import TURN, Timeline
+from rotorrig.identify.extended_model import MarkEdge, Recording
+from rotorrig.processing import OrderTrackedResponse, Run
+from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.sims.effects import Effect
+from rotorrig.sims.rotor.swept import TURN, Timeline
 
 Reals = NDArray[np.float64]
 

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMIT, Adequacy
+from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, Adequacy
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.gain import Predictions
 from rotorrig.identify.verdict.verdict import Verdict
-from rotorrig.rig.config.units import micrometres
+from rotorrig.rig.config import micrometres
 
 
 def sentence(

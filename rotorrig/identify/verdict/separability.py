@@ -10,12 +10,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rotorrig.identify.base_model.parameters import Reals
-from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.least_squares.levenberg_marquardt import Worth, always
-from rotorrig.identify.least_squares.solve import Polished
-from rotorrig.rig.errors import DataError
-from rotorrig.sims.effects.base import Effect
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.extended_model import ExtendedProblem
+from rotorrig.identify.least_squares import Polished, Worth, always
+from rotorrig.rig import DataError
+from rotorrig.sims.effects import Effect
 
 DETECTABLE = 25.0  # lambda against the base
 NAMEABLE = 16.0  # against the nearest other cause

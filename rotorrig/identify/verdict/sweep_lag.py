@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.causes.selection_step import DETECTED
+from rotorrig.identify.causes import DETECTED
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.cross_validation import held_out
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import RPM
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig.config import RPM
 
 LABEL = "moving speed"
 

@@ -6,15 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from rotorrig.identify.causes.candidate_fit import Candidate, plausible
-from rotorrig.identify.causes.selection_step import Stage
-from rotorrig.identify.causes.stepwise_selection import Selection, called_for
-from rotorrig.identify.least_squares.levenberg_marquardt import Stop
+from rotorrig.identify.causes import Candidate, Selection, Stage, called_for, plausible
+from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict.cause import Cause, Figure
 from rotorrig.identify.verdict.cross_validation import Prediction
 from rotorrig.identify.verdict.gain import Predictions
 from rotorrig.identify.verdict.separability import DETECTABLE, NAMEABLE
-from rotorrig.sims.effects.base import Effect, Parameter, magnitudes
+from rotorrig.sims.effects import Effect, Parameter, magnitudes
 
 _LEFT = 0.03  # of the excess of chi2 that a force law may leave
 _OVER_FLOOR = 4.0  # of the error of unseen data then: twice that of clearances and springs that were found

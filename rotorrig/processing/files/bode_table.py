@@ -24,13 +24,10 @@ from rotorrig.processing.files.bode_table_mapping import (
     load_mapping,
 )
 from rotorrig.processing.response import OrderTrackedResponse, Run
+from rotorrig.processing.slow_roll import FirstOrder, chosen_rows, validity
 from rotorrig.processing.slow_roll import vector as slow_roll
-from rotorrig.processing.slow_roll.checks import FirstOrder, validity
-from rotorrig.processing.slow_roll.find import chosen_rows
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.trial_mass import trial_unbalance
-from rotorrig.rig.errors import DataError
-from rotorrig.rig.provenance import Provenance, code_version, file_hash
+from rotorrig.rig import DataError, Provenance, code_version, file_hash
+from rotorrig.rig.config import RigConfig, trial_unbalance
 
 BACKWARDS = 0.01  # of the speed: measured speeds of a run-up may fall back by so much, from noise
 PARABOLA = 7  # rows a local parabola is fitted to, for the scatter about it

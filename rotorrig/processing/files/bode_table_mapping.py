@@ -27,12 +27,8 @@ relative = 0.02
 from pathlib import Path
 from typing import Literal
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.nameplate import Angle, Length, Part, RampRate, Speed
-from rotorrig.rig.config.toml_file import read_toml
-from rotorrig.rig.config.trial_mass import TrialMass
-from rotorrig.rig.config.validation import checked
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import Angle, Length, Part, RampRate, RigConfig, Speed, TrialMass, checked, read_toml
 
 TURN = 6.3  # rad, the largest unit of a phase
 DIRECTIONS = {"up": 1, "down": -1, "dwell": 0}

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from rotorrig.acquisition.exporters.whole_file import write_whole_file
+from rotorrig.acquisition.exporters import write_whole_file
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.tracking.full_spectrum import WhirlVectors, whirl_vectors
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.processing.tracking import WhirlVectors, whirl_vectors
+from rotorrig.rig.config import RPM, UM
 
 _HEAD = (
     "# order vectors, raw; amplitude um 0-peak; phase lag deg = -arg z, z = 2 mean(x exp(-j theta)),",

@@ -14,11 +14,10 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.files.recording_mcap import Contents, FileKind, FileWriter, read_file
-from rotorrig.acquisition.files.schemas import message_type
+from rotorrig.acquisition.files import Contents, FileKind, FileWriter, message_type, read_file
 from rotorrig.processing.files import response_scene, response_topics
 from rotorrig.processing.response import Method, OrderTrackedResponse, Run, Window
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 KIND = FileKind(name="response", version=1, remedy="make it anew with `rotor track`")
 PIECE = 8 * 2**20  # bytes of an array in one message

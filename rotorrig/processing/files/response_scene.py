@@ -13,12 +13,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.files.foxglove_schemas import INFO, LOG, POINT_CLOUD, WARNING, cloud_values, log_values
+from rotorrig.acquisition.files import INFO, LOG, POINT_CLOUD, WARNING, cloud_values, log_values
 from rotorrig.processing.files.response_topics import Message, row_times
 from rotorrig.processing.probe_planes import Plane, measured_planes
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM, RigConfig
 
 FRAME = "rig"
 ORBIT_POINTS, DOT_POINTS = 60, 8

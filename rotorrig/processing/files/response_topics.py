@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.files.schemas import MessageType, message_type
+from rotorrig.acquisition.files import MessageType, message_type
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.tracking.full_spectrum import WhirlVectors, whirl_vectors
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.processing.tracking import WhirlVectors, whirl_vectors
+from rotorrig.rig.config import RPM, UM
 
 # Of a message, Rerun plots the first four doubles: the speed, thousands beside hundreds, stands behind them.
 VECTOR = message_type(

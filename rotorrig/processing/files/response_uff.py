@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.exporters.uff import direction
-from rotorrig.acquisition.exporters.uff58 import (
+from rotorrig.acquisition.exporters import (
     DISPLACEMENT,
     ORDER,
     ORDER_FUNCTION,
@@ -21,12 +20,13 @@ from rotorrig.acquisition.exporters.uff58 import (
     Axis,
     Function,
     ascii_function,
+    direction,
     units_in_si,
+    write_whole_file,
 )
-from rotorrig.acquisition.exporters.whole_file import write_whole_file
 from rotorrig.processing.probe_planes import whirl
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.tracking.full_spectrum import whirl_vectors
+from rotorrig.processing.tracking import whirl_vectors
 from rotorrig.rig.config import units
 
 _CONVENTION = "m 0-peak, z = 2 mean(x e^-j theta), x = Re(z e^j theta); phase lag = -arg z"

@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 from scipy.signal.windows import kaiser
 
 from rotorrig.processing.noise.mains_lines import Line, LineSearch
-from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
-from rotorrig.processing.tracking import angular_resampling
-from rotorrig.processing.tracking.methods import NoiseResponse
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.tracking import NoiseResponse, angular_resampling
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import BLACKMAN_BANDWIDTH
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 SEGMENT = 2.0  # s: resolves a natural frequency damped by 1 % at 40 Hz
 BETA = 16.0  # of the segments' Kaiser window: side lobes at -118 dB, since a resonance may stand 108 dB above the noise

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.response import OrderTrackedResponse, Window
-from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.shaft_angle.shaft_angle import TURN
-from rotorrig.processing.tracking.vold_kalman import support
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.shaft_angle import TURN
+from rotorrig.processing.tracking import support
 from rotorrig.processing.windows import blackman, hann
-from rotorrig.rig.config.units import micrometres
+from rotorrig.rig.config import micrometres
 
 MAINS = (50.0, 60.0)  # Hz
 MAINS_WITHIN = 0.005  # of the frequency: a grid holds 0.2 %, a diesel generator 0.5 %

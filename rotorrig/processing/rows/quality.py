@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.rows.runs import Span
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, Flaw, ShaftAngle
+from rotorrig.processing.shaft_angle import TURN, Flaw, ShaftAngle
 from rotorrig.processing.waveform import Stretch, Waveforms
-from rotorrig.rig.config.description import Probe
+from rotorrig.rig.config import Probe
 
 SAMPLES_PER_TURN = 20  # fewer leave the sum over a turn, and order 2 and above, inexact
 BACKWARDS = 0.01  # of the speed: a run that turns back by more is no run-up or coast-down there

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.settings import Spacing
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.shaft_angle import TURN, ShaftAngle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

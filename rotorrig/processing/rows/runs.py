@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
-from rotorrig.acquisition.recording import Event
+from rotorrig.acquisition import Event
 from rotorrig.processing.response import Run
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
-from rotorrig.rig.config.units import RPM
+from rotorrig.processing.shaft_angle import TURN, ShaftAngle
+from rotorrig.rig.config import RPM
 
 DIRECTION = {"slow roll": 0, "up": 1, "down": -1, "dwell": 0}  # of a mark's first word or words; others are no runs
 SLOW_ROLL_BELOW = 600 * np.pi / 30  # rad/s: a dwell slower than that is a slow roll

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 SPIKES = 0.001  # share of the samples at either end that may be spikes; a pulse has to last longer
 SEPARATION = 3.0  # levels apart, in scatter about them: 2.3 for pure noise, 3.8 for a sine, > 10 for a pulse

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.shaft_angle.pulse_train import FEWEST, MOST_MISSED, WANTED, WORST, Gaps, PulseTrain, across
 from rotorrig.processing.shaft_angle.smooth_angle import TURN, fit_angle
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 MARK = 0.1  # of an even interval: how much wider the widest is to be
 REPEATS = 0.25  # of an even interval: how far the best turns may be from a pattern that repeats

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 NEIGHBOURS = 9  # periods in the running median; four flawed ones among them do no harm
 BESIDE = 3  # periods on either side that tell the speed across a long one

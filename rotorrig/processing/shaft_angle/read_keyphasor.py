@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from rotorrig.processing.shaft_angle.edges import EdgeFinder, LevelFinder, Levels
 from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle, shaft_angle
 from rotorrig.processing.waveform import Waveforms
-from rotorrig.rig.config.devices import Keyphasor
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
+from rotorrig.rig.config import Keyphasor
 
 HYSTERESIS = 0.25  # of the distance from the threshold to the nearer level: half of the band about the threshold
 

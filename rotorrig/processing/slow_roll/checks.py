@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.slow_roll.vector import SlowRoll
-from rotorrig.rig.config.units import RPM, micrometres
+from rotorrig.rig.config import RPM, micrometres
 
 SLOW = 0.25  # of the speed of the largest 1X: there an unbalance still moves the shaft by 1/15 of its eccentricity
 LOW = 0.5  # of that speed: rows below it are in the fit

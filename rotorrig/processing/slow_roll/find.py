@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.shaft_angle import ShaftAngle
 from rotorrig.processing.slow_roll import vector as slow_roll
 from rotorrig.processing.slow_roll.checks import FirstOrder, validity
 from rotorrig.processing.slow_roll.waveform import slow_roll_waveform
 from rotorrig.processing.waveform import Waveforms
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RPM
 
 NAME = "slow roll"  # of the run that is one
 

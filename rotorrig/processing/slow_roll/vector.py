@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 STEADY = 0.02  # of the mean speed: a dwell whose rows differ by more is no dwell
 SCATTER = 3.0  # times the noise: rows that differ by more did not measure one vector

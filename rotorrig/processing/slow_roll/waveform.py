@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.slow_roll.vector import SlowRoll
-from rotorrig.processing.tracking.synchronous_waveform import first_point, row_waveform
+from rotorrig.processing.tracking import first_point, row_waveform
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import blackman
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 MOST_POINTS = 512  # per turn: run-out up to order 180
 FEWEST_POINTS = 16

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.probe_planes import Plane, measured_planes, whirl
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.tracking.synchronous_waveform import row_waveform
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import hann
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 
 HIGHEST = 4.0  # order of a cascade on either side
 _FEWEST_POINTS = 16  # per turn

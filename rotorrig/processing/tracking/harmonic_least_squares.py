@@ -21,8 +21,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.tracking.row_samples import samples_by_row
 from rotorrig.processing.waveform import Waveforms
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.response import Method, Window
-from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.shaft_angle import ShaftAngle
 from rotorrig.processing.tracking import angular_resampling, harmonic_least_squares, vold_kalman
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.processing.windows import BLACKMAN_BANDWIDTH, HANN_BANDWIDTH

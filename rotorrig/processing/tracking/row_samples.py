@@ -7,8 +7,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.waveform import Waveforms
 
 Reals = NDArray[np.float64]

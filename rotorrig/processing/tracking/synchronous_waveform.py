@@ -13,8 +13,8 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.signal.windows import kaiser
 
-from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.waveform import Stretch, Waveforms
 
 CROSSINGS = 12  # zero crossings of the sinc on either side

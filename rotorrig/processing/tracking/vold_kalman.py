@@ -24,8 +24,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing.rows.rows import Rows
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle
+from rotorrig.processing.rows import Rows
+from rotorrig.processing.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.tracking.envelope_splines import SPAN, EnvelopeSplines
 from rotorrig.processing.tracking.row_samples import angle_and_speed
 from rotorrig.processing.waveform import Waveforms

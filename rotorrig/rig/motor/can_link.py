@@ -14,7 +14,7 @@ import can
 import serial
 from can.interfaces.slcan import slcanBus
 
-from rotorrig.rig.config.devices import CanOpen
+from rotorrig.rig.config import CanOpen
 from rotorrig.rig.errors import BadFrame, LinkLost, RigError
 from rotorrig.rig.motor import sdo_frames
 from rotorrig.rig.motor.sdo_frames import Aborted, Answer, Item, Segment, Value, Written

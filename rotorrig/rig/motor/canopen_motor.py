@@ -9,8 +9,7 @@ import time
 from types import TracebackType
 from typing import Self
 
-from rotorrig.rig.config.devices import CanOpen
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM, CanOpen
 from rotorrig.rig.errors import BadFrame, LimitExceeded, LinkLost
 from rotorrig.rig.motor import cia402_frames as cia402
 from rotorrig.rig.motor.base import REMEDY, MotorInfo, MotorState, Stop

@@ -5,7 +5,7 @@ Speeds are in the drive's velocity unit, rpm unless its manual says otherwise; `
 
 from enum import Enum
 
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
 from rotorrig.rig.motor.sdo_frames import Item
 

@@ -4,7 +4,7 @@ import binascii
 import re
 from dataclasses import dataclass
 
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
 from rotorrig.rig.motor.base import MotorState
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
-from rotorrig.rig.config.devices import LineController
+from rotorrig.rig.config import LineController
 from rotorrig.rig.errors import BadFrame, LimitExceeded, LinkLost
 from rotorrig.rig.motor import line_frames
 from rotorrig.rig.motor.base import REMEDY, MotorInfo, MotorState, Stop

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
 from rotorrig.rig.motor.modbus_profile import Profile, Ramps, Watchdog
 

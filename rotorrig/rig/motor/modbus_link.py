@@ -12,7 +12,7 @@ from pymodbus.client import ModbusSerialClient, ModbusTcpClient
 from pymodbus.exceptions import ModbusException
 from pymodbus.pdu import ModbusPDU
 
-from rotorrig.rig.config.devices import ModbusRtu, ModbusTcp
+from rotorrig.rig.config import ModbusRtu, ModbusTcp
 from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.rig.motor.turns import Turns
 from rotorrig.rig.serial_port import why_closed

@@ -10,8 +10,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
-from rotorrig.rig.config.devices import SAME_RAMP, ModbusProfile, ModbusRtu, ModbusTcp
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM, SAME_RAMP, ModbusProfile, ModbusRtu, ModbusTcp
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded, LinkLost
 from rotorrig.rig.motor.base import REMEDY, MotorInfo, MotorState, Stop
 from rotorrig.rig.motor.modbus_frames import (

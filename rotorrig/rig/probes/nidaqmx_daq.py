@@ -12,7 +12,7 @@ from typing import Any, NoReturn, Self
 
 import numpy as np
 
-from rotorrig.rig.config.devices import NiDaqmx
+from rotorrig.rig.config import NiDaqmx
 from rotorrig.rig.errors import ConfigError, LinkLost
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
 from rotorrig.rig.probes.nidaqmx_counts import Straightening, straightening

@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.devices import OpenDaq
+from rotorrig.rig.config import OpenDaq
 from rotorrig.rig.errors import ConfigError, LinkLost
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
 from rotorrig.rig.probes.opendaq_device import Channel, OpenDaqDevice

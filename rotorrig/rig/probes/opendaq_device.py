@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rotorrig.rig.config.devices import OpenDaq
+from rotorrig.rig.config import OpenDaq
 from rotorrig.rig.errors import ConfigError, LinkLost
 from rotorrig.rig.probes.opendaq_counts import CountScale, raw_scale, rounded_scale
 

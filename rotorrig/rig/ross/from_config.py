@@ -5,8 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.nameplate import COEFFICIENTS, Bearing, OverSpeed, Tube
+from rotorrig.rig.config import COEFFICIENTS, Bearing, OverSpeed, RigConfig, Tube
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.ross.rotor import BearingElement, DiskElement, Material, RossRotor, ShaftElement
 

@@ -15,7 +15,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
 
-from rotorrig.rig.config.nameplate import COEFFICIENTS
+from rotorrig.rig.config import COEFFICIENTS
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.ross.rotor import BearingElement, DiskElement, Material, RossRotor, ShaftElement
 

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.ross.rotor import ROUNDING, BearingElement, DiskElement, Material, RossRotor, ShaftElement
 

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Iterator
 
-from rotorrig.rig.config.nameplate import COEFFICIENTS
+from rotorrig.rig.config import COEFFICIENTS
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.ross.rotor import BearingElement, DiskElement, RossRotor, ShaftElement
 

@@ -23,11 +23,10 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims import effects as folder
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.loads import Load
-from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.rotor.model import Load, RotorModel
+from rotorrig.sims.rotor.nonlinear import ForceLaw
 
 Complex = NDArray[np.complex128]
 Theta = Mapping[str, float]

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model import RotorModel
 
 
 def on_bearings(model: RotorModel, names: Iterable[str], k: ArrayLike) -> NDArray[np.float64]:

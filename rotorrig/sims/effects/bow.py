@@ -10,13 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.nameplate import SHORTEST
+from rotorrig.rig.config import SHORTEST, RigConfig
 from rotorrig.sims.effects.base import Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import bending_stiffness, called
 from rotorrig.sims.effects.shaft_motion import forward
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.loads import Load, bow_force
+from rotorrig.sims.rotor.model import Load, RotorModel, bow_force
 
 
 @dataclass(frozen=True, kw_only=True)

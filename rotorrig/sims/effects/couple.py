@@ -6,12 +6,11 @@ disk is thick rather than thin. Source: Genta, Dynamics of Rotating Systems (200
 
 from dataclasses import dataclass
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import disks
 from rotorrig.sims.effects.shaft_motion import forward
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.model import Load, RotorModel
 
 ROUND = 1e-3  # relative difference of the inertias below which a skew has no moment
 

@@ -15,11 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.shaft_motion import forward, position_rows
-from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.model import Added, Load, RotorModel, with_added
 
 MOST_UNEVEN = 5e3  # N/m: as stiff as such couplings are
 SURE = 0.1  # of that: less is not worth a word

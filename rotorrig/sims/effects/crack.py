@@ -19,14 +19,13 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.places import bending_stiffness, free_places, span, tube_at
 from rotorrig.sims.effects.shaft_motion import at_rest, curvature_rows
-from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added
-from rotorrig.sims.rotor.model.loads import Load
-from rotorrig.sims.rotor.modes.modes import weight
-from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.rotor.model import Added, Load, RotorModel, assemble, with_added
+from rotorrig.sims.rotor.modes import weight
+from rotorrig.sims.rotor.nonlinear import ForceLaw
 
 Reals = NDArray[np.float64]
 

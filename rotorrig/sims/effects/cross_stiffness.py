@@ -6,11 +6,11 @@ Friswell, Penny, Garvey, Lees, Dynamics of Rotating Machines (2010), section 6.4
 
 from dataclasses import dataclass
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.bearing_terms import on_bearings
 from rotorrig.sims.effects.places import bearing_groups, bearing_words, group_stiffness
-from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
+from rotorrig.sims.rotor.model import Added, RotorModel, with_added
 
 
 @dataclass(frozen=True, kw_only=True)

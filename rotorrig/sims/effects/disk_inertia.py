@@ -5,11 +5,10 @@ A mode in which the disk only shifts does not show it. Source: eq. (5) of the ch
 
 from dataclasses import dataclass, replace
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.places import disks
-from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
-from rotorrig.sims.rotor.model.disk import disk_gyroscopic, disk_mass
+from rotorrig.sims.rotor.model import Added, RotorModel, disk_gyroscopic, disk_mass, with_added
 
 
 @dataclass(frozen=True, kw_only=True)

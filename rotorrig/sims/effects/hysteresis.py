@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.bearing_terms import own_stiffness
 from rotorrig.sims.effects.places import bearing_groups, bearing_words, reference_speed
-from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
+from rotorrig.sims.rotor.model import Added, RotorModel, with_added
 
 #: ln x to second order about 1, powers of x from 0 up: within 0.11 from half the reference to 1.8 times it; 0.21 too
 #: much at a third of it, where the rotor hardly moves

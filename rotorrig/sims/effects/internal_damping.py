@@ -7,10 +7,10 @@ section 2.4; Kimball, Internal friction theory of shaft whirling, Gen. Electr. R
 
 from dataclasses import dataclass
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.shaft_motion import pairwise_map
-from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
+from rotorrig.sims.rotor.model import Added, RotorModel, with_added
 
 J = ((0.0, 1.0), (-1.0, 0.0))
 

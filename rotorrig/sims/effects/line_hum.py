@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Complex, Effect, Seen, Theta, pair, phasor
-from rotorrig.sims.rotor.swept.timeline import TURN, Timeline
-from rotorrig.sims.rotor.swept.tracking_windows import window_weights
+from rotorrig.sims.rotor.swept import TURN, Timeline, window_weights
 
 MAINS = (50.0, 60.0)  # Hz
 HARMONICS = (1, 2)  # of the mains

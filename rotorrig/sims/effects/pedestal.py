@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.places import bearing_groups, bearing_words
-from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added, with_coordinates
+from rotorrig.sims.rotor.model import Added, RotorModel, with_added, with_coordinates
 
 HZ = 2 * math.pi  # rad/s
 

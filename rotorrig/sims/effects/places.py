@@ -6,9 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.nameplate import Bearing, Disk, OverSpeed, Probe, Tube
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM, Bearing, Disk, OverSpeed, Probe, RigConfig, Tube
 
 USUAL = 2000.0 / RPM  # rad/s, where no drive tells the highest speed
 SAME = 1e-6  # m: parts nearer than this stand in one plane

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.nameplate import Probe
+from rotorrig.rig.config import Probe, RigConfig
 from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, Seen, Theta
 from rotorrig.sims.effects.places import probe_planes
 

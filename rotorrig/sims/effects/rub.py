@@ -12,11 +12,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.places import BESIDE_DISK, reference_speed, span, tube_at
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.rotor.model import RotorModel
+from rotorrig.sims.rotor.nonlinear import ForceLaw
 
 ROLLING = 0.05  # m/s: slower than this the surfaces hardly slide
 MID_SPAN = "mid-span"  # the name of its plane

@@ -8,11 +8,10 @@ Problems of Rotor Dynamics (1965), ch. 2; Yamamoto, Ishida, Linear and Nonlinear
 
 from dataclasses import dataclass
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import Complex, Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.shaft_motion import at_rest, pairwise_map
-from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.model import Added, Load, RotorModel, with_added
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,8 +5,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
 from scipy.interpolate import CubicSpline
 
-from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
-from rotorrig.sims.rotor.modes.modes import static_solution, weight
+from rotorrig.sims.rotor.model import RotorModel, matrices
+from rotorrig.sims.rotor.modes import static_solution, weight
 
 Reals = NDArray[np.float64]
 

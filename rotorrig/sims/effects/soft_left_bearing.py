@@ -6,11 +6,11 @@ is sought. Source: Friswell, Penny, Garvey, Lees, Dynamics of Rotating Machines 
 
 from dataclasses import dataclass
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.bearing_terms import own_stiffness
 from rotorrig.sims.effects.places import bearing_words, other_bearings, stiffness
-from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
+from rotorrig.sims.rotor.model import Added, RotorModel, with_added
 
 SOFTEST = 5e4  # N/m: below, no such bearing would be taken for a stiff one
 

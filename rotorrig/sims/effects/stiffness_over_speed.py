@@ -6,12 +6,11 @@ Darlow, Zorzi, Mechanical design handbook for elastomers, NASA CR-3423 (1981).
 
 from dataclasses import dataclass
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM, RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.bearing_terms import own_stiffness
 from rotorrig.sims.effects.places import bearing_groups, bearing_words, reference_speed
-from rotorrig.sims.rotor.model.assembly import Added, RotorModel, with_added
+from rotorrig.sims.rotor.model import Added, RotorModel, with_added
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,12 +7,11 @@ with the amount. Source: Bently, Hatch, Fundamentals of Rotating Machinery Diagn
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import Effect, Parameter, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import free_places, unbalance_sought
 from rotorrig.sims.effects.shaft_motion import forward, position_rows
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.model import Load, RotorModel
 
 AMOUNT = pair("unbalance", "kg m", most=30e-6, size=5e-6)
 

@@ -10,13 +10,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM, RigConfig
 from rotorrig.sims.effects.base import Effect, Parameter, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import called, unbalance_sought
 from rotorrig.sims.effects.shaft_motion import forward
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.loads import Load, recording_at
+from rotorrig.sims.rotor.model import Load, RotorModel, recording_at
 
 LONGEST = 1e9  # s: a thousand recordings
 

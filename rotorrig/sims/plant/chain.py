@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.places import same_plane, sense
 from rotorrig.sims.plant.streams import stream
 from rotorrig.sims.plant.truth import Truth

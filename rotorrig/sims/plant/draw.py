@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from rotorrig.rig.config.description import Bearing, Disk, RigConfig
-from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.sims.plant.faults.base import check, check_faults, deviated, fault
+from rotorrig.rig import ConfigError, DataError
+from rotorrig.rig.config import Bearing, Disk, RigConfig
+from rotorrig.sims.plant.faults import check, check_faults, deviated, fault
 from rotorrig.sims.plant.streams import stream
 from rotorrig.sims.plant.truth import BearingTruth, FaultSpec, Noise, Truth, UnbalanceTruth
 

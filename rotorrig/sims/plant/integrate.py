@@ -13,7 +13,7 @@ from numba import njit, types
 from numba.typed import List
 from numpy.typing import NDArray
 
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 from rotorrig.sims.plant.force_laws import LAW, Force, Motion, Turn
 from rotorrig.sims.plant.shaft import Rotor
 

@@ -3,8 +3,8 @@
 import itertools
 import math
 
-from rotorrig.rig.config.description import Bearing, Disk, RigConfig
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
+from rotorrig.rig.config import Bearing, Disk, RigConfig
 from rotorrig.sims.plant.truth import BearingTruth, Truth
 
 SAME_PLACE = 1e-6  # m; places nearer than this are one

@@ -9,10 +9,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.chain import make_chain
-from rotorrig.sims.plant.faults.base import deviated, forces, misread, restructured
+from rotorrig.sims.plant.faults import deviated, forces, misread, restructured
 from rotorrig.sims.plant.integrate import ShaftMotion
 from rotorrig.sims.plant.motor import Motor
 from rotorrig.sims.plant.places import sense, sought_bearings

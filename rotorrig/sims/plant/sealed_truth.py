@@ -6,8 +6,8 @@ from dataclasses import asdict, fields, is_dataclass
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
-from rotorrig.rig.errors import DataError
-from rotorrig.sims.plant.faults.base import check_faults
+from rotorrig.rig import DataError
+from rotorrig.sims.plant.faults import check_faults
 from rotorrig.sims.plant.truth import Truth
 
 SCHEMA = "rotorrig.plant.truth/2"

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.chain import Chain
 from rotorrig.sims.plant.latency import Latency
 from rotorrig.sims.plant.streams import stream

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.force_laws import Coordinate, Deflection, Slope
 from rotorrig.sims.plant.places import SAME_PLACE
 from rotorrig.sims.plant.truth import Truth

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 
 
 class Range(Protocol):

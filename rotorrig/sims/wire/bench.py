@@ -25,12 +25,9 @@ from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Any
 
-from rotorrig.rig.config.description import RigConfig, load
-from rotorrig.rig.config.devices import Motor
-from rotorrig.rig.errors import ConfigError, RigError
-from rotorrig.sims.plant.draw import draw
-from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.sealed_truth import unseal
+from rotorrig.rig import ConfigError, RigError
+from rotorrig.rig.config import Motor, RigConfig, load
+from rotorrig.sims.plant import Plant, draw, unseal
 from rotorrig.sims.wire.emulation import Emulation, emulating
 from rotorrig.sims.wire.fault_script import Script, parse_script, read_script
 from rotorrig.sims.wire.simulated_time import DEFAULT_RATE

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import IO, Any
 
-from rotorrig.rig.errors import RigError
+from rotorrig.rig import RigError
 
 Said = dict[str, Any]
 _ANSWER = 10.0  # s for the answer to a script: a loaded machine's bench may be in the middle of a step

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from enum import Enum, auto
 
-from rotorrig.rig.clock import Clock
+from rotorrig.rig import Clock
 from rotorrig.sims.wire.plant_port import Plant
 
 

@@ -9,16 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from rotorrig.rig.clock import WallClock
-from rotorrig.rig.config.devices import Motor
+from rotorrig.rig import WallClock
+from rotorrig.rig.config import Motor
 from rotorrig.sims.wire import probe_daq
 from rotorrig.sims.wire.background import running
-from rotorrig.sims.wire.cables.pty_bridge import Cable
+from rotorrig.sims.wire.cables import Cable
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.fault_player import Player, Report, Victims
 from rotorrig.sims.wire.inputs import Inputs
-from rotorrig.sims.wire.motors import controllers
-from rotorrig.sims.wire.motors.controllers import Place
+from rotorrig.sims.wire.motors import Place, controllers
 from rotorrig.sims.wire.plant_port import Plant
 from rotorrig.sims.wire.simulated_time import pass_time
 

@@ -9,8 +9,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from rotorrig.rig.errors import ConfigError
-from rotorrig.sims.wire.cables.interference import Interference
+from rotorrig.rig import ConfigError
+from rotorrig.sims.wire.cables import Interference
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.fault_script import (
     DaqOverrun,

@@ -15,10 +15,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, model_validator
 
-from rotorrig.rig.config.nameplate import Part, Speed, Time
-from rotorrig.rig.config.units import reads
-from rotorrig.rig.config.validation import checked
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import Part, Speed, Time, checked, reads
 
 Device = Literal["motor", "daq"]
 Direction = Literal["both", "to-device", "from-device"]

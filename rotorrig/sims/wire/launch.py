@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from rotorrig.rig.errors import RigError
+from rotorrig.rig import RigError
 from rotorrig.sims.wire.console import Console
 from rotorrig.sims.wire.simulated_time import DEFAULT_RATE
 

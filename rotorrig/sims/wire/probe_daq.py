@@ -14,7 +14,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.sims.wire.cables.pty_bridge import Cable
+from rotorrig.sims.wire.cables import Cable
 from rotorrig.sims.wire.plant_port import Plant
 
 FRAME_TIME = 0.02  # s of samples in a DATA frame

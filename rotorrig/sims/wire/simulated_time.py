@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.clock import Clock
+from rotorrig.rig import Clock
 from rotorrig.sims.wire.plant_port import Plant
 
 DEFAULT_RATE = 20.0  # simulated over wall time: a sweep of 3 minutes takes 10 s, a command acts within 0.2 s of it

@@ -1,0 +1,10 @@
+"""SVG drawings of the report: the rig to scale, an orbit."""
+
+from rotorrig.app.report.drawings.orbit_drawing import orbit_pictures
+from rotorrig.app.report.drawings.rig_drawing import end_view, side_view
+
+__all__ = [
+    "end_view",
+    "orbit_pictures",
+    "side_view",
+]

@@ -6,12 +6,9 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.curves import sweeps, vectors
-from rotorrig.app.plot_data.nice_numbers import nice
-from rotorrig.app.plot_data.orbits import orbit, representative_rows
-from rotorrig.processing.probe_planes import Plane, planes
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.app.plot_data import nice, orbit, representative_rows, sweeps, vectors
+from rotorrig.processing import OrderTrackedResponse, Plane, planes
+from rotorrig.rig.config import RPM, UM
 
 SIDE = 100.0  # half the picture's width, in drawing units
 FILL = 0.84  # of it that the largest excursion takes

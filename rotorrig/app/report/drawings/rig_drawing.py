@@ -3,7 +3,7 @@
 import math
 from html import escape
 
-from rotorrig.rig.config.description import Probe, RigConfig
+from rotorrig.rig.config import Probe, RigConfig
 
 MARGIN = 26.0  # mm of paper left and right of the shaft
 LABEL = 9.0  # mm, letter height in drawing units

@@ -1,0 +1,17 @@
+"""Plotly figures of the report: Bode, polar, centreline, residual maps. A new figure is one new file."""
+
+from rotorrig.app.report.figures.amplitudes import order_amplitudes
+from rotorrig.app.report.figures.bode import bode
+from rotorrig.app.report.figures.centreline import centreline
+from rotorrig.app.report.figures.maps import full_spectrum_map, residual_map, whirl_map
+from rotorrig.app.report.figures.polar import polar
+
+__all__ = [
+    "bode",
+    "centreline",
+    "full_spectrum_map",
+    "order_amplitudes",
+    "polar",
+    "residual_map",
+    "whirl_map",
+]

@@ -6,10 +6,9 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from rotorrig.app.plot_data.curves import Curve, curves
-from rotorrig.app.plot_data.thinning import thinned
+from rotorrig.app.plot_data import Curve, curves, thinned
 from rotorrig.app.report.figures.look import COLOURS, dots, styled
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse
 
 MOST = 160  # points of a run: a panel is half as wide as the page
 

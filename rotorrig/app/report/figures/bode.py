@@ -8,10 +8,9 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from rotorrig.app.plot_data.curves import Curve, curves
-from rotorrig.app.plot_data.thinning import thinned
+from rotorrig.app.plot_data import Curve, curves, thinned
 from rotorrig.app.report.figures.look import base_line, dots, line, styled
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse
 
 HEIGHT = 430  # px
 DOTS = 160  # of a run: more would hide the line of the model

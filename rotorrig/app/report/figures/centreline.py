@@ -6,7 +6,7 @@ from html import escape
 import numpy as np
 import plotly.graph_objects as go
 
-from rotorrig.app.plot_data.centreline_paths import CentrelinePath, ClearanceCircle
+from rotorrig.app.plot_data import CentrelinePath, ClearanceCircle
 from rotorrig.app.report.figures.look import COLOURS, SHEER, styled
 
 MOST = 250  # points of a path

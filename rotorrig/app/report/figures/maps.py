@@ -7,11 +7,10 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.curves import residual_grid, whirl_grid
-from rotorrig.app.plot_data.order_spectrum import OrderSpectrum
+from rotorrig.app.plot_data import OrderSpectrum, residual_grid, whirl_grid
 from rotorrig.app.report.figures.look import styled
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import UM
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig.config import UM
 
 Reals = NDArray[np.float64]
 Scale = list[list[float | str]]

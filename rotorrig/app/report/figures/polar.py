@@ -12,11 +12,10 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.curves import Curve, curves
-from rotorrig.app.plot_data.thinning import thinned
+from rotorrig.app.plot_data import Curve, curves, thinned
 from rotorrig.app.report.figures.bode import DOTS
 from rotorrig.app.report.figures.look import COLOURS, GRID, LINE, base_line, dots, line, styled
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse
 
 HEIGHT = 430  # px, that of the Bode plot beside it
 LABELLED = 7  # speeds along the first run

@@ -16,11 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from rotorrig.acquisition.recording import Event
-from rotorrig.rig.config import description
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import RigError
-from rotorrig.rig.probes.base import Block, DaqInfo
+from rotorrig.acquisition import Event
+from rotorrig.rig import RigError
+from rotorrig.rig.config import RigConfig, description
+from rotorrig.rig.probes import Block, DaqInfo
 
 READY = b"ready\n"  # what the process answers when it is
 MOST_SCANS = 400_000  # handed on at a time: a replay at full speed brings more than can be drawn

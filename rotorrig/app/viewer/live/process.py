@@ -1,7 +1,7 @@
 """The process that tracks and draws a live view.
 
-`python -m rotorrig.app.viewer.live.process`, started by `LiveView`. Standard input: see pipe.py. Standard output: a line
-when it is ready. Standard error: one sentence if it cannot go on.
+`python -m rotorrig.app.viewer.live.process`, started by `LiveView`. Standard input: see pipe.py. Standard output: a
+line when it is ready. Standard error: one sentence if it cannot go on.
 """
 
 import contextlib
@@ -16,15 +16,14 @@ from typing import Literal
 import numpy as np
 import rerun as rr
 
-from rotorrig.app.viewer.live.data.history import STEP
-from rotorrig.app.viewer.live.parts.blueprint import live_blueprint, replay_blueprint
-from rotorrig.app.viewer.live.parts.scene import LiveScene
+from rotorrig.app.viewer.live.data import STEP
+from rotorrig.app.viewer.live.parts import LiveScene, live_blueprint, replay_blueprint
 from rotorrig.app.viewer.live.pipe import READY, BlockReader
-from rotorrig.app.viewer.plots.words import displayable
+from rotorrig.app.viewer.plots import displayable
 from rotorrig.app.viewer.sinks import Sink
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import RigError
-from rotorrig.rig.probes.base import Block
+from rotorrig.rig import RigError
+from rotorrig.rig.config import RigConfig
+from rotorrig.rig.probes import Block
 
 FRAME = 0.12  # s of wall time between pictures
 VIEWER_TICK = timedelta(milliseconds=20)  # what is drawn waits this long for more

@@ -14,12 +14,12 @@ from collections import deque
 from collections.abc import Sequence
 from typing import IO, Self
 
-from rotorrig.acquisition.recording import Event
+from rotorrig.acquisition import Event
 from rotorrig.app.viewer.live.pipe import READY, block_parts, opening
 from rotorrig.app.viewer.sinks import Sink, quiet_environment
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import RigError
-from rotorrig.rig.probes.base import Block, DaqInfo
+from rotorrig.rig import RigError
+from rotorrig.rig.config import RigConfig
+from rotorrig.rig.probes import Block, DaqInfo
 
 WAITING_SAMPLES = 4_000_000  # scans that may wait; beyond, the oldest are dropped and the tracker sees a gap
 START_SECONDS = 30.0  # for the libraries to load, on a busy machine

@@ -6,7 +6,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.nice_numbers import nice
+from rotorrig.app.plot_data import nice
 from rotorrig.app.viewer.plots.axes import LIFT, Panel, step_for
 
 WIDTH, HEIGHT = 186.0, 80.0

@@ -4,11 +4,9 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.curves import lag_degrees
-from rotorrig.app.plot_data.nice_numbers import nice
+from rotorrig.app.plot_data import lag_degrees, nice
 from rotorrig.app.viewer.plots.axes import Panel, step_for
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM, RigConfig
 
 SMALLEST_BODE = 10.0  # µm
 FASTEST = 4000.0  # rpm, where the config sets no limit

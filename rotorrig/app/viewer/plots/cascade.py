@@ -10,7 +10,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.nice_numbers import nice
+from rotorrig.app.plot_data import nice
 from rotorrig.app.viewer.plots.axes import INK, UP, Panel, step_for, texts
 
 SMALLEST_SPECTRUM = 1.0  # µm

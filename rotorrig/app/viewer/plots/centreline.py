@@ -11,7 +11,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.nice_numbers import nice
+from rotorrig.app.plot_data import nice
 from rotorrig.app.viewer.plots.axes import INK, MARK, SOFT, Panel, step_for
 
 SMALLEST_PATH = 5.0  # µm, half width of the axes where there is no circle

@@ -7,7 +7,7 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from rotorrig.app.viewer.plots.axes import SOFT
-from rotorrig.rig.config.nameplate import Probe
+from rotorrig.rig.config import Probe
 
 PROBE_COLOURS = ((74, 163, 223), (242, 142, 43), (126, 200, 120), (214, 120, 200))
 

@@ -11,7 +11,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.app.plot_data.nice_numbers import nice
+from rotorrig.app.plot_data import nice
 from rotorrig.app.viewer.plots.axes import GRID, INK, SOFT, Panel, step_for, texts, ticks
 
 SMALLEST = 1.0  # µm, the radius of the outer circle

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rotorrig.app.viewer.plots.axes import INK, SOFT
 from rotorrig.app.viewer.plots.words import displayable
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 
 FORWARD = (86, 196, 150)
 BACKWARD = (226, 104, 158)

@@ -1,6 +1,6 @@
 """A scale of a picture that follows what is drawn, in round numbers and not at every frame."""
 
-from rotorrig.app.plot_data.nice_numbers import nice
+from rotorrig.app.plot_data import nice
 
 SHRINK = 0.3  # of the scale: what is smaller than this gets a smaller one
 

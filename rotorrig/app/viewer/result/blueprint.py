@@ -6,7 +6,7 @@ import rerun.blueprint as rrb
 
 from rotorrig.app.viewer.blueprint import BACKGROUND, BODE_BOUNDS, ORBIT_BOUNDS, POLAR_BOUNDS, flat, laid_out
 from rotorrig.app.viewer.result.data import Result
-from rotorrig.processing.probe_planes import Plane
+from rotorrig.processing import Plane
 
 SPEED_BOUNDS = rrb.VisualBounds2D(x_range=(-18, 194), y_range=(-11, 110))
 MAP_BOUNDS = rrb.VisualBounds2D(x_range=(-34, 206), y_range=(-13, 124))

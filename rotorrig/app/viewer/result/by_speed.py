@@ -4,17 +4,13 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.curves import slow_roll_known
-from rotorrig.app.plot_data.orbits import Plane, orbit, representative_rows
-from rotorrig.app.viewer.plots.axes import MARK, MODEL_UP, SOFT, UP
-from rotorrig.app.viewer.plots.bode import Panels
-from rotorrig.app.viewer.plots.orbit import OrbitPicture
-from rotorrig.app.viewer.plots.polar import PolarPicture
+from rotorrig.app.plot_data import Plane, orbit, representative_rows, slow_roll_known
+from rotorrig.app.viewer.plots import MARK, MODEL_UP, SOFT, UP, OrbitPicture, Panels, PolarPicture
 from rotorrig.app.viewer.result.curves import CentrelineTrack
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.app.viewer.result.rotor import RotorScene
-from rotorrig.processing.waveform import Waveforms
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.processing import Waveforms
+from rotorrig.rig.config import RPM, UM
 
 SPEEDS = 60
 RECORDED = (96, 104, 112)  # all that the probes saw

@@ -4,14 +4,14 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.orbits import representative_rows
-from rotorrig.app.viewer.plots.cascade import CascadePicture
+from rotorrig.app.plot_data import representative_rows
+from rotorrig.app.viewer.plots import CascadePicture
 from rotorrig.app.viewer.result.data import Result
-from rotorrig.processing.rows.rows import lay_rows
-from rotorrig.processing.shaft_angle.shaft_angle import shaft_angle
-from rotorrig.processing.tracking.full_spectrum import HIGHEST, full_spectra, whirl_vectors
-from rotorrig.processing.waveform import Waveforms
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.processing import Waveforms
+from rotorrig.processing.rows import lay_rows
+from rotorrig.processing.shaft_angle import shaft_angle
+from rotorrig.processing.tracking import HIGHEST, full_spectra, whirl_vectors
+from rotorrig.rig.config import RPM, UM
 
 SPECTRA = 40
 TURNS = 8  # in the window of a spectrum: orders an eighth apart

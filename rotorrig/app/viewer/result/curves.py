@@ -4,20 +4,35 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.centreline_paths import REFERENCE, CentrelinePath, centreline_paths, clearance_circle
-from rotorrig.app.plot_data.curves import phase_window, residual_grid
-from rotorrig.app.plot_data.diagnosis_of_response import extended_sigmas
-from rotorrig.app.viewer.plots.against_speed import SpeedPicture
-from rotorrig.app.viewer.plots.axes import DOWN, MODEL_DOWN, MODEL_UP, UP
-from rotorrig.app.viewer.plots.bode import BodePicture, Panels
-from rotorrig.app.viewer.plots.centreline import SMALLEST_PATH, CentrelinePicture
-from rotorrig.app.viewer.plots.gap_trend import PROBE_COLOURS
-from rotorrig.app.viewer.plots.polar import PolarPicture, speed_marks
-from rotorrig.app.viewer.plots.residual import ResidualPicture
-from rotorrig.app.viewer.plots.rotor_3d import BACKWARD, FORWARD
+from rotorrig.app.plot_data import (
+    REFERENCE,
+    CentrelinePath,
+    centreline_paths,
+    clearance_circle,
+    extended_sigmas,
+    phase_window,
+    residual_grid,
+)
+from rotorrig.app.viewer.plots import (
+    BACKWARD,
+    DOWN,
+    FORWARD,
+    MODEL_DOWN,
+    MODEL_UP,
+    PROBE_COLOURS,
+    SMALLEST_PATH,
+    UP,
+    BodePicture,
+    CentrelinePicture,
+    Panels,
+    PolarPicture,
+    ResidualPicture,
+    SpeedPicture,
+    speed_marks,
+)
 from rotorrig.app.viewer.result.data import Result
-from rotorrig.processing.tracking.full_spectrum import whirl_vectors
-from rotorrig.rig.config.units import UM
+from rotorrig.processing.tracking import whirl_vectors
+from rotorrig.rig.config import UM
 
 BEFORE = (176, 132, 214)  # the model that was extended
 MAP_BINS = 100  # of the residual map: about four rows of a run in each

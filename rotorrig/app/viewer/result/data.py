@@ -6,16 +6,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.recording import RawRecording
-from rotorrig.app.plot_data.curves import model_vectors, slow_roll_known, sweeps, vectors
-from rotorrig.app.plot_data.diagnosis_of_response import part_of, predictions
-from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.identification import Fit, Identification
-from rotorrig.processing.files.response_topics import order_name
-from rotorrig.processing.probe_planes import Plane, measured_planes
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import DataError
+from rotorrig.acquisition import RawRecording
+from rotorrig.app.plot_data import model_vectors, part_of, predictions, slow_roll_known, sweeps, vectors
+from rotorrig.identify import Diagnosis, Fit, Identification
+from rotorrig.processing import OrderTrackedResponse, Plane, measured_planes
+from rotorrig.processing.files import order_name
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RPM
 
 Vectors = NDArray[np.complex128]
 

@@ -9,12 +9,11 @@ import math
 import numpy as np
 import rerun as rr
 
-from rotorrig.app.viewer.plots.axes import UP
-from rotorrig.app.viewer.plots.rotor_3d import RotorPicture
+from rotorrig.app.viewer.plots import UP, RotorPicture
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.app.viewer.result.rotor_motion import RotorMotion
-from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.modes.modes import Mode
+from rotorrig.rig.config import RPM
+from rotorrig.sims.rotor.modes import Mode
 
 DRAWN = 0.09  # of the shaft's length: the largest deflection in the picture
 STEP = math.radians(30.0)  # a mode shape turns on by it from one speed to the next

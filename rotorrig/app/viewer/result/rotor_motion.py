@@ -10,15 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from rotorrig.app.viewer.plots.rotor_3d import LINE_LIKE
+from rotorrig.app.viewer.plots import LINE_LIKE
 from rotorrig.app.viewer.result.data import Result
-from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.identify.identification import Fit
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
-from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
-from rotorrig.sims.rotor.modes.modes import Mode, critical_modes, manageable, whirl_modes
-from rotorrig.sims.rotor.steady.harmonic_response import steady_response
+from rotorrig.identify import Fit
+from rotorrig.identify.base_model import Space
+from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.sims.rotor.model import RotorModel, assemble, scaled, with_bearing
+from rotorrig.sims.rotor.modes import Mode, critical_modes, manageable, whirl_modes
+from rotorrig.sims.rotor.steady import steady_response
 
 MOST_MODES = 3
 BEYOND = 1.25  # of the fastest speed: how far critical speeds are looked for

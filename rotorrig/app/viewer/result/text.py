@@ -1,9 +1,8 @@
 """What stands beside the pictures of a result, in Markdown: verdict, causes, values, colours, provenance."""
 
-from rotorrig.app.text import causes
-from rotorrig.app.text.quantities import plus_minus, shown
+from rotorrig.app.text import causes, plus_minus, shown
 from rotorrig.app.viewer.result.data import Result
-from rotorrig.identify.diagnosis import Diagnosis
+from rotorrig.identify import Diagnosis
 
 
 def verdict_words(result: Result) -> str:

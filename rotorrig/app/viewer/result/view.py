@@ -9,8 +9,8 @@ from pathlib import Path
 
 import rerun as rr
 
-from rotorrig.acquisition.recording import RawRecording
-from rotorrig.app.viewer.plots.words import displayable
+from rotorrig.acquisition import RawRecording
+from rotorrig.app.viewer.plots import displayable
 from rotorrig.app.viewer.result import curves
 from rotorrig.app.viewer.result.blueprint import result_layout
 from rotorrig.app.viewer.result.by_speed import draw_by_speed, shown_rows
@@ -20,10 +20,8 @@ from rotorrig.app.viewer.result.rotor import RotorScene
 from rotorrig.app.viewer.result.rotor_motion import mode_words, rotor_motion
 from rotorrig.app.viewer.result.text import colour_words, verdict_words
 from rotorrig.app.viewer.sinks import to_file
-from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.identification import Identification
-from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.waveform import Waveforms
+from rotorrig.identify import Diagnosis, Identification
+from rotorrig.processing import OrderTrackedResponse, Waveforms
 
 
 def write_result_rrd(

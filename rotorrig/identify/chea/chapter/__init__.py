@@ -1,0 +1,1 @@
+"""CHEA as published: binary genetic algorithm, ART-Kohonen clustering, and the chapter's settings."""

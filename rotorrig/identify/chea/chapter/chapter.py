@@ -9,11 +9,8 @@ from numpy.typing import NDArray
 from rotorrig.identify.chea.chapter.clustering import Clustering, cluster
 from rotorrig.identify.chea.chapter.genetic import Colony
 from rotorrig.identify.chea.chapter.settings import SEED, Settings
-from rotorrig.identify.chea.session.minima import one_point
-from rotorrig.identify.chea.session.record import Evaluations, Record
-from rotorrig.identify.chea.session.stopping import StopReason
-from rotorrig.identify.chea.steps.far_search import farthest
-from rotorrig.identify.chea.steps.sqp import descend
+from rotorrig.identify.chea.session import Evaluations, Record, StopReason, one_point
+from rotorrig.identify.chea.steps import descend, farthest
 
 __all__ = ["SEED", "search"]
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.chea.chapter.settings import Settings
-from rotorrig.identify.chea.session.record import Evaluations
+from rotorrig.identify.chea.session import Evaluations
 
 Array = NDArray[np.float64]
 Bits = NDArray[np.uint8]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.steps.box_qp import minimize_on_box
+from rotorrig.identify.chea.steps import minimize_on_box
 
 Array = NDArray[np.float64]
 

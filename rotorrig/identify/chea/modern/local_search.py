@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.chea.modern.taylor_model import SIZES, TaylorModel, fit
-from rotorrig.identify.chea.session.record import Evaluations, Record
-from rotorrig.identify.chea.steps.box_qp import minimize_on_box
+from rotorrig.identify.chea.session import Evaluations, Record
+from rotorrig.identify.chea.steps import minimize_on_box
 
 Array = NDArray[np.float64]
 

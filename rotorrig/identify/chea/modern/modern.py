@@ -14,11 +14,8 @@ from rotorrig.identify.chea.modern.funnel import fit_funnel
 from rotorrig.identify.chea.modern.local_search import descend
 from rotorrig.identify.chea.modern.natural_stop import NaturalStop
 from rotorrig.identify.chea.modern.recombination import offspring, spacing
-from rotorrig.identify.chea.session.record import Evaluations, Record
-from rotorrig.identify.chea.session.stopping import StopReason
-from rotorrig.identify.chea.steps import sqp
-from rotorrig.identify.chea.steps.nearest_better_clustering import heads
-from rotorrig.identify.chea.steps.sampling import far_points, spread
+from rotorrig.identify.chea.session import Evaluations, Record, StopReason
+from rotorrig.identify.chea.steps import far_points, heads, spread, sqp
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.steps.box_qp import minimize_on_box
+from rotorrig.identify.chea.steps import minimize_on_box
 
 Array = NDArray[np.float64]
 Residual = Callable[[Array], tuple[Array, Array]]  # u (dim,) -> r (figure,) and dr/du (figure, dim)

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.chea.residuals.levenberg_marquardt import Counted, Point, Residual, descend, evaluate
 from rotorrig.identify.chea.residuals.valleys import Valleys
-from rotorrig.identify.chea.session.stopping import StopReason
-from rotorrig.identify.chea.steps.nearest_better_clustering import heads
-from rotorrig.identify.chea.steps.sampling import spread
+from rotorrig.identify.chea.session import StopReason
+from rotorrig.identify.chea.steps import heads, spread
 
 Array = NDArray[np.float64]
 Starts = Callable[[Array], Array]  # points (n, dim) spread evenly over the cube -> where to begin, (n, dim)

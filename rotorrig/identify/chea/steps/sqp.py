@@ -8,7 +8,7 @@ generator, so that a search can be asked for its next points.
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.session.record import Evaluations, Record
+from rotorrig.identify.chea.session import Evaluations, Record
 from rotorrig.identify.chea.steps.box_qp import minimize_on_box
 
 Array = NDArray[np.float64]

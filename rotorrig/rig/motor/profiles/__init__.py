@@ -1,0 +1,1 @@
+"""Modbus drives, one file each: registers, scaling, status bits, watchdog, as the drive's manual gives them."""

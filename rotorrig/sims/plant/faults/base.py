@@ -11,8 +11,8 @@ import pkgutil
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Protocol, cast
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant import faults
 from rotorrig.sims.plant.chain import Chain
 from rotorrig.sims.plant.force_laws import Force

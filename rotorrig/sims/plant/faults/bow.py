@@ -5,7 +5,7 @@ is a pair of opposite moments at the ends of the arc that turn with the shaft: n
 (Boley and Weiner, Theory of Thermal Stresses (1960), where a temperature gradient bends the beam).
 """
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.force_laws import Force, bend, turning_force
 from rotorrig.sims.plant.places import bending_spans, sense

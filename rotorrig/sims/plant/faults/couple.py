@@ -5,7 +5,7 @@ The disk's normal is the shaft's slope plus a skew that turns with it. Euler's e
 (2010), ch. 6. A thin disk has Ip above It and pulls itself upright.
 """
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.force_laws import Force, heavy_spot, tilt
 from rotorrig.sims.plant.places import disk_of_number, sense

@@ -7,7 +7,7 @@ springs turned by a.
 
 from dataclasses import replace
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.places import sought_bearings
 from rotorrig.sims.plant.sizes import LogUniform

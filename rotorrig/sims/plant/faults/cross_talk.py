@@ -4,7 +4,7 @@ Each coil's field reaches what the other looks at; both channels then show a sha
 for some tens of millimetres between two tips, which a shaft of 10 mm cannot offer.
 """
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.chain import Chain
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.places import probe_of_number, same_plane

@@ -5,7 +5,7 @@ anti-alias filter of second order and corner f delays low frequencies by sqrt(2)
 All probes are delayed alike, the keyphasor is not.
 """
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.chain import Chain
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.sizes import LogUniform

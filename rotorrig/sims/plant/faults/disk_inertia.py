@@ -6,7 +6,7 @@ It times the tilt's acceleration.
 
 from dataclasses import replace
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.places import disk_of_number
 from rotorrig.sims.plant.shaft import Rotor

@@ -8,7 +8,7 @@ import math
 
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.places import disk_of_number

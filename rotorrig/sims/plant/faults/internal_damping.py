@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from scipy import linalg
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.shaft import Rotor
 from rotorrig.sims.plant.sizes import LogUniform

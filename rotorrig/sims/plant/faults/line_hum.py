@@ -6,7 +6,7 @@ Compatibility Engineering (2009), ch. 3); it meets 1X at 3000 rpm, 2X at 1500 rp
 
 import numpy as np
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.chain import MAINS, Chain
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.sizes import ANY_PHASE, LogUniform

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.places import sought_bearings, true_bearing
 from rotorrig.sims.plant.shaft import Rotor

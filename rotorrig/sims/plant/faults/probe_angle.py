@@ -6,7 +6,7 @@ It sees the component of the motion along its true direction; API 670 allows 5 d
 import math
 from dataclasses import replace
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.places import probe_of_number
 from rotorrig.sims.plant.sizes import AnyProbe, LogUniform

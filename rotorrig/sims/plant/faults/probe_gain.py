@@ -6,7 +6,7 @@ The volts per metre depend on the target's conductivity and permeability and on 
 
 from dataclasses import replace
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.places import probe_of_number
 from rotorrig.sims.plant.sizes import AnyProbe, LogUniform

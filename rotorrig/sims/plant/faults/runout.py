@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.chain import Chain, seen_at
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.places import probe_of_number, same_plane

@@ -9,7 +9,7 @@ import math
 
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, bend, law, sway
 from rotorrig.sims.plant.places import bending_spans, sense

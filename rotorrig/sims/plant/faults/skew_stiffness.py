@@ -7,7 +7,7 @@ backward whirl. Here it does not depend on speed.
 
 from dataclasses import replace
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.places import sense, sought_bearings
 from rotorrig.sims.plant.sizes import LogUniform

@@ -5,7 +5,7 @@ The compliances of bearing and seat add up, in both directions alike; only the s
 
 from dataclasses import replace
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.places import held_bearings
 from rotorrig.sims.plant.sizes import LogUniform

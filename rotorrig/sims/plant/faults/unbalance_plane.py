@@ -4,7 +4,7 @@ A mass m at radius r is pulled outwards by m r W^2 and left behind by m r a (ISO
 planes to describe).
 """
 
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import Values
 from rotorrig.sims.plant.force_laws import Force, at, heavy_spot
 from rotorrig.sims.plant.places import sense

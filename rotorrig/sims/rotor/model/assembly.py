@@ -16,8 +16,7 @@ from typing import NamedTuple, Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.nameplate import SHORTEST, Rayleigh, Tube
+from rotorrig.rig.config import SHORTEST, Rayleigh, RigConfig, Tube
 from rotorrig.sims.rotor.model.beam import NODE_DOF, Element, shaft_element
 from rotorrig.sims.rotor.model.bearing import (
     BearingAttachment,

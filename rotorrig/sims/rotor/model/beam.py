@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.nameplate import Tube
+from rotorrig.rig.config import Tube
 
 Element = Literal["timoshenko", "lumped"]
 Matrix = NDArray[np.float64]

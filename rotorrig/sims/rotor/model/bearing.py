@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.rig.config.nameplate import Bearing, OverSpeed
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import Bearing, OverSpeed
 
 Matrix = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.nameplate import Disk
+from rotorrig.rig.config import Disk
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

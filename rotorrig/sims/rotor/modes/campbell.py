@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
 
-from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model import RotorModel
 from rotorrig.sims.rotor.modes.modes import Mode, eigenpairs, eigenvalues, manageable, mode_of, still, whirl_modes
 
 SPARE = 6  # modes beyond those asked for, among which a branch may find its continuation

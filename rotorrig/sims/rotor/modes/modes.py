@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, optimize
 
-from rotorrig.sims.rotor.model.assembly import Matrices, RotorModel, hysteretic, matrices, speed_stiffness
-from rotorrig.sims.rotor.model.reduction import reduce
+from rotorrig.sims.rotor.model import Matrices, RotorModel, hysteretic, matrices, reduce, speed_stiffness
 
 LARGE = 60  # coordinates; what scans over speeds reduces a larger model first, to half as many modes
 SCAN = 24  # speeds at which critical_modes looks for crossings

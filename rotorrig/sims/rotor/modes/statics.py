@@ -3,10 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.nameplate import Shaft
-from rotorrig.sims.rotor.model.assembly import assemble, matrices
-from rotorrig.sims.rotor.model.beam import area
+from rotorrig.rig.config import RigConfig, Shaft
+from rotorrig.sims.rotor.model import area, assemble, matrices
 from rotorrig.sims.rotor.modes.modes import static_solution, weight
 
 

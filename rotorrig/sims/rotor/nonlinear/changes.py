@@ -7,13 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.derivatives import Direction
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.model import Direction, Load, RotorModel
 from rotorrig.sims.rotor.nonlinear.force_harmonics import OVERTONES
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import forces, phasor, slopes
-from rotorrig.sims.rotor.steady.harmonic_response import load_columns
+from rotorrig.sims.rotor.steady import load_columns
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -12,7 +12,7 @@ from numba import types
 from numba.core.dispatcher import Dispatcher
 from numpy.typing import NDArray
 
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import ConfigError
 
 Force = Callable[[float, float, float, float, NDArray[np.float64]], tuple[float, float]]
 

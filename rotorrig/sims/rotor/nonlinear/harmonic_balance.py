@@ -28,7 +28,7 @@ from rotorrig.sims.rotor.nonlinear.force_harmonics import (
     slopes_of,
 )
 from rotorrig.sims.rotor.nonlinear.force_law import POINTER, ForceLaw
-from rotorrig.sims.rotor.swept.time_stepping import invert
+from rotorrig.sims.rotor.swept import invert
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

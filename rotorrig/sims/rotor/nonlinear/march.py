@@ -13,7 +13,7 @@ from numba import njit, types
 from numpy.typing import NDArray
 
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import COMPLEX, REALS, foresee, settle
-from rotorrig.sims.rotor.swept.time_stepping import SMOOTH, STRAIGHT, invert
+from rotorrig.sims.rotor.swept import SMOOTH, STRAIGHT, invert
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -14,7 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rotorrig.sims.rotor.nonlinear.march import comply, interpolation, press_ahead
-from rotorrig.sims.rotor.swept.time_stepping import add_matrix, invert
+from rotorrig.sims.rotor.swept import add_matrix, invert
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

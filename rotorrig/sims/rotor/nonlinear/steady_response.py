@@ -11,10 +11,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RPM
+from rotorrig.sims.rotor.model import Load, RotorModel, matrices
 from rotorrig.sims.rotor.nonlinear.changes import (
     LawChange,
     LawDerivatives,
@@ -36,8 +35,7 @@ from rotorrig.sims.rotor.nonlinear.harmonic_balance import (
     slopes,
 )
 from rotorrig.sims.rotor.nonlinear.swept_motion import by_overtones, read_by
-from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
-from rotorrig.sims.rotor.steady.harmonic_response import load_columns
+from rotorrig.sims.rotor.steady import load_columns, steady_derivatives
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -9,16 +9,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.model import Load, RotorModel
 from rotorrig.sims.rotor.nonlinear.changes import LawChange, LawDerivatives, overtone_derivatives, settled
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import slopes
 from rotorrig.sims.rotor.nonlinear.march_tangent import tangent
 from rotorrig.sims.rotor.nonlinear.swept_forcing import Forcing, forcing
 from rotorrig.sims.rotor.nonlinear.swept_motion import LawPassage, Marched, at_once
-from rotorrig.sims.rotor.swept.swept_response import projected
-from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
+from rotorrig.sims.rotor.swept import TrackedRows, projected
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -6,14 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.model.assembly import matrices
-from rotorrig.sims.rotor.model.derivatives import Direction
+from rotorrig.sims.rotor.model import Direction, matrices
 from rotorrig.sims.rotor.nonlinear.changes import LawChange, by_changed, changing_laws
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import phasor
 from rotorrig.sims.rotor.nonlinear.swept_motion import LawPassage, Marched, at_once
-from rotorrig.sims.rotor.swept.envelope import polynomial
-from rotorrig.sims.rotor.swept.passed_modes import Passage
-from rotorrig.sims.rotor.swept.passed_modes_derivatives import passage_derivatives
+from rotorrig.sims.rotor.swept import Passage, passage_derivatives, polynomial
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

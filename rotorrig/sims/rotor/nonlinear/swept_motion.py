@@ -13,20 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
-from rotorrig.sims.rotor.model.loads import Load, patterns
+from rotorrig.rig import DataError
+from rotorrig.sims.rotor.model import Load, RotorModel, matrices, patterns
 from rotorrig.sims.rotor.nonlinear.force_harmonics import OVERTONES
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import called, phasor, pointers
 from rotorrig.sims.rotor.nonlinear.march import MARCH, march
-from rotorrig.sims.rotor.steady.harmonic_response import load_columns
-from rotorrig.sims.rotor.swept.envelope import polynomial
-from rotorrig.sims.rotor.swept.forcing import drive
-from rotorrig.sims.rotor.swept.passed_modes import Spectra, passage
-from rotorrig.sims.rotor.swept.swept_modes import passing
-from rotorrig.sims.rotor.swept.swept_response import projected
-from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
+from rotorrig.sims.rotor.steady import load_columns
+from rotorrig.sims.rotor.swept import Spectra, TrackedRows, drive, passage, passing, polynomial, projected
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -15,16 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from rotorrig.sims.rotor.model.assembly import RotorModel, matrices
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.model import Load, RotorModel, matrices
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import overtones
 from rotorrig.sims.rotor.nonlinear.swept_motion import LawPassage, at_once, read_by
-from rotorrig.sims.rotor.swept.envelope import polynomial
-from rotorrig.sims.rotor.swept.passed_modes import passage
-from rotorrig.sims.rotor.swept.swept_modes import passing
-from rotorrig.sims.rotor.swept.swept_response import projected, swept_columns
-from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
+from rotorrig.sims.rotor.swept import TrackedRows, passage, passing, polynomial, projected, swept_columns
 
 Complex = NDArray[np.complex128]
 

@@ -7,9 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.derivatives import Complex, Direction
-from rotorrig.sims.rotor.model.loads import Load, patterns, unbalance_loads
+from rotorrig.sims.rotor.model import Complex, Direction, Load, RotorModel, patterns, unbalance_loads
 from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate
 from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, load_columns
 

@@ -11,20 +11,23 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, speed_stiffness
-from rotorrig.sims.rotor.model.loads import (
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RPM
+from rotorrig.sims.rotor.model import (
     NO_FORCE,
     NOTHING,
     Amounts,
     Forces,
     Load,
+    RotorModel,
     bow_force,
     force_rows,
+    hysteretic,
     law_of,
     load,
+    matrices,
     patterns,
+    speed_stiffness,
     unbalance_force,
 )
 from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate

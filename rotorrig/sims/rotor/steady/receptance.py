@@ -18,10 +18,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import lapack
 
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.errors import DataError
-from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, speed_stiffness, with_bearing
-from rotorrig.sims.rotor.model.disk import unbalance_direction
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RPM
+from rotorrig.sims.rotor.model import (
+    RotorModel,
+    hysteretic,
+    matrices,
+    speed_stiffness,
+    unbalance_direction,
+    with_bearing,
+)
 from rotorrig.sims.rotor.steady import receptance_kernels as kernels
 
 Real = NDArray[np.float64]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.model.loads import Load
+from rotorrig.sims.rotor.model import Load
 from rotorrig.sims.rotor.swept.timeline import TURN
 from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
 

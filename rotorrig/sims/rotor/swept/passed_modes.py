@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig.errors import ConfigError
-from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, speed_stiffness
+from rotorrig.rig import ConfigError
+from rotorrig.sims.rotor.model import RotorModel, hysteretic, matrices, speed_stiffness
 from rotorrig.sims.rotor.swept.timeline import MOST_POWERS, SpeedRange
 
 Reals = NDArray[np.float64]

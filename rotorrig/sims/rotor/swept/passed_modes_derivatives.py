@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.model.derivatives import Direction
+from rotorrig.sims.rotor.model import Direction
 from rotorrig.sims.rotor.swept.passed_modes import Complex, Passage, Spectra
 
 

@@ -18,8 +18,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.model.derivatives import Direction
-from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate
+from rotorrig.sims.rotor.model import Direction
+from rotorrig.sims.rotor.steady import solve_with_conjugate
 from rotorrig.sims.rotor.swept.envelope import Envelope, Motion, polynomial
 from rotorrig.sims.rotor.swept.passed_modes import Passage, Spectra
 from rotorrig.sims.rotor.swept.passed_modes_derivatives import passage_derivatives

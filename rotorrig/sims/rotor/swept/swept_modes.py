@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model import RotorModel
 from rotorrig.sims.rotor.swept.envelope import Envelope
 from rotorrig.sims.rotor.swept.passed_modes import Spectra, passage, spectra
 from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows

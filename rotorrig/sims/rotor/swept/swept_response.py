@@ -14,10 +14,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.sims.rotor.model.assembly import RotorModel
-from rotorrig.sims.rotor.model.derivatives import Direction
-from rotorrig.sims.rotor.model.loads import Load, patterns, unbalance_loads, unbalance_pattern
-from rotorrig.sims.rotor.steady.derivatives import Derivatives
+from rotorrig.sims.rotor.model import Direction, Load, RotorModel, patterns, unbalance_loads, unbalance_pattern
+from rotorrig.sims.rotor.steady import Derivatives
 from rotorrig.sims.rotor.swept.envelope import Envelope, Motion
 from rotorrig.sims.rotor.swept.forcing import Drive, drive
 from rotorrig.sims.rotor.swept.passed_modes import Passage, passage

@@ -7,7 +7,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 
 TURN = 2 * np.pi
 MOST_POWERS = 13  # of a polynomial in the speed

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.rig.errors import DataError
+from rotorrig.rig import DataError
 from rotorrig.sims.rotor.swept.timeline import TURN, SpeedRange, Timeline, Turns
 
 Reals = NDArray[np.float64]

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, Self
 
-from rotorrig.rig.errors import RigError
+from rotorrig.rig import RigError
 from rotorrig.sims.wire.cables.interference import Deliver, Interference, Lane
 
 BITS_PER_BYTE = 10.0  # 8N1: start bit, eight data bits, stop bit

@@ -9,7 +9,7 @@ from functools import partial
 from types import TracebackType
 from typing import Self
 
-from rotorrig.rig.errors import RigError
+from rotorrig.rig import RigError
 from rotorrig.sims.wire.cables.interference import Interference, Lane
 
 HOST = "127.0.0.1"  # the loopback alone: nobody outside has a say in a simulated rig

@@ -14,7 +14,7 @@ import can
 import canopen
 from canopen import objectdictionary as od
 
-from rotorrig.sims.wire.cables.serial_end import open_serial_end
+from rotorrig.sims.wire.cables import open_serial_end
 from rotorrig.sims.wire.motors.cia402 import DICTIONARY, Cia402, Refused
 from rotorrig.sims.wire.motors.slcan import Adapter
 

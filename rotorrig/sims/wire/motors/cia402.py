@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
-from rotorrig.rig.clock import Clock
+from rotorrig.rig import Clock
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.plant_port import Plant
 

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import assert_never
 
-from rotorrig.rig.clock import Clock
-from rotorrig.rig.config.devices import CanOpen, LineController, ModbusRtu, ModbusTcp, Motor
+from rotorrig.rig import Clock
+from rotorrig.rig.config import CanOpen, LineController, ModbusRtu, ModbusTcp, Motor
 from rotorrig.sims.wire.background import running
-from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
-from rotorrig.sims.wire.cables.tcp_bridge import HOST, TcpBridge
+from rotorrig.sims.wire.cables import HOST, PtyBridge, TcpBridge
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.fault_player import Disguise, Link
 from rotorrig.sims.wire.plant_port import Plant

@@ -2,9 +2,8 @@
 
 from typing import assert_never
 
-from rotorrig.rig.clock import Clock
-from rotorrig.rig.config.devices import ModbusRtu, ModbusTcp
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig import Clock
+from rotorrig.rig.config import RPM, ModbusRtu, ModbusTcp
 from rotorrig.sims.wire.motors.acs355 import Acs355
 from rotorrig.sims.wire.motors.m_max import MMax
 from rotorrig.sims.wire.motors.modbus_motor import Registers

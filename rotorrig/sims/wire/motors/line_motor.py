@@ -7,8 +7,8 @@ import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from rotorrig.rig.clock import Clock
-from rotorrig.sims.wire.cables.serial_end import Send, open_serial_end
+from rotorrig.rig import Clock
+from rotorrig.sims.wire.cables import Send, open_serial_end
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.plant_port import Plant
 

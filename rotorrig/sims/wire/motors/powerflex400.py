@@ -15,8 +15,7 @@ import math
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from rotorrig.rig.clock import Clock
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import Clock, ConfigError
 from rotorrig.sims.wire.drive import Drive, OnSilence
 from rotorrig.sims.wire.plant_port import Plant
 

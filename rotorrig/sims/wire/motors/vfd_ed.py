@@ -12,8 +12,7 @@ Jog, reverse and a change of direction are refused as illegal values.
 
 import math
 
-from rotorrig.rig.clock import Clock
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import Clock, ConfigError
 from rotorrig.sims.wire.drive import Drive, OnSilence
 from rotorrig.sims.wire.plant_port import Plant
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.app.viewer.live.data.tracker import Turns
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM
 
 POINT_TURNS = 8  # averaged into one point
 APART = 4.0  # rpm between points

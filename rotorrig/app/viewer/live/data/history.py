@@ -1,13 +1,13 @@
 """All that is known of a sweep so far, gathered as blocks arrive; nothing of it is drawn here."""
 
-from rotorrig.acquisition.recording import RawRecording
+from rotorrig.acquisition import RawRecording
 from rotorrig.app.viewer.live.data.curves import SpeedCurves
 from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
 from rotorrig.app.viewer.live.data.spectra import SpectraSoFar
 from rotorrig.app.viewer.live.data.tracker import LiveTracker, Turns
 from rotorrig.app.viewer.live.data.waveform import Waveform
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.probes.base import Block
+from rotorrig.rig.config import RigConfig
+from rotorrig.rig.probes import Block
 
 STEP = 0.25  # s of a recording taken at a time
 

@@ -5,9 +5,7 @@ from numpy.typing import NDArray
 
 from rotorrig.app.viewer.live.data.tracker import Turns
 from rotorrig.app.viewer.live.data.waveform import POINTS, Waveform
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.sweep_plans import RunUpCoastDown, RunUpRampDown, Stepped
-from rotorrig.rig.config.units import RPM
+from rotorrig.rig.config import RPM, RigConfig, RunUpCoastDown, RunUpRampDown, Stepped
 
 NEAR = 0.1  # relative: turns nearer than this to a plan's slow-roll speed are slow roll
 FEWEST = 8  # turns; fewer make no vector

@@ -7,11 +7,10 @@ from numpy.typing import NDArray
 
 from rotorrig.app.viewer.live.data.tracker import KEPT_TURNS
 from rotorrig.app.viewer.live.data.waveform import Waveform
-from rotorrig.app.viewer.plots.bode import fastest_rpm
-from rotorrig.processing.probe_planes import planes
-from rotorrig.processing.tracking.full_spectrum import full_spectrum
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.app.viewer.plots import fastest_rpm
+from rotorrig.processing import planes
+from rotorrig.processing.tracking import full_spectrum
+from rotorrig.rig.config import RPM, UM, RigConfig
 
 ROWS = 40  # of a cascade from rest to the fastest speed
 

@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.app.viewer.live.data.waveform import Waveform, at_equal_angles
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.probes.base import Block, DaqInfo
-from rotorrig.rig.probes.calibration import ProbeScale
-from rotorrig.rig.probes.keyphasor_speed import KeyphasorSpeed
+from rotorrig.rig.config import RigConfig
+from rotorrig.rig.probes import Block, DaqInfo, KeyphasorSpeed, ProbeScale
 
 KEPT_TURNS = 8  # of waveform: a full spectrum's
 KEPT_SECONDS = 6.0  # of it at most; a shaft slower than 10 rpm has no orbit to show

@@ -8,8 +8,8 @@ from rerun.blueprint.archetypes import TextLogColumns
 from rerun.blueprint.encodings import TextLogColumnKind
 
 from rotorrig.app.viewer.blueprint import BACKGROUND, POLAR_BOUNDS, flat, laid_out
-from rotorrig.processing.probe_planes import planes
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.processing import planes
+from rotorrig.rig.config import RigConfig
 
 TABS = ("Sweep", "Orbits", "Polar", "Position", "Spectra")
 ORBIT_BOUNDS = rrb.VisualBounds2D(x_range=(-20, 112), y_range=(-11, 127))

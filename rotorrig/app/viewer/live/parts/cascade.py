@@ -2,12 +2,11 @@
 
 import rerun as rr
 
-from rotorrig.app.viewer.live.data.curves import WAYS
-from rotorrig.app.viewer.live.data.spectra import SpectraSoFar
+from rotorrig.app.viewer.live.data import WAYS, SpectraSoFar
 from rotorrig.app.viewer.live.parts.vectors import COLOURS, NAMES
-from rotorrig.app.viewer.plots.cascade import CascadePicture
-from rotorrig.processing.probe_planes import planes
-from rotorrig.rig.config.description import RigConfig
+from rotorrig.app.viewer.plots import CascadePicture
+from rotorrig.processing import planes
+from rotorrig.rig.config import RigConfig
 
 
 class CascadesPart:

@@ -4,14 +4,10 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
-from rotorrig.app.viewer.live.data.waveform import POINTS, THETA, Waveform
-from rotorrig.app.viewer.plots.axes import UP
-from rotorrig.app.viewer.plots.orbit import OrbitPicture
-from rotorrig.app.viewer.plots.time_base import TimeBasePicture
-from rotorrig.processing.probe_planes import Plane, planes
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import UM
+from rotorrig.app.viewer.live.data import POINTS, THETA, SlowRollSoFar, Waveform
+from rotorrig.app.viewer.plots import UP, OrbitPicture, TimeBasePicture
+from rotorrig.processing import Plane, planes
+from rotorrig.rig.config import UM, RigConfig
 
 TURNS = 2  # the last ones: what orbits, time bases and present vectors are of
 UNFILTERED = (128, 138, 150)

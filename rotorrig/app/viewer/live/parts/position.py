@@ -4,16 +4,11 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.viewer.live.data.curves import WAYS, Points, SpeedCurves
+from rotorrig.app.viewer.live.data import WAYS, Points, SpeedCurves
 from rotorrig.app.viewer.live.parts.vectors import COLOURS, NAMES
-from rotorrig.app.viewer.plots.centreline import SMALLEST_PATH, CentrelinePicture
-from rotorrig.app.viewer.plots.gap_trend import GapTrendPicture
-from rotorrig.app.viewer.plots.polar import speed_marks
-from rotorrig.app.viewer.plots.words import displayable
-from rotorrig.processing.probe_planes import planes
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.nameplate import Bearing
-from rotorrig.rig.config.units import UM
+from rotorrig.app.viewer.plots import SMALLEST_PATH, CentrelinePicture, GapTrendPicture, displayable, speed_marks
+from rotorrig.processing import planes
+from rotorrig.rig.config import UM, Bearing, RigConfig
 
 LABELS_APART = 0.3  # of the reach of the path, or half that of the smallest axes
 

@@ -3,13 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.curves import lag_degrees
-from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
-from rotorrig.app.viewer.live.data.waveform import Waveform
+from rotorrig.app.plot_data import lag_degrees
+from rotorrig.app.viewer.live.data import SlowRollSoFar, Waveform
 from rotorrig.app.viewer.live.parts.orbits import first_order
-from rotorrig.app.viewer.plots.words import displayable
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM, UM
+from rotorrig.app.viewer.plots import displayable
+from rotorrig.rig.config import RPM, UM, RigConfig
 
 
 def readings(

@@ -4,21 +4,17 @@ from collections.abc import Iterable
 
 import rerun as rr
 
-from rotorrig.acquisition.recording import Event
-from rotorrig.app.viewer.live.data.curves import WAYS
-from rotorrig.app.viewer.live.data.history import History
-from rotorrig.app.viewer.live.data.tracker import LiveTracker
+from rotorrig.acquisition import Event
+from rotorrig.app.viewer.live.data import WAYS, History, LiveTracker
 from rotorrig.app.viewer.live.parts.cascade import CascadesPart
 from rotorrig.app.viewer.live.parts.orbits import TURNS, OrbitsPart, first_order
 from rotorrig.app.viewer.live.parts.position import CentrelinesPart, GapsPart
 from rotorrig.app.viewer.live.parts.readings import readings
 from rotorrig.app.viewer.live.parts.vectors import VectorsPart
-from rotorrig.app.viewer.plots.axes import MARK, UP
-from rotorrig.app.viewer.plots.words import displayable
-from rotorrig.processing.rows.runs import ENDS
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import RPM
-from rotorrig.rig.probes.base import Block, DaqInfo
+from rotorrig.app.viewer.plots import MARK, UP, displayable
+from rotorrig.processing.rows import ENDS
+from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.rig.probes import Block, DaqInfo
 
 CURVES_EVERY = 1.0  # s of the sample clock: whole curves are sent each time
 READINGS_EVERY = 0.5  # s

@@ -4,14 +4,10 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.curves import phase_window
-from rotorrig.app.viewer.live.data.curves import WAYS, SpeedCurves
-from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
-from rotorrig.app.viewer.plots.axes import DOWN, MARK, UP
-from rotorrig.app.viewer.plots.bode import BodePicture, Panels, fastest_rpm
-from rotorrig.app.viewer.plots.polar import PolarPicture
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.config.units import UM
+from rotorrig.app.plot_data import phase_window
+from rotorrig.app.viewer.live.data import WAYS, SlowRollSoFar, SpeedCurves
+from rotorrig.app.viewer.plots import DOWN, MARK, UP, BodePicture, Panels, PolarPicture, fastest_rpm
+from rotorrig.rig.config import UM, RigConfig
 
 NAMES, COLOURS = {1: "up", -1: "down"}, {1: UP, -1: DOWN}
 

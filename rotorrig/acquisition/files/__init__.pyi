@@ -1,0 +1,41 @@
+from .file_kind import read_file_kind as read_file_kind
+from .foxglove_schemas import INFO as INFO
+from .foxglove_schemas import LOG as LOG
+from .foxglove_schemas import POINT_CLOUD as POINT_CLOUD
+from .foxglove_schemas import WARNING as WARNING
+from .foxglove_schemas import cloud_values as cloud_values
+from .foxglove_schemas import log_values as log_values
+from .part_file import PartFile as PartFile
+from .recording_mcap import Contents as Contents
+from .recording_mcap import FileKind as FileKind
+from .recording_mcap import FileWriter as FileWriter
+from .recording_mcap import RecordingWriter as RecordingWriter
+from .recording_mcap import open_recording as open_recording
+from .recording_mcap import read_file as read_file
+from .recording_mcap import read_recording as read_recording
+from .recording_mcap import salvage as salvage
+from .recording_mcap import write_recording as write_recording
+from .schemas import MessageType as MessageType
+from .schemas import message_type as message_type
+
+__all__ = [
+    "INFO",
+    "LOG",
+    "POINT_CLOUD",
+    "WARNING",
+    "Contents",
+    "FileKind",
+    "FileWriter",
+    "MessageType",
+    "PartFile",
+    "RecordingWriter",
+    "cloud_values",
+    "log_values",
+    "message_type",
+    "open_recording",
+    "read_file",
+    "read_file_kind",
+    "read_recording",
+    "salvage",
+    "write_recording",
+]

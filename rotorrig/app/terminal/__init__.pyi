@@ -1,0 +1,19 @@
+from .console import err as err
+from .console import out as out
+from .console import progress_bars as progress_bars
+from .console import tell as tell
+from .console import working as working
+from .model_drawing import drawing as drawing
+from .operator import HINT as HINT
+from .operator import operator_for as operator_for
+
+__all__ = [
+    "HINT",
+    "drawing",
+    "err",
+    "operator_for",
+    "out",
+    "progress_bars",
+    "tell",
+    "working",
+]

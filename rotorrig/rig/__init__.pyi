@@ -1,0 +1,25 @@
+from .clock import Clock as Clock
+from .clock import WallClock as WallClock
+from .errors import ConfigError as ConfigError
+from .errors import DataError as DataError
+from .errors import LimitExceeded as LimitExceeded
+from .errors import LinkLost as LinkLost
+from .errors import RigError as RigError
+from .interlock import Interlock as Interlock
+from .provenance import Provenance as Provenance
+from .provenance import code_version as code_version
+from .provenance import file_hash as file_hash
+
+__all__ = [
+    "Clock",
+    "ConfigError",
+    "DataError",
+    "Interlock",
+    "LimitExceeded",
+    "LinkLost",
+    "Provenance",
+    "RigError",
+    "WallClock",
+    "code_version",
+    "file_hash",
+]

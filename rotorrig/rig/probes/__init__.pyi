@@ -1,0 +1,23 @@
+from .base import Block as Block
+from .base import Daq as Daq
+from .base import DaqInfo as DaqInfo
+from .calibration import ProbeScale as ProbeScale
+from .calibration import channel_volts as channel_volts
+from .calibration import channels_used as channels_used
+from .keyphasor_speed import KeyphasorSpeed as KeyphasorSpeed
+from .nidaqmx_daq import NiDaqmxDaq as NiDaqmxDaq
+from .opendaq_daq import OpenDaqDaq as OpenDaqDaq
+from .stream_daq import StreamDaq as StreamDaq
+
+__all__ = [
+    "Block",
+    "Daq",
+    "DaqInfo",
+    "KeyphasorSpeed",
+    "NiDaqmxDaq",
+    "OpenDaqDaq",
+    "ProbeScale",
+    "StreamDaq",
+    "channel_volts",
+    "channels_used",
+]

@@ -1,0 +1,5 @@
+from .controllers import Place as Place
+
+__all__ = [
+    "Place",
+]
