@@ -4,12 +4,12 @@ Table 8 prints the error of cxx by f3 as 160 %; its own 0.852 for 0.5 is 70 %. T
 at 34.6, which is what the errors printed there are of.
 """
 
-from rotorrig.identify.base_model import Name
+from rotorrig.identify.base_model import ObjectiveName
 
 NAMES = ("kxx", "kyy", "cxx", "cyy", "u")
-OBJECTIVES: tuple[Name, ...] = ("f1", "f2", "f3")
+OBJECTIVES: tuple[ObjectiveName, ...] = ("f1", "f2", "f3")
 
-Values = dict[Name, tuple[float, ...]]  # objective -> kxx, kyy, cxx, cyy, u
+Values = dict[ObjectiveName, tuple[float, ...]]  # objective -> kxx, kyy, cxx, cyy, u
 
 TABLE8: Values = {
     "f1": (45.94e6, 71.67e6, 2570.0, 1.5, 210.4e-6),
@@ -28,7 +28,7 @@ TABLE10_CALLS = {"f1": 4334, "f2": 4360, "f3": 4288}
 TABLE10_SECONDS = 3519.0  # mean, on a 3 GHz Pentium 4
 
 
-def errors(values: Values, reference: tuple[float, ...]) -> dict[Name, dict[str, float]]:
+def errors(values: Values, reference: tuple[float, ...]) -> dict[ObjectiveName, dict[str, float]]:
     """Return the errors in % by objective and parameter, of either sign; NaN where there is no reference.
 
     >>> {name: round(off, 1) for name, off in errors(TABLE8, TABLE8_REFERENCE)["f3"].items()}

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from benchmarks import valley_search
-from rotorrig.identify.base_model import Name
+from rotorrig.identify.base_model import ObjectiveName
 from rotorrig.identify.base_model.objectives import Amplitudes
 from rotorrig.identify.chea.chea import chea
 from rotorrig.identify.chea.residuals import descend_absolute
@@ -41,7 +41,7 @@ def box(amplitudes: Amplitudes) -> Real:
     return np.array([*space.bounds, *((amount.low, amount.high) for amount in space.amounts)])
 
 
-def black_box(amplitudes: Amplitudes, *, objective: Name, seed: int) -> tuple[Real, float, int]:
+def black_box(amplitudes: Amplitudes, *, objective: ObjectiveName, seed: int) -> tuple[Real, float, int]:
     """Return where rounds of CHEA (profile modern) end, (5,) in SI, the objective there, and the calls that took.
 
     CHEA is shown the logarithm of the value alone: that makes wide funnels of deep and narrow minima. It searches
@@ -134,7 +134,7 @@ def _descend(
 
 
 def least_of_many(
-    amplitudes: Amplitudes, *, objective: Name, starts: int, near: Real, rng: np.random.Generator
+    amplitudes: Amplitudes, *, objective: ObjectiveName, starts: int, near: Real, rng: np.random.Generator
 ) -> float:
     """Return the least value of the objective met from `near` (5,) SI, from random starts and from about the best.
 
@@ -187,7 +187,7 @@ def _starts(amplitudes: Amplitudes, count: int, rng: np.random.Generator) -> Ite
         yield np.append(u, amplitudes.amount(u))
 
 
-def _descended(amplitudes: Amplitudes, objective: Name, v: Real, *, calls: int = _DESCENT) -> _Descent:
+def _descended(amplitudes: Amplitudes, objective: ObjectiveName, v: Real, *, calls: int = _DESCENT) -> _Descent:
     fun = amplitudes.vector(objective)
     if objective == "f1":
         return _least_squares(fun, v, calls=calls)

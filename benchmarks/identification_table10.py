@@ -32,7 +32,7 @@ from benchmarks.identification_chapter import (
 from benchmarks.identification_table8 import HALF
 from benchmarks.tables import markdown
 from rotorrig.identify import identify, measurement
-from rotorrig.identify.base_model import Name, Parameters, Problem, Space
+from rotorrig.identify.base_model import ObjectiveName, Parameters, Problem, Space
 from rotorrig.identify.base_model.global_search import search_amplitudes
 from rotorrig.identify.base_model.objectives import Amplitudes
 from rotorrig.identify.base_model.steady_forward import Steady
@@ -129,7 +129,7 @@ def _fitted(response: OrderTrackedResponse) -> tuple[Real, int, float]:
 
 
 def _searched(
-    response: OrderTrackedResponse, measured: Measurement, objective: Name, *, slow_roll: bool
+    response: OrderTrackedResponse, measured: Measurement, objective: ObjectiveName, *, slow_roll: bool
 ) -> tuple[Real, int, float]:
     """Return the minimum of f1, f2 or f3; without `slow_roll` the prediction's is not subtracted, as in the chapter."""
     began = time.perf_counter()

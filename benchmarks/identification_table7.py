@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from benchmarks.identification_searches import black_box
 from benchmarks.tables import markdown
-from rotorrig.identify.base_model import Name, Space
+from rotorrig.identify.base_model import ObjectiveName, Space
 from rotorrig.identify.base_model.global_search import search_amplitudes, search_residual
 from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual
 from rotorrig.identify.base_model.steady_forward import Steady, shaft_stiffness
@@ -28,7 +28,7 @@ from rotorrig.sims.rotor.steady.receptance import condense
 
 ROOT = Path(__file__).parents[1]
 TRUTH = np.array([50e6, 70e6, 500.0, 700.0, 200e-6])  # Table 5: kxx, kyy, cxx, cyy, u
-OBJECTIVES: tuple[Name, ...] = ("f1", "f2", "f3")
+OBJECTIVES: tuple[ObjectiveName, ...] = ("f1", "f2", "f3")
 CHAPTER = {"f1": 2993, "f2": 2768, "f3": 3150}  # calls, Table 7
 EXACT = 1e-3  # relative: what the table's three digits show
 SAME_RESPONSE = 1e-8  # of the response, root mean square
@@ -142,7 +142,7 @@ def _oracle() -> Any:
     return np.load(ROOT / "tests/data/oracle/oracle_lalanne.npz")
 
 
-def scalar(objective: Name, seed: int) -> Run:
+def scalar(objective: ObjectiveName, seed: int) -> Run:
     """Search f1, f2 or f3 as a black box."""
     found, _, calls = black_box(Amplitudes(steady(), np.abs(oracle_response())), objective=objective, seed=seed)
     return Run(calls, _error(found, TRUTH))

@@ -18,7 +18,7 @@ from benchmarks.identification_chapter import NAMES, OBJECTIVES, TABLE8, TABLE8_
 from benchmarks.identification_searches import black_box, box, least_of_many
 from benchmarks.identification_table7 import oracle_response, steady
 from benchmarks.tables import markdown
-from rotorrig.identify.base_model import Name
+from rotorrig.identify.base_model import ObjectiveName
 from rotorrig.identify.base_model.global_search import search_amplitudes
 from rotorrig.identify.base_model.objectives import Amplitudes
 
@@ -50,16 +50,16 @@ class Run:
     at_chapter: float  # and at those the chapter prints
 
 
-def measure(pool: ProcessPoolExecutor, *, draws: int, starts: int, black_boxes: int) -> dict[Name, list[Run]]:
+def measure(pool: ProcessPoolExecutor, *, draws: int, starts: int, black_boxes: int) -> dict[ObjectiveName, list[Run]]:
     """Return the runs by objective. `starts` are those of the brute force; the first draws are black boxes too."""
     jobs = [(objective, draw, starts, draw < black_boxes) for objective in OBJECTIVES for draw in range(draws)]
-    runs: dict[Name, list[Run]] = {}
+    runs: dict[ObjectiveName, list[Run]] = {}
     for (objective, *_), run in zip(jobs, pool.map(_run, jobs), strict=True):
         runs.setdefault(objective, []).append(run)
     return runs
 
 
-def summarise(runs: dict[Name, list[Run]]) -> dict[str, Any]:
+def summarise(runs: dict[ObjectiveName, list[Run]]) -> dict[str, Any]:
     """Return table8 of the JSON object: of every objective the median |error| in %, and what else `text` shows."""
     found: dict[str, Any] = {name: _row(of, name) for name, of in runs.items()}
     found["crb"] = _by_name(100 * bound())
@@ -81,7 +81,7 @@ def noisy(draw: int | None) -> Amplitudes:
     return Amplitudes(steady(), amplitude)
 
 
-def _run(job: tuple[Name, int, int, bool]) -> Run:
+def _run(job: tuple[ObjectiveName, int, int, bool]) -> Run:
     objective, draw, starts, as_black_box = job
     amplitudes, rng = noisy(draw), np.random.default_rng([88, draw])
     optima, calls, _ = search_amplitudes(amplitudes, objective=objective, rng=rng)
@@ -102,7 +102,7 @@ def _search(theta: tuple[float, ...] | Real, cost: float, calls: int) -> Search:
     return Search(error=100 * (np.array(theta) / TRUTH - 1), cost=cost, calls=calls)
 
 
-def _row(runs: list[Run], objective: Name) -> dict[str, Any]:
+def _row(runs: list[Run], objective: ObjectiveName) -> dict[str, Any]:
     """Return the figures of one objective; those of the parameters are of the residual vector's search."""
     error = np.abs([run.vector.error for run in runs])
     black_boxes = [(run.scalar, run.least) for run in runs if run.scalar]
@@ -134,7 +134,7 @@ def _by_name(values: Real) -> dict[str, Any]:
     return dict(zip(NAMES, np.asarray(values).tolist(), strict=True))
 
 
-def text(runs: dict[Name, list[Run]]) -> str:
+def text(runs: dict[ObjectiveName, list[Run]]) -> str:
     """Return the tables in Markdown, and what can be read from them."""
     summary = summarise(runs)
     readings = "\n".join(f"- {_reading(name, summary[name], summary['crb'])}" for name in OBJECTIVES)
@@ -171,7 +171,7 @@ def _searches(summary: dict[str, Any]) -> str:
     return markdown(head, rows)
 
 
-def _reading(objective: Name, row: dict[str, Any], crb: dict[str, float]) -> str:
+def _reading(objective: ObjectiveName, row: dict[str, Any], crb: dict[str, float]) -> str:
     """Say which of the chapter's errors the minimum of its objective shares, and how near it comes to the bound."""
     times_bound = [row[name] / (HALF * crb[name]) for name in NAMES]
     printed = {name: f"{name} ({row['chapter'][name]:.3g} %)" for name in NAMES}

@@ -12,11 +12,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.base_model import MOST_STEPS, Found, Name, Problem, Reals, search
+from rotorrig.identify.base_model import MOST_STEPS, ObjectiveName, Problem, Reals, SearchResult, search
 from rotorrig.identify.identification import Fit, Identification
-from rotorrig.identify.least_squares import Polished
+from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.measurement import Measurement, measure
-from rotorrig.identify.uncertainty import Identifiability, Resampling, estimates, resampled, with_intervals, words
+from rotorrig.identify.uncertainty import (
+    Identifiability,
+    Resampling,
+    describe_identifiability,
+    estimates,
+    with_bootstrap_intervals,
+    with_intervals,
+)
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import ConfigError, DataError, code_version
 from rotorrig.rig.config import RigConfig
@@ -33,7 +40,7 @@ def identify(
     response: OrderTrackedResponse,
     *,
     seed: int = 0,
-    objective: Name = "residual",
+    objective: ObjectiveName = "residual",
     profile: bool = False,
     resampling: Resampling | None = None,
     progress: Progress = lambda text: None,
@@ -66,7 +73,7 @@ def identify(
         if resampling:
             progress("bootstrap")
             again = _Again(response, options)
-            fits[0] = resampled(fits[0], whole.problem, best, resampling, seed=seed, search=again)
+            fits[0] = with_bootstrap_intervals(fits[0], whole.problem, best, resampling, seed=seed, search=again)
     return Identification(
         fits=(replace(fits[0], words=(*fits[0].words, *left_out)), *fits[1:]),
         effects=(),
@@ -85,7 +92,7 @@ def _check(rig: RigConfig) -> None:
             )
 
 
-def first_fit(response: OrderTrackedResponse, *, seed: int = 0) -> Polished:
+def first_fit(response: OrderTrackedResponse, *, seed: int = 0) -> Solution:
     """Return a fit of the whole sweep alone to begin others from, in the vector of `Parameters`. Raises as `fit`."""
     _check(response.rig)
     with threadpool_limits(1, user_api="blas"):
@@ -100,7 +107,7 @@ def first_fit(response: OrderTrackedResponse, *, seed: int = 0) -> Polished:
 class _Options:
     """Of every band's fit."""
 
-    objective: Name  # of the global search
+    objective: ObjectiveName  # of the global search
     seed: int
     profile: bool
     steps: int = MOST_STEPS  # of the least squares with all unknowns free
@@ -122,7 +129,7 @@ def _band(response: OrderTrackedResponse, name: str, limits: tuple[float, float]
 
 def _solved(
     response: OrderTrackedResponse, band: _Band, options: _Options, *, near: Reals | None = None
-) -> tuple[Found, Polished]:
+) -> tuple[SearchResult, Solution]:
     """Search a band, and refine what was found and, if given, `near`: the parameters of another band."""
     space = band.problem.parameters.space
     found = search(response, band.measured, space, objective=options.objective, seed=options.seed)
@@ -138,12 +145,12 @@ class _Again:
     response: OrderTrackedResponse
     options: _Options
 
-    def __call__(self, problem: Problem, start: Reals) -> Polished:
+    def __call__(self, problem: Problem, start: Reals) -> Solution:
         band = _Band(name=WHOLE, measured=problem.measured, problem=problem)
         return _solved(self.response, band, self.options)[1]
 
 
-def _refined(problem: Problem, optima: list[Reals], near: Reals | None, *, steps: int) -> Iterator[Polished]:
+def _refined(problem: Problem, optima: list[Reals], near: Reals | None, *, steps: int) -> Iterator[Solution]:
     """Refine one start after the other: `near`, the search's best minimum, the nameplate, the next minimum.
 
     Amplitudes of few probes leave valleys in which the search cannot choose; the nameplate is a fair guess there.
@@ -151,10 +158,10 @@ def _refined(problem: Problem, optima: list[Reals], near: Reals | None, *, steps
     if near is not None:
         yield problem.solve(near)
     for theta in (*optima[:1], problem.parameters.space.nameplate, *optima[1:_STARTS]):
-        yield problem.refined(theta, max_steps=steps)
+        yield problem.refine(theta, max_steps=steps)
 
 
-def _best(refined: Iterator[Polished]) -> Polished:
+def _best(refined: Iterator[Solution]) -> Solution:
     """Return the first that fits as the noise allows, else the best."""
     tried = []
     for candidate in refined:
@@ -165,7 +172,7 @@ def _best(refined: Iterator[Polished]) -> Polished:
 
 
 def _fit(
-    response: OrderTrackedResponse, band: _Band, whole: _Band, options: _Options, found: Found, best: Polished
+    response: OrderTrackedResponse, band: _Band, whole: _Band, options: _Options, found: SearchResult, best: Solution
 ) -> Fit:
     """Put the results of a band into words and numbers; `whole` predicts the rows outside it too."""
     problem = band.problem
@@ -179,13 +186,13 @@ def _fit(
         name=band.name,
         band=(float(omega.min()), float(omega.max())),
         estimates=with_intervals(
-            estimates.sought(best, problem, response.rig, unseen=unseen),
+            estimates.estimate_unknowns(best, problem, response.rig, unseen=unseen),
             best,
             problem,
             unseen=unseen,
             profile=options.profile,
         ),
-        nuisances=estimates.nuisances(best, problem),
+        nuisances=estimates.estimate_nuisances(best, problem),
         unknowns=(*space.names, *(amount.name for amount in space.amounts)),
         optima=found.optima,
         objective=options.objective,
@@ -197,7 +204,7 @@ def _fit(
         prediction=prediction,
         directions=able.directions(),
         budget=able.budget(),
-        words=(*words(best, problem, able, unseen=unseen), *_caveats(problem)),
+        words=(*describe_identifiability(best, problem, able, unseen=unseen), *_caveats(problem)),
     )
 
 

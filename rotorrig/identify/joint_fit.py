@@ -9,7 +9,7 @@ from rotorrig.identify.adequacy import Adequacy, assess
 from rotorrig.identify.causes import background
 from rotorrig.identify.extended_model import ExtendedProblem, MarkEdge, Recording
 from rotorrig.identify.fit import first_fit
-from rotorrig.identify.least_squares import Polished
+from rotorrig.identify.least_squares import Solution
 from rotorrig.sims.effects import Effect
 
 _SETTLED = 0.1  # of chi2
@@ -21,7 +21,7 @@ class Assessed:
     """A fit of all recordings and the test of it."""
 
     problem: ExtendedProblem
-    polished: Polished
+    polished: Solution
     adequacy: Adequacy  # its maps have the rows of all responses, one after the other
 
 
@@ -39,7 +39,7 @@ def fitted(
     return assessed(problem, problem.solve(start, tolerance=_SETTLED, max_steps=_STEPS))
 
 
-def assessed(problem: ExtendedProblem, polished: Polished) -> Assessed:
+def assessed(problem: ExtendedProblem, polished: Solution) -> Assessed:
     """Test a fit: adequate if it is for every recording."""
     reduced = _reduced_chi2(problem, polished)
     each = []
@@ -65,7 +65,7 @@ def assessed(problem: ExtendedProblem, polished: Polished) -> Assessed:
     )
 
 
-def _reduced_chi2(problem: ExtendedProblem, polished: Polished) -> float:
+def _reduced_chi2(problem: ExtendedProblem, polished: Solution) -> float:
     """Return chi2 per degree of freedom of 1X, priors included, as the limits of residual_tests.py were set for."""
     square, size = 0.0, 0
     for recording, predicted in zip(problem.recordings, problem.predict(polished.p), strict=True):

@@ -38,7 +38,7 @@ def healthy(rig: RigConfig) -> OrderTrackedResponse:
 
 @pytest.fixture(scope="session")
 def hidden(short: OrderTrackedResponse) -> NDArray[np.float64]:
-    """What polish.Problem calls the unknowns of every recording here, but for its own settling: (parameter,)."""
+    """What base_model.Problem calls the unknowns of every recording here, but for its own settling: (parameter,)."""
     return Problem(short, measure(short)).start(np.array([*K, *C]))
 
 

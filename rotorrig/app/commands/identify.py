@@ -4,7 +4,7 @@ from rich.progress import Progress
 
 from rotorrig.app.terminal import progress_bars
 from rotorrig.identify import Identification, identify
-from rotorrig.identify.base_model import Name
+from rotorrig.identify.base_model import ObjectiveName
 from rotorrig.identify.uncertainty import Resampling
 from rotorrig.processing import OrderTrackedResponse
 
@@ -12,7 +12,7 @@ from rotorrig.processing import OrderTrackedResponse
 def identified(
     response: OrderTrackedResponse,
     *,
-    objective: Name = "residual",
+    objective: ObjectiveName = "residual",
     profile: bool = False,
     draws: int = 0,
     workers: int = 1,

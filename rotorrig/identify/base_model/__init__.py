@@ -1,7 +1,7 @@
 """The base model as a least-squares problem: what is unknown, its forward response, objectives and global search."""
 
-from rotorrig.identify.base_model.global_search import Found, search
-from rotorrig.identify.base_model.objectives import Name
+from rotorrig.identify.base_model.global_search import SearchResult, search
+from rotorrig.identify.base_model.objectives import ObjectiveName
 from rotorrig.identify.base_model.parameters import Parameters, Reals
 from rotorrig.identify.base_model.problem import MOST_STEPS, Problem
 from rotorrig.identify.base_model.structure import StructuralModel
@@ -9,11 +9,11 @@ from rotorrig.identify.base_model.unknowns import Space, Unknown
 
 __all__ = [
     "MOST_STEPS",
-    "Found",
-    "Name",
+    "ObjectiveName",
     "Parameters",
     "Problem",
     "Reals",
+    "SearchResult",
     "Space",
     "StructuralModel",
     "Unknown",

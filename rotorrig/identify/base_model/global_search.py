@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, Name
+from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, ObjectiveName
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.chea.residuals import (
     RESIDUAL,
@@ -35,7 +35,7 @@ _NEAR = 0.02  # of the cube: first step from a minimum of the shape to that of a
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Found:
+class SearchResult:
     """What a search found."""
 
     optima: tuple[Optimum, ...]  # best first
@@ -49,9 +49,9 @@ def search(
     measured: Measurement,
     space: Space,
     *,
-    objective: Name = "residual",
+    objective: ObjectiveName = "residual",
     seed: int = 0,
-) -> Found:
+) -> SearchResult:
     """List the significant minima of an objective over the coefficients and the unbalance of `space`.
 
     "residual" is the whitened complex one and knows any space; "f1", "f2" and "f3" are the chapter's, of one unbalance.
@@ -66,7 +66,7 @@ def search(
         else:
             amplitudes = Amplitudes.of(response, measured, space)
             optima, calls, stop = search_amplitudes(amplitudes, objective=objective, rng=rng)
-    return Found(optima=optima, evaluations=calls, stop=str(stop), seconds=time.perf_counter() - began)
+    return SearchResult(optima=optima, evaluations=calls, stop=str(stop), seconds=time.perf_counter() - began)
 
 
 Outcome = tuple[tuple[Optimum, ...], int, StopReason]
@@ -87,7 +87,7 @@ def search_residual(
 
 
 def search_amplitudes(
-    amplitudes: Amplitudes, *, objective: Name, rng: np.random.Generator, settings: ResidualSettings = RESIDUAL
+    amplitudes: Amplitudes, *, objective: ObjectiveName, rng: np.random.Generator, settings: ResidualSettings = RESIDUAL
 ) -> Outcome:
     """Return the minima of f1, f2 or f3 likewise."""
     if objective not in ("f1", "f2", "f3"):
@@ -106,13 +106,13 @@ def search_amplitudes(
     return tuple(optima), calls, found.stop
 
 
-def _value(amplitudes: Amplitudes, v: Real, objective: Name) -> tuple[Real, float, int]:
+def _value(amplitudes: Amplitudes, v: Real, objective: ObjectiveName) -> tuple[Real, float, int]:
     """Return `v`, the objective there and the one call that took."""
     r, _ = amplitudes.vector(objective)(v)
     return v, float(r @ r if objective == "f1" else np.abs(r).sum()), 1
 
 
-def _followed(amplitudes: Amplitudes, v: Real, objective: Name) -> tuple[Real, float, int]:
+def _followed(amplitudes: Amplitudes, v: Real, objective: ObjectiveName) -> tuple[Real, float, int]:
     """Return the minimum of the objective next to `v`, its value, and the calls that took."""
     fun = amplitudes.vector(objective)
     if objective != "f1":

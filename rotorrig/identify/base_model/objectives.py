@@ -18,7 +18,7 @@ from rotorrig.rig import ConfigError, DataError
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-Name = Literal["residual", "f1", "f2", "f3"]
+ObjectiveName = Literal["residual", "f1", "f2", "f3"]
 Vector = Callable[[Real], tuple[Real, Real]]  # a point of the unit cube -> residuals (figure,) and their Jacobian
 
 AMPLITUDES = 120  # rows of which amplitudes are compared; what their objectives find is not refined
@@ -63,7 +63,7 @@ class Amplitudes:
     def of(cls, response: OrderTrackedResponse, measured: Measurement, space: Space) -> "Amplitudes":
         """Take the runs without a trial mass. Raises DataError if there is none, ConfigError as above."""
         bare = np.array([not response.runs[i].trial_unbalance for i in response.run[measured.rows]])
-        chosen = thinned(np.flatnonzero(bare), AMPLITUDES)
+        chosen = thin_rows(np.flatnonzero(bare), AMPLITUDES)
         if len(chosen) == 0:
             raise DataError(f"{response.source.source}: every run carries a trial mass, want one without")
         amplitude = np.abs(measured.z[chosen] - np.nan_to_num(measured.z[-1]))
@@ -102,7 +102,7 @@ class Amplitudes:
         """Return that amount as a coordinate of the unit cube."""
         return float(np.clip((-self._log_ratios(u)[0].mean() - self._lowest) / self._range, 0.0, 1.0))
 
-    def least_cost(self, u: Real, *, objective: Name) -> tuple[Real, Real]:
+    def least_cost(self, u: Real, *, objective: ObjectiveName) -> tuple[Real, Real]:
         """Return f1 [um^2], f2 or f3 [um] of candidates (candidate, dim - 1), and the amount that suits each best.
 
         Both (candidate,), the amount as a coordinate of the unit cube; no derivatives are taken. The amount enters as a
@@ -125,12 +125,12 @@ class Amplitudes:
             cost = (off**2 if objective == "f1" else np.abs(off)).sum(axis=1)
         return cost, (amount - self._lowest) / self._range
 
-    def size(self, objective: Name) -> float:
+    def size(self, objective: ObjectiveName) -> float:
         """Return the objective of a prediction of nothing, f1 [um^2] or f3 [um]; for f2 of one e times too large."""
         measured = self._measured / _MICROMETRE
         return {"f1": float(measured @ measured), "f2": len(measured) / _LN10, "f3": float(measured.sum())}[objective]
 
-    def vector(self, objective: Name) -> Vector:
+    def vector(self, objective: ObjectiveName) -> Vector:
         """Return what "f1" sums the squares of, "f2" or "f3" the absolute values."""
         return self.log_ratios if objective == "f2" else self.differences
 
@@ -188,7 +188,7 @@ class ComplexResidual:
     @classmethod
     def of(cls, response: OrderTrackedResponse, measured: Measurement, space: Space) -> "ComplexResidual":
         """Take all runs, the slow roll as one more row."""
-        chosen = thinned(np.arange(len(measured.rows)), VECTORS)
+        chosen = thin_rows(np.arange(len(measured.rows)), VECTORS)
         rows = np.append(chosen, len(measured.rows))
         trials = trial_unbalance(response, measured.rows)
         planes = tuple(dict.fromkeys((*space.planes, *trials)))
@@ -253,7 +253,7 @@ def _weighted_median(values: Real, weights: Real) -> Real:
     return np.take_along_axis(values, np.take_along_axis(order, middle, axis=1), axis=1)[:, 0]
 
 
-def thinned(rows: NDArray[np.intp], most: int) -> NDArray[np.intp]:
+def thin_rows(rows: NDArray[np.intp], most: int) -> NDArray[np.intp]:
     """Return `most` of the rows at most, evenly spaced.
 
     >>> thinned(np.arange(100), 4).tolist()

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.forward import Forward, UnitResponse
 from rotorrig.identify.base_model.parameters import Parameters, Reals
-from rotorrig.identify.least_squares import NONE_FIXED, TOLERANCE, Polished, solve
+from rotorrig.identify.least_squares import NONE_FIXED, TOLERANCE, Solution, solve
 from rotorrig.identify.measurement import Measurement, trial_unbalance
 from rotorrig.processing import OrderTrackedResponse
 
@@ -50,9 +50,9 @@ class Problem:
         space = self.parameters.space
         p = np.zeros(len(self.parameters))
         p[self.parameters.sought] = np.clip(space.to_working(values), *space.working_bounds.T)
-        return self.settled(p, np.arange(len(p)))
+        return self.solve_linear(p, np.arange(len(p)))
 
-    def refined(self, values: Reals, *, max_steps: int = MOST_STEPS) -> Polished:
+    def refine(self, values: Reals, *, max_steps: int = MOST_STEPS) -> Solution:
         """Refine from the unknowns in SI: first as if the nameplate and the probes were exact, then with all free.
 
         Far from the minimum a nuisance would take what the unknowns have not reached yet, and find back only slowly.
@@ -79,8 +79,8 @@ class Problem:
         fixed: Mapping[int, float] = NONE_FIXED,
         tolerance: float = TOLERANCE,
         max_steps: int = MOST_STEPS,
-    ) -> Polished:
-        """Refine by least squares within the bounds, the parameters in `fixed` held: solving.solve."""
+    ) -> Solution:
+        """Refine by least squares within the bounds, the parameters in `fixed` held: least_squares.solve."""
         # damped: a search may end far off, where full steps of a wrong model run to the bounds
         return solve(self, start, fixed=fixed, tolerance=tolerance, max_steps=max_steps, damped=True)
 
@@ -124,15 +124,15 @@ class Problem:
         each = np.broadcast_to(np.eye(len(gain), dtype=complex), (*forced.shape[:-1], len(gain)))
         return self._whitened(np.concatenate([_re_im(forced), _re_im(each)], axis=-1))
 
-    def settled(self, p: Reals, free: NDArray[np.intp]) -> Reals:
+    def solve_linear(self, p: Reals, free: NDArray[np.intp]) -> Reals:
         """Return `p` with the linear parameters among `free` at their best by linear least squares."""
         names = self.parameters
         linear = np.arange(names.linear.start, names.linear.stop)
         chosen = linear[np.isin(linear, free)]
         columns = np.concatenate([self._linear_columns(p), names.prior_jacobian()[:, linear]])
-        settled = p.copy()
-        settled[chosen] -= np.linalg.lstsq(columns[:, chosen - linear[0]], self.residual(p), rcond=None)[0]
-        return settled
+        best = p.copy()
+        best[chosen] -= np.linalg.lstsq(columns[:, chosen - linear[0]], self.residual(p), rcond=None)[0]
+        return best
 
     def _motion(self, p: Reals, unit: UnitResponse) -> tuple[Complex, Complex]:
         """Return the motion along and across the nominal probe axes, (..., row + 1, probe), of what unit responses are.

@@ -13,7 +13,7 @@ from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_nuisances
 from rotorrig.identify.causes.score_test import Score, relocated
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.identify.least_squares import Polished, Stop, Worth
+from rotorrig.identify.least_squares import Solution, Stop, Worth
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect, magnitudes
 
@@ -31,7 +31,7 @@ class Candidate:
     """A set of effects, the last of them on trial, and its fit."""
 
     problem: ExtendedProblem
-    polished: Polished
+    polished: Solution
     lam: float  # by how much chi2 is below that without the last effect
     evidence: float  # by how much BIC is
 
@@ -56,7 +56,7 @@ def plausible(candidate: Candidate) -> bool:
 
 
 def on_trial(
-    problem: ExtendedProblem, polished: Polished, plain: Polished | None, score: Score, *, leader: float
+    problem: ExtendedProblem, polished: Solution, plain: Solution | None, score: Score, *, leader: float
 ) -> Candidate | None:
     """Fit the effect of a score beside those of `problem`, fitted as `polished`; None where it has no solution.
 
@@ -97,7 +97,7 @@ def price(problem: ExtendedProblem, effect: Effect) -> float:
     return sum(q.low < q.high for q in effect.parameters) * float(np.log(independent))
 
 
-def named_by_place(problem: ExtendedProblem, fit: Polished) -> tuple[ExtendedProblem, Polished]:
+def named_by_place(problem: ExtendedProblem, fit: Solution) -> tuple[ExtendedProblem, Solution]:
     """Return a fit whose last effect is told from the place nearest to where the fit took it."""
     names, effect = problem.parameters, problem.effects[-1]
     moved, theta = effect.nearest(names.of_effect(fit.p, len(names.effects) - 1))
@@ -107,13 +107,13 @@ def named_by_place(problem: ExtendedProblem, fit: Polished) -> tuple[ExtendedPro
     return problem if same else problem.extended((*problem.effects[:-1], moved)), replace(fit, p=p)
 
 
-def _from_elsewhere(problem: ExtendedProblem, fit: Polished, *, worth: Worth) -> Polished:
+def _from_elsewhere(problem: ExtendedProblem, fit: Solution, *, worth: Worth) -> Solution:
     """Return the better of a fit and that from another beginning of its effect, if one promises to be better."""
     begin = elsewhere(problem, fit)
     return fit if begin is None else min(_refined(problem, begin, worth=worth), fit, key=_chi2)
 
 
-def _chi2(fit: Polished) -> float:
+def _chi2(fit: Solution) -> float:
     return fit.chi2
 
 
@@ -124,8 +124,8 @@ def _same_place(effect: Effect, other: Effect) -> bool:
 
 
 def _first(
-    problem: ExtendedProblem, polished: Polished, plain: Polished | None, score: Score, *, worth: Worth
-) -> Polished:
+    problem: ExtendedProblem, polished: Solution, plain: Solution | None, score: Score, *, worth: Worth
+) -> Solution:
     """Fit from where the score says, or else from where the effect does nothing: beside `plain`, if there is one.
 
     A first full step from there goes as far as the score says. What does not end beside `plain` may do so beside
@@ -144,7 +144,7 @@ def _first(
     return direct if plain is None else min(direct, fit, key=_chi2)
 
 
-def _refined(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Polished:
+def _refined(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Solution:
     """Fit from `start`; a force law, where the nuisances are drawn off, from their priors."""
     start = np.clip(start, *problem.bounds)
     if not problem.curved:
@@ -157,7 +157,7 @@ def _refined(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Polishe
     return problem.solve(start, tolerance=_SETTLED, max_steps=_CURVED_STEPS, worth=worth)
 
 
-def refit(problem: ExtendedProblem, start: Reals) -> Polished:
+def refit(problem: ExtendedProblem, start: Reals) -> Solution:
     """Fit a problem from next to where it ends, to the end."""
     steps = _CURVED_STEPS if problem.curved else _STEPS
     return problem.solve(start, tolerance=_SETTLED, max_steps=steps)
@@ -166,7 +166,7 @@ def refit(problem: ExtendedProblem, start: Reals) -> Polished:
 _BETTER = 2.0  # of chi2
 
 
-def elsewhere(problem: ExtendedProblem, fit: Polished) -> Reals | None:
+def elsewhere(problem: ExtendedProblem, fit: Solution) -> Reals | None:
     """Return where to begin anew, one unknown of the last effect moved to that of a beginning; None: nowhere better.
 
     `fit` is that of `problem`, its Jacobian included.

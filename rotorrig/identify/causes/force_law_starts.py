@@ -16,7 +16,7 @@ from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.pinned_nuisances import SETTLED, STEPS, held_nuisances
 from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.identify.least_squares import LinearModel, Polished, Stop
+from rotorrig.identify.least_squares import LinearModel, Solution, Stop
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect, Parameter
 
@@ -26,7 +26,7 @@ _HOPED = 3.0  # times what a full step promises is what it may take in all
 
 
 def held_scores(
-    problem: ExtendedProblem, polished: Polished, plain: Polished, candidates: Sequence[Effect]
+    problem: ExtendedProblem, polished: Solution, plain: Solution, candidates: Sequence[Effect]
 ) -> list[Score]:
     """Return the scores of effects that are begun at their starts, beside those of `problem`; best first.
 
@@ -90,7 +90,7 @@ def _starts(parameters: Sequence[Parameter]) -> Iterator[Reals]:
                 yield np.array(start)
 
 
-def _raced(look: _Look, held: dict[int, float], *, limit: float) -> Polished:
+def _raced(look: _Look, held: dict[int, float], *, limit: float) -> Solution:
     """Fit a law from its first look, the nuisances held, as long as chi2 may come below `limit`."""
 
     def worth(chi2: float, promise: float) -> bool:
@@ -100,7 +100,7 @@ def _raced(look: _Look, held: dict[int, float], *, limit: float) -> Polished:
     return look.problem.solve(begin, fixed=held, tolerance=SETTLED, max_steps=STEPS, worth=worth)
 
 
-def _promise(problem: ExtendedProblem, fit: Polished) -> float:
+def _promise(problem: ExtendedProblem, fit: Solution) -> float:
     """Return by how much chi2 would fall with every unknown free, by the derivatives at a fit."""
     frozen = problem.parameters.frozen
     free = np.setdiff1d(np.arange(len(fit.p)), list(frozen))

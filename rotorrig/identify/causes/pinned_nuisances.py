@@ -8,7 +8,7 @@ import numpy as np
 
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.identify.least_squares import Polished
+from rotorrig.identify.least_squares import Solution
 
 SETTLED = 1.0  # of chi2: where a fit that only begins another may end
 STEPS = 15
@@ -27,7 +27,7 @@ def held_nuisances(problem: ExtendedProblem) -> dict[int, float]:
     return {int(i): float(at_priors[i]) for i in names.priors if i not in names.linear_nuisances}
 
 
-def held_fit(problem: ExtendedProblem, p: Reals) -> Polished:
+def held_fit(problem: ExtendedProblem, p: Reals) -> Solution:
     """Fit `problem` from `p` with its nuisances held at their priors."""
     held = held_nuisances(problem)
     return problem.solve(_at_priors(p, held), fixed=held, tolerance=SETTLED, max_steps=STEPS)

@@ -15,7 +15,7 @@ from rotorrig.identify.causes.force_law_starts import held_scores
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.identify.least_squares import Polished
+from rotorrig.identify.least_squares import Solution
 from rotorrig.sims.effects import Effect
 
 DETECTED = 18.0  # of chi2
@@ -32,7 +32,7 @@ _REACHED = 0.2  # of the excess of chi2: a score that leaves less may be all the
 class Stage:
     """One step forward: what was tried beside the effects that were in already."""
 
-    before: Polished
+    before: Solution
     scores: tuple[Score, ...]
     tried: tuple[Candidate, ...]  # best first
 
@@ -44,7 +44,7 @@ class Stage:
 
 def step(
     problem: ExtendedProblem,
-    polished: Polished,
+    polished: Solution,
     candidates: Sequence[Effect],
     progress: Callable[[float], None],
     *,
@@ -74,7 +74,7 @@ def step(
     return Stage(before=polished, scores=(*scored, *laws), tried=tuple(ranked))
 
 
-def _excess(problem: ExtendedProblem, polished: Polished) -> float:
+def _excess(problem: ExtendedProblem, polished: Solution) -> float:
     """Return by how much chi2 of 1X is more than adequate, priors included; negative where it is less."""
     r = problem.residual(polished.p, orders=(1,))
     return float(r @ r) - GLOBAL_LIMIT * sum(recording.measured[1].size for recording in problem.recordings)
@@ -82,8 +82,8 @@ def _excess(problem: ExtendedProblem, polished: Polished) -> float:
 
 def _all_tried(
     problem: ExtendedProblem,
-    polished: Polished,
-    plain: Polished | None,
+    polished: Solution,
+    plain: Solution | None,
     scored: Sequence[Score],
     before: Sequence[Candidate],
     *,

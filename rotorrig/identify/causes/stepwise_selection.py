@@ -17,7 +17,7 @@ from rotorrig.identify.adequacy import STRETCH
 from rotorrig.identify.causes.candidate_fit import Candidate, named_by_place, price, refit
 from rotorrig.identify.causes.selection_step import DETECTED, Stage, step
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.identify.least_squares import Polished
+from rotorrig.identify.least_squares import Solution
 from rotorrig.sims.effects import Effect
 
 ENOUGH = 4.0  # of BIC
@@ -33,15 +33,15 @@ class Selection:
     """All steps, and the effects kept."""
 
     start: ExtendedProblem  # the base model, effects of the config included
-    base: Polished
+    base: Solution
     stages: tuple[Stage, ...]
     problem: ExtendedProblem
-    polished: Polished
+    polished: Solution
 
 
 def select(
     problem: ExtendedProblem,
-    base: Polished,
+    base: Solution,
     candidates: Sequence[Effect],
     *,
     wrong: bool,
@@ -51,7 +51,7 @@ def select(
     stages: list[Stage] = []
     current, polished = problem, base
 
-    def search(what: str, problem: ExtendedProblem, polished: Polished, among: Sequence[Effect]) -> Stage:
+    def search(what: str, problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> Stage:
         taken = {own.label for own in problem.effects if not own.slight}
         rest = [e for e in among if e.label not in taken]
         return step(problem, polished, rest, partial(progress, what), wrong=wrong, first=not stages)
@@ -91,13 +91,13 @@ def _looked_for(candidate: Candidate) -> float:
 
 def _again(
     problem: ExtendedProblem,
-    polished: Polished,
-    search: Callable[[ExtendedProblem, Polished, Sequence[Effect]], Stage],
+    polished: Solution,
+    search: Callable[[ExtendedProblem, Solution, Sequence[Effect]], Stage],
     candidates: Sequence[Effect],
     stages: list[Stage],
     *,
     kept: int,
-) -> tuple[ExtendedProblem, Polished]:
+) -> tuple[ExtendedProblem, Solution]:
     """Look once more for causes that were found beside others than those they have now, and for one in place of two.
 
     Two of one kind may be parts of a third, as the delays of both planes are of one of all probes. What BIC likes
@@ -120,7 +120,7 @@ def _again(
     return problem, polished
 
 
-def _settled(stages: list[Stage]) -> tuple[ExtendedProblem, Polished]:
+def _settled(stages: list[Stage]) -> tuple[ExtendedProblem, Solution]:
     """Return the best of the last stage, fitted to the end; where that takes it to another place, the stage says so."""
     best, *others = stages[-1].tried
     problem, fit = named_by_place(best.problem, refit(best.problem, best.polished.p))
@@ -136,7 +136,7 @@ def _in_question(chosen: Sequence[Effect]) -> list[list[Effect]]:
     return [*(kind for kind in kinds if len(kind) > 1), *([effect] for effect in chosen)]
 
 
-def _without_idle(problem: ExtendedProblem, polished: Polished, *, kept: int) -> tuple[ExtendedProblem, Polished]:
+def _without_idle(problem: ExtendedProblem, polished: Solution, *, kept: int) -> tuple[ExtendedProblem, Solution]:
     """Leave out every effect but the first `kept` and the last without which BIC does not rise by `ENOUGH`."""
     for effect in problem.effects[kept:-1]:
         smaller, fit = _without(problem, polished, [effect])
@@ -146,8 +146,8 @@ def _without_idle(problem: ExtendedProblem, polished: Polished, *, kept: int) ->
 
 
 def _without(
-    problem: ExtendedProblem, polished: Polished, leaving: Sequence[Effect]
-) -> tuple[ExtendedProblem, Polished]:
+    problem: ExtendedProblem, polished: Solution, leaving: Sequence[Effect]
+) -> tuple[ExtendedProblem, Solution]:
     """Return the problem without some of its effects, fitted anew."""
     smaller = problem.extended([e for e in problem.effects if e not in leaving])
     parts = zip(problem.effects, problem.parameters.theta, strict=True)

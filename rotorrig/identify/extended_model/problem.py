@@ -1,8 +1,8 @@
 """The least-squares problem of one or more recordings of a rig, its model extended by effects.
 
-What polish.Problem is for one recording at 1X, with the same unknowns first. Columns by the rotor's own parameters are
-exact; so are those by an effect's matrices and by loads that are linear, others are differences. Under a force law the
-motion is not linear in anything: its columns come from the march, force_law_jacobian.py.
+What base_model.Problem is for one recording at 1X, with the same unknowns first. Columns by the rotor's own parameters
+are exact; so are those by an effect's matrices and by loads that are linear, others are differences. Under a force law
+the motion is not linear in anything: its columns come from the march, force_law_jacobian.py.
 """
 
 import copy
@@ -19,7 +19,7 @@ from rotorrig.identify.extended_model.measuring_chain import ProbeSide
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.tracked_recording import ORDERS, Recording
 from rotorrig.identify.extended_model.unit_responses import UnitResponses
-from rotorrig.identify.least_squares import NONE_FIXED, TOLERANCE, Index, Polished, Stop, Worth, always, solve
+from rotorrig.identify.least_squares import NONE_FIXED, TOLERANCE, Index, Solution, Stop, Worth, always, solve
 from rotorrig.sims.effects import Effect, Theta
 from rotorrig.sims.rotor.model import Direction, Load, RotorModel, between, unbalance_pattern
 
@@ -121,8 +121,8 @@ class ExtendedProblem:
         tolerance: float = TOLERANCE,
         max_steps: int = 50,
         worth: Worth = always,
-    ) -> Polished:
-        """Refine by least squares within the bounds, the parameters in `fixed` held: solving.solve.
+    ) -> Solution:
+        """Refine by least squares within the bounds, the parameters in `fixed` held: least_squares.solve.
 
         Responses above 1X are first those of the rotor at the start; where it matters, from then on exact, or under
         force laws once more those of the rotor at the end.
@@ -170,7 +170,7 @@ class ExtendedProblem:
         data = columns(self, p, free)
         return np.concatenate([data, self.parameters.prior_jacobian()[:, free]])
 
-    def settled(self, p: Reals, free: Index) -> Reals:
+    def solve_linear(self, p: Reals, free: Index) -> Reals:
         """Return `p` with unbalance, runout, hum and the amounts of linear effects among `free` at their best."""
         linear = np.intersect1d(free, self.linear())
         J = self.jacobian(p, linear)

@@ -48,7 +48,7 @@ class Stop(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Solution:
+class Minimum:
     """Where it ended."""
 
     p: Reals  # (parameter,)
@@ -74,7 +74,7 @@ def minimise(
     max_steps: int = 50,
     worth: Worth = always,
     damped: bool = False,
-) -> Solution:
+) -> Minimum:
     """Minimise the sum of squares of `residual` from `start`, which is within the bounds.
 
     `settle` returns its argument with the linear parameters at their best. It has converged when a full step promises
@@ -89,15 +89,15 @@ def minimise(
         model = LinearModel(J, r, p, bounds)
         promise = model.promise(model.best(_LEAST_DAMPING))
         if promise < tolerance:
-            return Solution(p=p, jacobian=J, cost=cost, steps=step, stop=Stop.CONVERGED)
+            return Minimum(p=p, jacobian=J, cost=cost, steps=step, stop=Stop.CONVERGED)
         if step > 1 and not worth(cost, promise):
-            return Solution(p=p, jacobian=J, cost=cost, steps=step, stop=Stop.GIVEN_UP)
-        taken = stepped(model, residual, settle=settle, damping=damping, damped=damped)
+            return Minimum(p=p, jacobian=J, cost=cost, steps=step, stop=Stop.GIVEN_UP)
+        taken = take_step(model, residual, settle=settle, damping=damping, damped=damped)
         idle = idle + 1 if taken is None or cost - _sum(taken.r) < _IDLE * promise else 0
         if taken is None or idle == _PATIENCE:
-            return Solution(p=p, jacobian=J, cost=cost, steps=step, stop=Stop.STALLED)
+            return Minimum(p=p, jacobian=J, cost=cost, steps=step, stop=Stop.STALLED)
         p, r, damping = taken.p, taken.r, taken.damping
-    return Solution(p=p, jacobian=jacobian(p), cost=float(r @ r), steps=max_steps, stop=Stop.BUDGET)
+    return Minimum(p=p, jacobian=jacobian(p), cost=float(r @ r), steps=max_steps, stop=Stop.BUDGET)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,7 +109,7 @@ class Step:
     damping: float  # of the next one
 
 
-def stepped(
+def take_step(
     model: "LinearModel",
     residual: Callable[[Reals], Reals],
     *,
@@ -178,7 +178,7 @@ class LinearModel:
         self._moving = length > 0
         self._length = length[self._moving]
         self._columns = J[:, self._moving] / self._length
-        self._root, self._onto = triangle(self._columns)
+        self._root, self._onto = triangular_factor(self._columns)
         self._aim = -self._onto(r)
         self._p = p
         self._bounds = bounds
@@ -206,7 +206,7 @@ class LinearModel:
         return np.clip(moved, *self._bounds)  # rounding may lie beyond them
 
 
-def triangle(columns: Reals) -> tuple[Reals, Callable[[Reals], Reals]]:
+def triangular_factor(columns: Reals) -> tuple[Reals, Callable[[Reals], Reals]]:
     """Return R of columns of unit length, (parameter or figure, parameter), and what takes a residual r to Q^T r.
 
     By the normal equations, unless a column is nearly in the span of those before it.

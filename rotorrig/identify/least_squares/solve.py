@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.least_squares.levenberg_marquardt import (
     TOLERANCE,
-    Solution,
+    Minimum,
     Stop,
     Worth,
     always,
     minimise,
-    triangle,
+    triangular_factor,
 )
 from rotorrig.rig import DataError
 
@@ -27,7 +27,7 @@ NONE_FIXED: Mapping[int, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Polished:
+class Solution:
     """A refined candidate: parameters, their covariance and how well it fits."""
 
     p: Reals  # (parameter,) in the order of the problem's names
@@ -64,7 +64,7 @@ class LeastSquares(Protocol):
         """Return the columns `free` of its derivatives."""
         ...
 
-    def settled(self, p: Reals, free: Index) -> Reals:
+    def solve_linear(self, p: Reals, free: Index) -> Reals:
         """Return `p` with the linear parameters among `free` at their best."""
         ...
 
@@ -78,7 +78,7 @@ def solve(
     max_steps: int = 50,
     worth: Worth = always,
     damped: bool = False,
-) -> Polished:
+) -> Solution:
     """Refine `start` within the bounds, the parameters in `fixed` held at those values; as least_squares.minimise."""
     p = start.copy()
     p[list(fixed)] = list(fixed.values())
@@ -104,7 +104,7 @@ def solve(
 
     def settle(part: Reals) -> Reals:
         try:
-            return problem.settled(full(part), free)[free]
+            return problem.solve_linear(full(part), free)[free]
         except DataError:
             return part
 
@@ -123,21 +123,21 @@ def solve(
     return _polished(found, full(found.p), free, size=problem.size)
 
 
-def _polished(found: Solution, p: Reals, free: Index, *, size: int) -> Polished:
+def _polished(found: Minimum, p: Reals, free: Index, *, size: int) -> Solution:
     """Return a solution of the parameters `free` as one of all of `p`."""
     dof = size - len(free)
     jacobian = np.zeros((len(found.jacobian), len(p)))
     jacobian[:, free] = found.jacobian
     covariance = np.zeros((len(p), len(p)))
     covariance[np.ix_(free, free)] = inverse_information(found.jacobian) * max(1.0, found.cost / max(dof, 1))
-    return Polished(p=p, covariance=covariance, jacobian=jacobian, chi2=found.cost, dof=dof, stop=found.stop)
+    return Solution(p=p, covariance=covariance, jacobian=jacobian, chi2=found.cost, dof=dof, stop=found.stop)
 
 
 def inverse_information(jacobian: Reals) -> Reals:
     """Return (J^T J)^-1, (parameter, parameter); what the rows leave open gets a large variance, never a small one."""
     length = np.linalg.norm(jacobian, axis=0)
     scale = np.divide(1.0, length, out=np.ones_like(length), where=length > 0)
-    root, _ = triangle(jacobian * scale)
+    root, _ = triangular_factor(jacobian * scale)
     square = np.pad(root, ((0, len(length) - len(root)), (0, 0)))  # fewer rows than parameters leave some open
     _, size, directions = np.linalg.svd(square)
     root = scale[:, None] * directions.T / np.maximum(size, OPEN * size[0])

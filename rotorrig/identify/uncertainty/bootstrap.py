@@ -18,13 +18,13 @@ from threadpoolctl import threadpool_limits
 
 from rotorrig.identify.base_model import Problem, Reals
 from rotorrig.identify.identification import Estimate, Fit
-from rotorrig.identify.least_squares import Polished
+from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty.intervals import LEVEL
 from rotorrig.identify.uncertainty.quantities import quantities
 
 FEWEST = 40  # draws, of which one is beyond either end of a 95 % interval
 Progress = Callable[[int], None]  # is told how many draws are done
-Refit = Callable[[Problem, Reals], Polished]  # of a drawn problem, given the parameters it was drawn with
+Refit = Callable[[Problem, Reals], Solution]  # of a drawn problem, given the parameters it was drawn with
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,14 +58,16 @@ class Bootstrap:
         return float(low), float(high)
 
 
-def resampled(fit: Fit, problem: Problem, best: Polished, resampling: Resampling, *, seed: int, search: Refit) -> Fit:
+def with_bootstrap_intervals(
+    fit: Fit, problem: Problem, best: Solution, resampling: Resampling, *, seed: int, search: Refit
+) -> Fit:
     """Return the fit with the intervals of a bootstrap; `search` refits by the whole search, if that is wanted."""
     found = bootstrap(
         problem,
         best,
         draws=resampling.draws,
         seed=seed,
-        refit=search if resampling.search else locally,
+        refit=search if resampling.search else refit_locally,
         workers=resampling.workers,
         progress=resampling.progress,
     )
@@ -76,18 +78,18 @@ def resampled(fit: Fit, problem: Problem, best: Polished, resampling: Resampling
     )
 
 
-def locally(problem: Problem, start: Reals) -> Polished:
+def refit_locally(problem: Problem, start: Reals) -> Solution:
     """Refit a draw from the parameters it was drawn with: no other minimum is looked for."""
     return problem.solve(start)
 
 
 def bootstrap(
     problem: Problem,
-    best: Polished,
+    best: Solution,
     *,
     draws: int,
     seed: int = 0,
-    refit: Refit = locally,
+    refit: Refit = refit_locally,
     workers: int = 1,
     progress: Progress = lambda done: None,
 ) -> Bootstrap:
@@ -107,7 +109,9 @@ def bootstrap(
     return Bootstrap(names=names, draws=values, asked=draws, seed=seed)
 
 
-def simulated(problem: Problem, best: Polished, *, rng: np.random.Generator) -> tuple[Reals, NDArray[np.complex128]]:
+def simulate_draw(
+    problem: Problem, best: Solution, *, rng: np.random.Generator
+) -> tuple[Reals, NDArray[np.complex128]]:
     """Return parameters and the 1X vectors (row + 1, probe) [m] they might have given, the slow roll last."""
     parameters = problem.parameters
     p = best.p.copy()
@@ -137,14 +141,14 @@ class _Job:
     """What a draw needs; called with its number, it returns the estimates (estimate,)."""
 
     problem: Problem
-    best: Polished
+    best: Solution
     seed: int
     refit: Refit
 
     def __call__(self, i: int) -> Reals:
         rng = np.random.default_rng([self.seed, i])
         with threadpool_limits(1, user_api="blas"):
-            start, z = simulated(self.problem, self.best, rng=rng)
+            start, z = simulate_draw(self.problem, self.best, rng=rng)
             p = self.refit(self.problem.of(z), start).p
         return np.array([q.si(q.read(p)) for q in quantities(self.problem.parameters, self.best.p)])
 

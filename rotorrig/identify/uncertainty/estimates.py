@@ -6,14 +6,14 @@ import numpy as np
 
 from rotorrig.identify.base_model import Problem, Unknown
 from rotorrig.identify.identification import Estimate
-from rotorrig.identify.least_squares import Polished
+from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty.identifiability import DETERMINED
 from rotorrig.rig.config import RigConfig
 
 _NUISANCE_UNITS = {"angle": "rad", "runout": "m"}  # the others are ratios
 
 
-def sought(best: Polished, problem: Problem, rig: RigConfig, *, unseen: str) -> tuple[Estimate, ...]:
+def estimate_unknowns(best: Solution, problem: Problem, rig: RigConfig, *, unseen: str) -> tuple[Estimate, ...]:
     """Return the unknowns of the [identify] table, then amount and phase of the unbalance plane by plane.
 
     `unseen` names the axes no probe looks along: coefficients of these are not determined.
@@ -44,7 +44,7 @@ def sought(best: Polished, problem: Problem, rig: RigConfig, *, unseen: str) -> 
     return tuple(found)
 
 
-def nuisances(best: Polished, problem: Problem) -> tuple[Estimate, ...]:
+def estimate_nuisances(best: Solution, problem: Problem) -> tuple[Estimate, ...]:
     """Return what the nameplate cannot know exactly, as deviations from it."""
     names = problem.parameters
     skipped = {*range(*names.sought.indices(len(names))), *range(*names.unbalance.indices(len(names)))}
@@ -62,7 +62,7 @@ def nuisances(best: Polished, problem: Problem) -> tuple[Estimate, ...]:
 
 
 def _unbalance(
-    best: Polished, problem: Problem, rig: RigConfig, *, plane: str, amount: Unknown, phase: str, first: int
+    best: Solution, problem: Problem, rig: RigConfig, *, plane: str, amount: Unknown, phase: str, first: int
 ) -> tuple[Estimate, Estimate]:
     """Return amount and phase of one plane, with sigmas from the 2x2 covariance of its re and im."""
     i = problem.parameters.unbalance.start + first

@@ -20,7 +20,7 @@ from scipy import linalg
 
 from rotorrig.identify.base_model import Parameters, Reals
 from rotorrig.identify.identification import Direction
-from rotorrig.identify.least_squares import Polished, inverse_information
+from rotorrig.identify.least_squares import Solution, inverse_information
 
 DETERMINED = 0.5  # relative standard deviation from which on the data do not determine something
 _TAKES_PART = 0.1  # of the largest weight: less is not worth a word
@@ -49,7 +49,7 @@ class Weakness:
 class Identifiability:
     """The informations at the optimum of one fit."""
 
-    def __init__(self, best: Polished, parameters: Parameters) -> None:
+    def __init__(self, best: Solution, parameters: Parameters) -> None:
         """Marginalise what is not sought."""
         self.coordinates, step = _coordinates(best.p, parameters)
         excess = np.sqrt(max(1.0, best.chi2 / best.dof))

@@ -4,7 +4,7 @@ import math
 from collections.abc import Collection, Iterator
 
 from rotorrig.identify.base_model import Problem, Reals
-from rotorrig.identify.least_squares import Polished
+from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty.identifiability import DETERMINED, Coordinate, Identifiability, Weakness
 
 _INSEPARABLE = 0.99  # correlation from which two determined quantities are better known together
@@ -13,7 +13,9 @@ _KNOWN = 0.1  # relative standard deviation up to which a combination is worth n
 _SHOWN = 0.1  # relative change in an example
 
 
-def words(best: Polished, problem: Problem, able: Identifiability, *, unseen: str) -> tuple[str, ...]:
+def describe_identifiability(
+    best: Solution, problem: Problem, able: Identifiability, *, unseen: str
+) -> tuple[str, ...]:
     """Return sentences on parameters at a bound, undetermined, tied, or limited by the nameplate's tolerances.
 
     `unseen` names the axes no probe looks along.

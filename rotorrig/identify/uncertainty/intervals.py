@@ -12,7 +12,7 @@ import numpy as np
 
 from rotorrig.identify.base_model import Problem
 from rotorrig.identify.identification import Estimate
-from rotorrig.identify.least_squares import Polished
+from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty.profile_likelihood import profile_interval
 from rotorrig.identify.uncertainty.quantities import Coefficient, Quantity, quantities
 
@@ -24,7 +24,7 @@ NEAR = 3.0  # sigma from a bound, likewise
 
 
 def with_intervals(
-    estimates: Iterable[Estimate], best: Polished, problem: Problem, *, unseen: str = "", profile: bool = False
+    estimates: Iterable[Estimate], best: Solution, problem: Problem, *, unseen: str = "", profile: bool = False
 ) -> tuple[Estimate, ...]:
     """Return the estimates of a fit with their intervals; with `profile` all of these are of the profile likelihood.
 
@@ -46,19 +46,19 @@ def with_intervals(
     return tuple(found)
 
 
-def normal_interval(best: Polished, quantity: Quantity) -> tuple[float, float]:
+def normal_interval(best: Solution, quantity: Quantity) -> tuple[float, float]:
     """Return the interval [SI] that is symmetric in the coordinate of `quantity`: in the logarithm of a stiffness."""
     middle, sigma = quantity.read(best.p), standard_deviation(best, quantity)
     return quantity.si(middle - HALF_WIDTH * sigma), quantity.si(middle + HALF_WIDTH * sigma)
 
 
-def standard_deviation(best: Polished, quantity: Quantity) -> float:
+def standard_deviation(best: Solution, quantity: Quantity) -> float:
     """Return that of its coordinate."""
     gradient = quantity.gradient(best.p)
     return float(np.sqrt(gradient @ best.covariance @ gradient))
 
 
-def _wants_profile(best: Polished, quantity: Quantity) -> bool:
+def _wants_profile(best: Solution, quantity: Quantity) -> bool:
     sigma = standard_deviation(best, quantity)
     middle = quantity.read(best.p)
     room = min(middle - quantity.low, quantity.high - middle)

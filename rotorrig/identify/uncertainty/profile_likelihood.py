@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.identify.base_model import Problem, Reals
-from rotorrig.identify.least_squares import Polished, inverse_information
+from rotorrig.identify.least_squares import Solution, inverse_information
 from rotorrig.identify.uncertainty.quantities import Amount, Phase, Quantity
 
 _CLOSE = 0.01  # of the rise: half a per cent of an interval's half width
@@ -39,7 +39,7 @@ class End:
 
 
 def profile_interval(
-    problem: Problem, best: Polished, quantity: Quantity, *, rise: float
+    problem: Problem, best: Solution, quantity: Quantity, *, rise: float
 ) -> tuple[float, float] | None:
     """Return the least and the largest value [SI] of `quantity` at which the profiled chi2 is `rise` above the optimum.
 
@@ -59,7 +59,7 @@ def profile_interval(
     return quantity.si(low.coordinate), quantity.si(high.coordinate)
 
 
-def find_end(problem: Problem, best: Polished, quantity: Quantity, *, side: int, limit: float) -> End:
+def find_end(problem: Problem, best: Solution, quantity: Quantity, *, side: int, limit: float) -> End:
     """Return the largest (`side` +1) or the least (-1) coordinate at which the profiled chi2 is `limit`."""
     rise = limit - best.chi2
     bound = quantity.high if side > 0 else quantity.low
@@ -190,7 +190,7 @@ def _step(here: _Point, *, ahead: float) -> tuple[Reals, float]:
         free &= ~out
 
 
-def _may_be_none(problem: Problem, best: Polished, at: slice, limit: float) -> bool:
+def _may_be_none(problem: Problem, best: Solution, at: slice, limit: float) -> bool:
     """Say whether chi2 is within the limit without the unbalance whose re and im are at `at`."""
     widest = np.sqrt(np.linalg.eigvalsh(best.covariance[at, at])[-1])
     if np.linalg.norm(best.p[at]) > _NONE * widest:

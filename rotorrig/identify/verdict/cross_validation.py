@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
-from rotorrig.identify.least_squares import LinearModel, stepped
+from rotorrig.identify.least_squares import LinearModel, take_step
 from rotorrig.rig import DataError
 
 Complex = NDArray[np.complex128]
@@ -74,7 +74,7 @@ def _refitted(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: 
     for step in range(1, steps + 1):
         model = LinearModel(J[:, free], r, p[free], bounds)
         promise = model.promise(model.best(0.0))
-        taken = stepped(model, residual) if promise > enough else None
+        taken = take_step(model, residual) if promise > enough else None
         if taken is None:
             break
         p, r = full(taken.p), taken.r

@@ -12,7 +12,7 @@ import numpy as np
 
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.identify.least_squares import Polished, Worth, always
+from rotorrig.identify.least_squares import Solution, Worth, always
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect
 
@@ -43,7 +43,7 @@ def separation(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect], *, eno
     return max(0.0, fitted(problem, problem.parameters.start(p), worth=worth).chi2 - floor)
 
 
-def fitted(problem: ExtendedProblem, base: Reals, *, worth: Worth = always) -> Polished:
+def fitted(problem: ExtendedProblem, base: Reals, *, worth: Worth = always) -> Solution:
     """Fit a problem from a vector of base parameters, its effects from each of their starts; return the best.
 
     A start is where the parameters of an effect that name several begin, all the first, all the second.. together;
@@ -83,4 +83,4 @@ def _begun(problem: ExtendedProblem, start: Reals, k: int) -> Reals:
     for i, q in zip(range(problem.parameters.own.start, len(p)), own, strict=True):
         if q.starts:
             p[i] = q.starts[min(k, len(q.starts) - 1)] / q.size
-    return problem.settled(p, np.arange(len(p)))
+    return problem.solve_linear(p, np.arange(len(p)))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.base_model.global_search import Found, search, search_amplitudes
+from rotorrig.identify.base_model.global_search import SearchResult, search, search_amplitudes
 from rotorrig.identify.base_model.objectives import Amplitudes
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import measure
@@ -17,7 +17,7 @@ U = 12e-6 * np.exp(2j)
 SPRING = (np.diag([31e3, 37e3]), np.diag([18.0, 12.0]))
 
 
-def found_in(response: OrderTrackedResponse, **how: object) -> Found:
+def found_in(response: OrderTrackedResponse, **how: object) -> SearchResult:
     return search(response, measure(response), Space.of(response.rig), **how)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, Name, Vector
+from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, ObjectiveName, Vector
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse, Run
@@ -67,7 +67,9 @@ def test_their_sums_are_f1_f2_and_f3(amplitudes: Amplitudes) -> None:
 
 
 @pytest.mark.parametrize("objective", ["f1", "f2", "f3"])
-def test_the_value_alone_is_that_of_the_residuals_with_derivatives(amplitudes: Amplitudes, objective: Name) -> None:
+def test_the_value_alone_is_that_of_the_residuals_with_derivatives(
+    amplitudes: Amplitudes, objective: ObjectiveName
+) -> None:
     points = np.random.default_rng(3).random((20, 4))
     costs, amounts = amplitudes.least_cost(points, objective=objective)
     for u, cost, amount in zip(points, costs, amounts, strict=True):
@@ -78,7 +80,7 @@ def test_the_value_alone_is_that_of_the_residuals_with_derivatives(amplitudes: A
 
 
 @pytest.mark.parametrize("objective", ["f1", "f2", "f3"])
-def test_no_other_amount_within_bounds_costs_less(amplitudes: Amplitudes, objective: Name) -> None:
+def test_no_other_amount_within_bounds_costs_less(amplitudes: Amplitudes, objective: ObjectiveName) -> None:
     points = np.random.default_rng(4).random((10, 4))
     costs, amounts = amplitudes.least_cost(points, objective=objective)
     for u, cost, amount in zip(points, costs, amounts, strict=True):

@@ -85,7 +85,7 @@ def test_a_parameter_held_fixed_stays_and_the_others_make_the_best_of_it(
 ) -> None:
     response = matched_response(sought(rig_config), bearings={"spring": SPRING}, unbalance={"disk": U}, rng=rng)
     problem = Problem(response, measure(response))
-    best = problem.refined(K_AND_C)
+    best = problem.refine(K_AND_C)
     for i in (0, problem.parameters.names.index("gain 1x"), problem.parameters.names.index("runout 2y im")):
         away = best.p[i] + 2 * best.sigma[i]
         held = problem.solve(best.p, fixed={i: away})
@@ -100,7 +100,7 @@ def test_from_the_nameplate_and_from_the_truth_the_same_minimum_is_reached(
 ) -> None:
     response = matched_response(sought(rig_config), bearings={"spring": SPRING}, unbalance={"disk": U}, rng=rng)
     problem = Problem(response, measure(response))
-    far, near = problem.refined(K_AND_C), problem.refined(np.array([31e3, 37e3, 18.0, 12.0]))
+    far, near = problem.refine(K_AND_C), problem.refine(np.array([31e3, 37e3, 18.0, 12.0]))
     assert far.chi2 == pytest.approx(near.chi2, abs=1e-5)
     assert (np.abs(far.p - near.p) < 2e-3 * near.sigma).all()
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.causes.candidate_fit import elsewhere
-from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, Parameter
 
@@ -26,12 +26,12 @@ def problem(beginnings: tuple[float, ...]) -> SimpleNamespace:
     return SimpleNamespace(effects=(effect,), parameters=SimpleNamespace(theta=[slice(1, 2)]), residual=residual)
 
 
-def fit(of: SimpleNamespace, z: float) -> Polished:
+def fit(of: SimpleNamespace, z: float) -> Solution:
     """The least squares of the base with the effect at z."""
     p = np.array([10 * z, 2 * z])
     jacobian = np.array([[1.0, -5.0], [0.0, (2 * z - 5) / 2], [0.0, -0.25]])
     r = of.residual(p)
-    return Polished(p=p, covariance=np.zeros((2, 2)), jacobian=jacobian, chi2=float(r @ r), dof=1)
+    return Solution(p=p, covariance=np.zeros((2, 2)), jacobian=jacobian, chi2=float(r @ r), dof=1)
 
 
 def test_the_deeper_valley_is_seen_from_the_other_although_the_base_has_not_followed() -> None:

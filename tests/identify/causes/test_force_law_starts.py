@@ -9,7 +9,7 @@ from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit, held_
 from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
@@ -32,7 +32,7 @@ def under(response: OrderTrackedResponse, hidden: NDArray[np.float64], label: st
     return ExtendedProblem([lawful.recordings[0].instead(predicted)])
 
 
-def raced(problem: ExtendedProblem, hidden: NDArray[np.float64], *labels: str) -> tuple[Polished, list[Score]]:
+def raced(problem: ExtendedProblem, hidden: NDArray[np.float64], *labels: str) -> tuple[Solution, list[Score]]:
     """Return the base as a strong law draws it off, and the scores of the laws."""
     rig = problem.recordings[0].response.rig
     base = problem.solve(problem.parameters.start(hidden), tolerance=0.1, max_steps=15)

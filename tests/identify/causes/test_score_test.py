@@ -9,7 +9,7 @@ from rotorrig.identify.causes.score_test import curved_scores, scores
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
 from tests.identify.swept import swept_response
@@ -17,7 +17,7 @@ from tests.identify.swept import swept_response
 FAST = {"speeds": (700.0, 2600.0), "ramp": 400.0}
 
 
-def fitted(problem: ExtendedProblem, hidden: np.ndarray) -> Polished:
+def fitted(problem: ExtendedProblem, hidden: np.ndarray) -> Solution:
     return problem.solve(problem.parameters.start(hidden), tolerance=1e-6)
 
 

@@ -14,7 +14,7 @@ from rotorrig.identify.causes.stepwise_selection import ENOUGH, MODEL_ERROR, Sel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.least_squares.levenberg_marquardt import Stop
-from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find
@@ -85,7 +85,7 @@ def test_parts_of_one_cause_are_replaced_by_the_whole(rig: RigConfig, hidden: ND
     problem = ExtendedProblem([Recording(response)], parts)
     polished = problem.solve(problem.parameters.start(hidden))
 
-    def search(problem: ExtendedProblem, polished: Polished, among: Sequence[Effect]) -> Stage:
+    def search(problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> Stage:
         return step(problem, polished, among, lambda share: None, wrong=False, first=False)
 
     stages: list[Stage] = []

@@ -1,4 +1,4 @@
-"""The problem of a diagnosis: as polish.Problem where it is the same, and right where it goes beyond."""
+"""The problem of a diagnosis: as base_model.Problem where it is the same, and right where it goes beyond."""
 
 import numpy as np
 import pytest
@@ -97,7 +97,7 @@ def test_the_best_amounts_leave_nothing_of_what_they_can_explain(bare: Recording
     problem = ExtendedProblem([bare])
     p = at(problem, hidden)
     p[problem.parameters.base.unbalance] = 0
-    found = problem.settled(p, np.arange(len(p)))
+    found = problem.solve_linear(p, np.arange(len(p)))
     assert complex(*found[problem.parameters.base.unbalance]) == pytest.approx(U, rel=1e-3)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.least_squares.levenberg_marquardt import Stop, minimise, triangle
+from rotorrig.identify.least_squares.levenberg_marquardt import Stop, minimise, triangular_factor
 
 FREE = (np.full(2, -np.inf), np.full(2, np.inf))
 
@@ -82,7 +82,7 @@ def test_what_is_not_worth_going_on_with_is_given_up_after_the_first_step(least:
 def test_columns_that_are_alike_have_the_triangle_of_their_products(near: float) -> None:
     columns = np.array([[1.0, 1.0], [0.0, near], [0.0, 0.0]])
     columns /= np.linalg.norm(columns, axis=0)
-    root, onto = triangle(columns)
+    root, onto = triangular_factor(columns)
     np.testing.assert_allclose(root.T @ root, columns.T @ columns, atol=1e-15)
     inside, across = columns @ [2.0, -3.0], np.array([0.0, 0.0, 4.0])
     np.testing.assert_allclose(root.T @ onto(inside + across), columns.T @ inside, atol=1e-12)

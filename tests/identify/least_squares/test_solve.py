@@ -31,7 +31,7 @@ class Line:
         J = np.stack([np.ones_like(self.x), self.x], axis=1)
         return J if free is None else J[:, free]
 
-    def settled(self, p: Reals, free: Index) -> Reals:
+    def solve_linear(self, p: Reals, free: Index) -> Reals:
         return p
 
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.base_model.problem import Problem
-from rotorrig.identify.least_squares.solve import Polished
+from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.identify.measurement import measure
 from rotorrig.identify.uncertainty.identifiability import Identifiability
-from rotorrig.identify.uncertainty.identifiability_text import words
+from rotorrig.identify.uncertainty.identifiability_text import describe_identifiability
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig, load
 from tests.conftest import CONFIGS
@@ -29,11 +29,11 @@ def problem(response: OrderTrackedResponse) -> Problem:
 
 
 @pytest.fixture(scope="module")
-def best(problem: Problem) -> Polished:
-    return problem.refined(np.array([31e3, 37e3, 18.0, 12.0]))
+def best(problem: Problem) -> Solution:
+    return problem.refine(np.array([31e3, 37e3, 18.0, 12.0]))
 
 
-def pretended(best: Polished, problem: Problem, columns: np.ndarray) -> Polished:
+def pretended(best: Solution, problem: Problem, columns: np.ndarray) -> Solution:
     """The same fit as if the data depended as the columns say on kxx, kyy, cxx, cyy, log u and phase alone."""
     figures = len(best.jacobian) - len(problem.parameters.priors)
     jacobian = best.jacobian.copy()
@@ -45,15 +45,15 @@ def pretended(best: Polished, problem: Problem, columns: np.ndarray) -> Polished
     return replace(best, jacobian=jacobian, chi2=float(best.dof))
 
 
-def said(best: Polished, problem: Problem, *, unseen: str = "") -> tuple[str, ...]:
-    return words(best, problem, Identifiability(best, problem.parameters), unseen=unseen)
+def said(best: Solution, problem: Problem, *, unseen: str = "") -> tuple[str, ...]:
+    return describe_identifiability(best, problem, Identifiability(best, problem.parameters), unseen=unseen)
 
 
-def test_a_well_determined_fit_has_nothing_to_say(best: Polished, problem: Problem) -> None:
+def test_a_well_determined_fit_has_nothing_to_say(best: Solution, problem: Problem) -> None:
     assert said(best, problem) == ()
 
 
-def test_directions_are_orthogonal_and_agree_with_the_covariance(best: Polished, problem: Problem) -> None:
+def test_directions_are_orthogonal_and_agree_with_the_covariance(best: Solution, problem: Problem) -> None:
     able = Identifiability(best, problem.parameters)
     vectors = np.array([list(d.weights.values()) for d in able.directions()])
     np.testing.assert_allclose(vectors @ vectors.T, np.eye(6), atol=1e-9)
@@ -64,7 +64,7 @@ def test_directions_are_orthogonal_and_agree_with_the_covariance(best: Polished,
 
 
 def test_two_columns_that_are_alike_cannot_be_separated_but_their_combination_is_known(
-    best: Polished, problem: Problem
+    best: Solution, problem: Problem
 ) -> None:
     columns = 1e3 * np.eye(6)
     columns[4] = 0
@@ -75,7 +75,7 @@ def test_two_columns_that_are_alike_cannot_be_separated_but_their_combination_is
     )
 
 
-def test_what_no_column_shows_is_not_determined_and_is_not_called_tied(best: Polished, problem: Problem) -> None:
+def test_what_no_column_shows_is_not_determined_and_is_not_called_tied(best: Solution, problem: Problem) -> None:
     columns = 1e3 * np.eye(6)
     columns[1, 1] = columns[3, 3] = 0.1  # kyy and cyy: their singular vectors may be mixed at will
     sentences = said(pretended(best, problem, columns), problem)
@@ -85,13 +85,13 @@ def test_what_no_column_shows_is_not_determined_and_is_not_called_tied(best: Pol
     )
 
 
-def test_an_undetermined_phase_is_said_in_degrees(best: Polished, problem: Problem) -> None:
+def test_an_undetermined_phase_is_said_in_degrees(best: Solution, problem: Problem) -> None:
     columns = 1e3 * np.eye(6)
     columns[5, 5] = 1.0
     assert said(pretended(best, problem, columns), problem) == ("phase is not determined by this data (± 57 degrees).",)
 
 
-def test_what_is_led_astray_by_something_open_is_named_too(best: Polished, problem: Problem) -> None:
+def test_what_is_led_astray_by_something_open_is_named_too(best: Solution, problem: Problem) -> None:
     columns = 1e3 * np.eye(6)
     columns[0, 0], columns[0, 3] = 1.0, 1.0  # kxx shows as 1 with cyy, which alone shows as 1.4
     columns[3, 3] = 1.0
@@ -100,7 +100,7 @@ def test_what_is_led_astray_by_something_open_is_named_too(best: Polished, probl
     assert sentences[-1].startswith("cyy is not determined by this data")
 
 
-def test_pairs_far_better_known_together_are_named(best: Polished, problem: Problem) -> None:
+def test_pairs_far_better_known_together_are_named(best: Solution, problem: Problem) -> None:
     columns = 1e3 * np.eye(6)
     columns[0, 0], columns[0, 1] = 1e5, -1e5
     assert said(pretended(best, problem, columns), problem) == (
@@ -108,12 +108,12 @@ def test_pairs_far_better_known_together_are_named(best: Polished, problem: Prob
     )
 
 
-def test_an_axis_no_probe_looks_along_is_said_once(best: Polished, problem: Problem) -> None:
+def test_an_axis_no_probe_looks_along_is_said_once(best: Solution, problem: Problem) -> None:
     assert said(best, problem, unseen="y") == ("No probe looks along y: kyy and cyy are not determined.",)
 
 
 def test_the_budget_tells_noise_from_the_nameplates_tolerances(
-    best: Polished, problem: Problem, response: OrderTrackedResponse
+    best: Solution, problem: Problem, response: OrderTrackedResponse
 ) -> None:
     budget = Identifiability(best, problem.parameters).budget()
     for shares in budget.values():
@@ -124,7 +124,7 @@ def test_the_budget_tells_noise_from_the_nameplates_tolerances(
     loose = rig.model_copy(update={"prior": rig.prior.model_copy(update={"probe_gain": 0.2})})
     scaled = replace(response, rig=loose)
     problem = Problem(scaled, measure(scaled))
-    able = problem.refined(np.array([31e3, 37e3, 18.0, 12.0]))
+    able = problem.refine(np.array([31e3, 37e3, 18.0, 12.0]))
     assert Identifiability(able, problem.parameters).budget()["u"]["probe gain"] > 0.9
     assert "The tolerances in [prior] limit u (probe gain), not the noise" in said(able, problem)[-1]
 
@@ -133,5 +133,5 @@ def test_a_value_at_its_bound_is_not_given_by_the_data(rig_config: RigConfig, rn
     rig = sought(rig_config, c_bounds=[1.0, 15.0])
     made = matched_response(rig, bearings={"spring": SPRING}, unbalance={"disk": U}, rng=rng)
     problem = Problem(made, measure(made))
-    best = problem.refined(problem.parameters.space.nameplate)
+    best = problem.refine(problem.parameters.space.nameplate)
     assert "cxx ran into its bound of 15 N s/m: this data does not give it." in said(best, problem)

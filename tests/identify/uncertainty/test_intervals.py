@@ -65,7 +65,7 @@ def test_near_a_bound_the_profile_says_how_much_there_can_be_at_most(bounded: Or
 def test_at_the_ends_of_a_profile_interval_a_refit_is_worse_by_the_rise(bounded: OrderTrackedResponse) -> None:
     problem = Problem(bounded, measure(bounded))
     found = identify(bounded, profile=True).fits[0]
-    best = problem.refined(np.array([33e3, 36e3, 14.5, 16.0]))
+    best = problem.refine(np.array([33e3, 36e3, 14.5, 16.0]))
     rise = RISE * max(1.0, best.chi2 / best.dof)
     for i, name in enumerate(("kxx", "kyy")):
         for end in interval(found, name):

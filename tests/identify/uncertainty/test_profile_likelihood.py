@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.least_squares.levenberg_marquardt import minimise
-from rotorrig.identify.least_squares.solve import Polished, inverse_information
+from rotorrig.identify.least_squares.solve import Solution, inverse_information
 from rotorrig.identify.uncertainty.profile_likelihood import profile_interval
 from rotorrig.identify.uncertainty.quantities import Amount, Phase
 
@@ -34,18 +34,18 @@ class Known:
     def jacobian(self, p: np.ndarray) -> np.ndarray:
         return self.model(p)[1]
 
-    def solve(self, start: np.ndarray, *, fixed: dict[int, float]) -> Polished:
+    def solve(self, start: np.ndarray, *, fixed: dict[int, float]) -> Solution:
         p = start.copy()
         p[list(fixed)] = list(fixed.values())
         return self._polished(p)
 
-    def best(self, start: list[float]) -> Polished:
+    def best(self, start: list[float]) -> Solution:
         found = minimise(self.residual, self.jacobian, np.array(start), bounds=self.parameters.bounds, tolerance=1e-12)
         return self._polished(found.p)
 
-    def _polished(self, p: np.ndarray) -> Polished:
+    def _polished(self, p: np.ndarray) -> Solution:
         r, J = self.model(p)
-        return Polished(p=p, covariance=inverse_information(J), jacobian=J, chi2=float(r @ r), dof=100)
+        return Solution(p=p, covariance=inverse_information(J), jacobian=J, chi2=float(r @ r), dof=100)
 
 
 @dataclass

@@ -33,7 +33,7 @@ def selected(
     problem = ExtendedProblem([Recording(response), *more], nuisances)
     start = problem.parameters.start(np.zeros(0))
     start[problem.parameters.base.sought] = hidden[problem.parameters.base.sought]
-    base = problem.solve(problem.settled(start, np.arange(len(start))))
+    base = problem.solve(problem.solve_linear(start, np.arange(len(start))))
     return select(problem, base, [find(response.rig, label) for label in labels], wrong=True)
 
 
