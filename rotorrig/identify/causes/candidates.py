@@ -23,7 +23,7 @@ def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()
     lawful = not any(recording.backward for recording in recordings)
     found: list[Effect] = []
     for effect in catalogue(recordings[0].response.rig):
-        if effect.name in without or not (lawful or type(effect).laws is Effect.laws):
+        if effect.name in without or ("force laws" in effect.acts_on and not lawful):
             continue
         able = effect.within([float(order) for order in recordings[0].orders])
         if not able.parameters:

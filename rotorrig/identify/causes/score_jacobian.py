@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.extended_model import ExtendedProblem, Moving, Recording, acts_on_probes, halved_loads
+from rotorrig.identify.extended_model import ExtendedProblem, Moving, Recording, halved_loads
 from rotorrig.sims.effects import Effect, Parameter
 from rotorrig.sims.rotor.model import Direction, Load, RotorModel, between
 
@@ -55,16 +55,15 @@ class _Step:
 
 def _steps(effect: Effect, model: RotorModel) -> Iterator[_Step]:
     """Yield the step of each unknown; those that change the number of coordinates have no direction."""
-    kind = type(effect)
     for q in effect.parameters:
         theta = _stepped(effect, q) if q.low < q.high else effect.at_nothing | {q.name: q.nothing + STEP * q.size}
         h = (theta[q.name] - q.nothing) / q.size
-        there = effect.changed(model, theta) if kind.changed is not Effect.changed else model
+        there = effect.changed(model, theta) if "matrices" in effect.acts_on else model
         yield _Step(
             effect=effect,
             theta=theta,
             h=h,
-            loads=effect.loads(model, theta) if kind.loads is not Effect.loads else (),
+            loads=effect.loads(model, theta) if "loads" in effect.acts_on else (),
             direction=between(model, there, h) if there is not model and there.dof == model.dof else None,
         )
 
@@ -156,7 +155,7 @@ def _at_probes(
     found: Complex,
 ) -> None:
     z = problem.probes.of_motion(p, motion, order=order) + problem.probes.hum(recording, p, order)
-    if any(acts_on_probes(effect) for effect in problem.effects):
+    if any("probes" in effect.acts_on for effect in problem.effects):
         seen = problem.probes.through_effects(recording, p, z, order=order)
         for c in range(found.shape[-1]):
             if found[..., c].any():
@@ -165,5 +164,5 @@ def _at_probes(
     view = recording.view(order)
     for c, step in enumerate(steps):
         effect = step.effect
-        if acts_on_probes(effect) and step.acts_in(recording):
+        if "probes" in effect.acts_on and step.acts_in(recording):
             found[..., c] += (effect.seen(z, view, step.theta) - effect.seen(z, view, effect.at_nothing)) / step.h

@@ -4,7 +4,6 @@ Motion, measuring chain, Jacobian.
 """
 
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_loads
-from rotorrig.identify.extended_model.jacobian import acts_on_probes
 from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
 from rotorrig.identify.extended_model.parameters import CURVED_AT
 from rotorrig.identify.extended_model.problem import ExtendedProblem
@@ -16,6 +15,5 @@ __all__ = [
     "MarkEdge",
     "Moving",
     "Recording",
-    "acts_on_probes",
     "halved_loads",
 ]

@@ -38,8 +38,8 @@ class LawColumns:
         nonlinear: list[int] = []  # whose loads are no multiples of them
         for effect, part in zip(problem.effects, names.theta, strict=True):
             own = [int(i) for i in free if part.start <= i < part.stop and under_laws(problem, p, effect, int(i))]
-            (others if type(effect).changed is Effect.changed else matrices).extend(own)
-            nonlinear.extend(own if not effect.linear and type(effect).loads is not Effect.loads else [])
+            (matrices if "matrices" in effect.acts_on else others).extend(own)
+            nonlinear.extend(own if "loads" in effect.acts_on and not effect.linear else [])
         which = [*structural, *matrices]
         directions = problem.directions(p, moving.model, np.array(which, dtype=np.intp))
         self._directions: dict[int, Direction] = dict(zip(which, directions, strict=True))
@@ -140,10 +140,10 @@ class LawColumns:
 
 def under_laws(problem: ExtendedProblem, p: Reals, effect: Effect, i: int) -> bool:
     """Say whether unknown `i` of an effect has a column here: it moves the rotor, and does it smoothly."""
-    kind = type(effect)
-    matrices = kind.changed is Effect.changed or not problem.resized(p, i)
-    moves = kind.changed is not Effect.changed or kind.loads is not Effect.loads or kind.laws is not Effect.laws
-    return moves and matrices and kind.seen is Effect.seen and not _moves_a_law(problem, p, effect, i)
+    if not effect.acts_on or "probes" in effect.acts_on:
+        return False
+    matrices = "matrices" not in effect.acts_on or not problem.resized(p, i)
+    return matrices and not _moves_a_law(problem, p, effect, i)
 
 
 def _moves_a_law(problem: ExtendedProblem, p: Reals, effect: Effect, i: int) -> bool:

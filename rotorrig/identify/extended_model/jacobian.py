@@ -46,15 +46,9 @@ def columns(problem: ExtendedProblem, p: Reals, free: Index) -> Reals:
     return np.concatenate(parts)
 
 
-def acts_on_probes(effect: Effect) -> bool:
-    """Say whether an effect changes what the probes make of a motion."""
-    return type(effect).seen is not Effect.seen
-
-
 def on_probes_alone(effect: Effect) -> bool:
     """Say whether an effect leaves the motion as it is."""
-    kind = type(effect)
-    return kind.changed is Effect.changed and kind.loads is Effect.loads and kind.laws is Effect.laws
+    return effect.acts_on <= {"probes"}
 
 
 def by_matrices(effect: Effect) -> bool:
@@ -62,13 +56,7 @@ def by_matrices(effect: Effect) -> bool:
 
     It then has exact derivatives.
     """
-    kind = type(effect)
-    return (
-        kind.changed is not Effect.changed
-        and (kind.loads is Effect.loads or effect.linear)
-        and kind.laws is Effect.laws
-        and kind.seen is Effect.seen
-    )
+    return effect.acts_on == {"matrices"} or (effect.acts_on == {"matrices", "loads"} and effect.linear)
 
 
 def _differenced(problem: ExtendedProblem, p: Reals, moving: Moving, i: int) -> bool:
@@ -83,7 +71,7 @@ def _differenced(problem: ExtendedProblem, p: Reals, moving: Moving, i: int) -> 
         return not under_laws(problem, p, effect, i)
     if by_matrices(effect):
         return problem.resized(p, i)
-    return not effect.linear or acts_on_probes(effect)
+    return not effect.linear or "probes" in effect.acts_on
 
 
 def _differences(problem: ExtendedProblem, p: Reals, which: list[int]) -> Changes:
@@ -132,7 +120,7 @@ def _exact(
         if order == 1:
             first = problem.probes.of_motion(p, motion, order=1)
         _by_curvature(problem, first, free, order, found[order])
-        if any(acts_on_probes(effect) for effect in problem.effects):
+        if any("probes" in effect.acts_on for effect in problem.effects):
             z = problem.probes.of_motion(p, motion, order=order) + problem.probes.hum(recording, p, order)
             z = z + problem.probes.bent(p, first, order)
             _through_effects(problem, recording, p, z, free, order, found[order])
@@ -206,7 +194,7 @@ def _by_loads(
     mine = [
         i
         for effect, part in zip(problem.effects, names.theta, strict=True)
-        if effect.linear and not acts_on_probes(effect)
+        if effect.linear and "probes" not in effect.acts_on
         for i in range(part.start, part.stop)
         if i in free
     ]

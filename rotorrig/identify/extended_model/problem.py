@@ -188,7 +188,7 @@ class ExtendedProblem:
             found += [
                 np.arange(part.start, part.stop)
                 for effect, part in zip(self.effects, names.theta, strict=True)
-                if effect.linear and type(effect).changed is Effect.changed
+                if effect.linear and "matrices" not in effect.acts_on
             ]
         return np.concatenate(found)
 
@@ -213,9 +213,7 @@ class ExtendedProblem:
         """Return the rotor of `p`, the same object as long as what it depends on is the same."""
         base = self.parameters.base
         changes = [
-            (effect, theta)
-            for effect, theta in zip(self.effects, thetas, strict=True)
-            if type(effect).changed is not Effect.changed
+            (effect, theta) for effect, theta in zip(self.effects, thetas, strict=True) if "matrices" in effect.acts_on
         ]
         figures = tuple((effect.label, *theta.values()) for effect, theta in changes)
         key = (self._rotor, p[base.structural].tobytes(), figures)
@@ -250,7 +248,7 @@ class ExtendedProblem:
     def _directed(self, p: Reals, model: RotorModel, which: Index) -> list[Direction]:
         base = self.parameters.base
         values, by = base.structure(p[: len(base)]), base.structure_derivatives(p[: len(base)])
-        plain = not any(type(e).changed is not Effect.changed and not e.slight for e in self.effects)
+        plain = not any("matrices" in e.acts_on and not e.slight for e in self.effects)
         found = []
         for i in which:
             if i < base.structural.stop and plain:
@@ -292,7 +290,7 @@ class ExtendedProblem:
 
     def linear_at(self, order: int) -> bool:
         """Say whether the effects that could push at that order are all linear."""
-        return all(e.linear for e in self.effects if order in e.orders and type(e).loads is not Effect.loads)
+        return all(e.linear for e in self.effects if order in e.orders and "loads" in e.acts_on)
 
     def motions(
         self, recording: Recording, p: Reals, moving: Moving, *, orders: Sequence[int] = ORDERS

@@ -55,7 +55,7 @@ class UnitResponses:
         for i, effect in enumerate(self._effects):
             there = self._parameters.of_effect(p, i)
             rest = {q.name: there[q.name] if q.scanned else 0.0 for q in effect.parameters}
-            acts = effect.recording in (None, recording.number) and type(effect).loads is not Effect.loads
+            acts = effect.recording in (None, recording.number) and "loads" in effect.acts_on
             for q in effect.parameters:
                 if acts and effect.linear and not q.scanned:
                     unit = [u for u in effect.loads(model, rest | {q.name: q.size}) if u.order == order]

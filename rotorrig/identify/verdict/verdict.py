@@ -65,7 +65,7 @@ def tied_candidates(selection: Selection) -> list[list[Candidate]]:
 
 def another(effect: Effect, best: Effect) -> bool:
     """Say whether it is another cause: another kind, or the same of another probe; not the next place on the shaft."""
-    return effect.name != best.name or type(effect).seen is not Effect.seen
+    return effect.name != best.name or "probes" in effect.acts_on
 
 
 def _stage_of(selection: Selection, effect: Effect) -> Stage | None:

@@ -18,7 +18,7 @@ import math
 import pkgutil
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ from rotorrig.sims.rotor.nonlinear import ForceLaw
 
 Complex = NDArray[np.complex128]
 Theta = Mapping[str, float]
+Target = Literal["matrices", "loads", "force laws", "probes"]  # what an effect may act on
 
 EVERY = (1, 2, 3)  # the orders that a change of matrices or of a probe may show in, where there is something to change
 
@@ -81,6 +82,7 @@ class Effect:
     orders: ClassVar[tuple[int, ...]] = (1,)  # of the vectors it may change
     linear: ClassVar[bool] = False  # what it adds to a fixed rotor is linear in the parameters, but scanned ones
     per_recording: ClassVar[bool] = False  # its unknowns are others in every recording
+    acts_on: ClassVar[frozenset[Target]] = frozenset()  # by the verbs that its class overrides
     where: str = ""  # "plane 1", "probe 2y", "at 381 mm"; empty where there is one place only
     parameters: tuple[Parameter, ...] = ()
     places: Mapping[str, float] = field(default_factory=dict)  # planes it needs in the model: name -> m
@@ -89,6 +91,12 @@ class Effect:
     beginnings: tuple[
         Theta, ...
     ] = ()  # values of some unknowns, all nothing, where to look first: a fit moves on from there
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Note what the effects of a class act on."""
+        super().__init_subclass__(**kwargs)
+        verbs: dict[str, Target] = {"changed": "matrices", "loads": "loads", "laws": "force laws", "seen": "probes"}
+        cls.acts_on = frozenset(of for verb, of in verbs.items() if getattr(cls, verb) is not getattr(Effect, verb))
 
     @property
     def label(self) -> str:

@@ -11,7 +11,7 @@ from rotorrig.sims.effects.base import Effect, catalogue, find, magnitudes, phas
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, matrices, speed_stiffness
 from rotorrig.sims.rotor.modes import modes
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
-from tests.sims.effects.predicted import ORDERS, motion, pair_at, predicted, simple_rig, typical, view
+from tests.sims.effects.predicted import OMEGA, ORDERS, motion, pair_at, predicted, simple_rig, typical, view
 
 ROOT = Path(__file__).parents[3]
 RIG = load(ROOT / "configs" / "rk4.toml")
@@ -102,6 +102,27 @@ def test_an_effect_without_its_parameters_set_is_nothing() -> None:
 
 
 @each
+def test_what_it_acts_on_is_what_it_changes(effect: Effect, small: RotorModel) -> None:
+    theta = typical(effect)
+    at = effect.changed(small, theta)
+    z = np.full((len(OMEGA), len(RIG.probes)), 1e-5 + 0j)
+    changed = {
+        "matrices": at is not small,
+        "loads": any(load.pattern.any() for load in effect.loads(at, theta)),
+        "force laws": bool(effect.laws(at, theta)),
+        "probes": any(not np.array_equal(effect.seen(z, view(RIG, order), theta), z) for order in effect.orders),
+    }
+    assert effect.acts_on == {target for target, does in changed.items() if does}
+
+
+def test_what_an_effect_acts_on_is_told_by_its_class() -> None:
+    assert find(RIG, "clearance").acts_on == {"force laws"}
+    assert find(RIG, "coupling").acts_on == {"matrices", "loads"}
+    assert find(RIG, "delay, probe 2y").acts_on == {"probes"}
+    assert Effect.acts_on == frozenset()
+
+
+@each
 def test_only_the_orders_declared_change(effect: Effect, small: RotorModel) -> None:
     with_it = predicted(effect, typical(effect), rig=RIG, model=small)
     without = predicted(effect, effect.at_nothing, rig=RIG, model=small)
@@ -128,7 +149,7 @@ def test_what_no_vector_can_show_is_left_out() -> None:
 
 @each
 def test_linear_ones_are_linear(effect: Effect, small: RotorModel, rng: np.random.Generator) -> None:
-    if not effect.linear or type(effect).changed is not Effect.changed:
+    if not effect.linear or "matrices" in effect.acts_on:
         return
     for _ in range(3):
         weights = rng.uniform(-1, 1, 2)
@@ -170,7 +191,7 @@ def test_it_is_finite_at_every_bound(effect: Effect, small: RotorModel) -> None:
 def test_it_is_measurable_at_its_size(effect: Effect, small: RotorModel) -> None:
     theta = typical(effect)
     laws = effect.laws(small, theta)
-    if laws and type(effect).loads is Effect.loads:  # a newton moves this shaft by 20 um and more
+    if laws and "loads" not in effect.acts_on:  # a newton moves this shaft by 20 um and more
         assert max(float(np.abs(pushed(law) - pushed(nil)).max()) for law, nil in _with_nothing(effect, small)) > 0.01
         return
     with_it = predicted(effect, theta, rig=RIG, model=small)
