@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from rotorrig.rig.config import RPM
+from rotorrig.rig.config import RPM, load_profile, profile_names
 
 _RK4 = Path(__file__).parents[1] / "configs/rk4.toml"
 
@@ -13,11 +13,21 @@ _COMMON = {"max_speed": "4200 rpm", "watchdog": "2 s"}
 
 Table = Mapping[str, str | float]
 
+
+def _on_a_line(profile: str) -> Table:
+    by_hand = {"ramp": "10 rad/s^2"} if load_profile(profile).ramp_by_hand else {}
+    return {
+        "driver": "modbus-rtu",
+        "port": "/dev/ttyUSB0",
+        "profile": profile,
+        "rpm_per_hz": 60.0,
+        **by_hand,
+        **_COMMON,
+    }
+
+
 DRIVES: Mapping[str, Table] = {
-    "powerflex400": {**_RTU, "profile": "powerflex400", **_COMMON},
-    "m-max": {**_RTU, "profile": "m-max", "address": 1, **_COMMON},
-    "vfd-ed": {**_RTU, "profile": "vfd-ed", "address": 1, "ramp": "10 rad/s^2", **_COMMON},
-    "acs355": {**_RTU, "profile": "acs355", "address": 1, **_COMMON},
+    **{profile: _on_a_line(profile) for profile in profile_names()},
     "powerflex400-tcp": {
         **{"driver": "modbus-tcp", "profile": "powerflex400", "host": "127.0.0.1", "rpm_per_hz": 60.0},
         **_COMMON,

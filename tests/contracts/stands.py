@@ -10,6 +10,7 @@ import pytest
 
 from rotorrig.rig import connect
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.drive_profiles import load_profile, profile_names
 from rotorrig.rig.config.sweep_plans import RunUpCoastDown
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.motor.base import MotorDriver, MotorState, Stop
@@ -30,11 +31,14 @@ ramp = "150 rpm/s"
 
 [identify]"""
 
+
+def _on_a_line(profile: str) -> str:
+    ramp = '\nramp = "150 rpm/s"' if load_profile(profile).ramp_by_hand else ""
+    return f'driver = "modbus-rtu"\nprofile = "{profile}"\nport = "-"{ramp}'
+
+
 MOTORS = {
-    "powerflex400-rtu": 'driver = "modbus-rtu"\nport = "-"',
-    "m-max-rtu": 'driver = "modbus-rtu"\nprofile = "m-max"\nport = "-"',
-    "vfd-ed-rtu": 'driver = "modbus-rtu"\nprofile = "vfd-ed"\nport = "-"\nramp = "150 rpm/s"',
-    "acs355-rtu": 'driver = "modbus-rtu"\nprofile = "acs355"\nport = "-"',
+    **{f"{profile}-rtu": _on_a_line(profile) for profile in profile_names()},
     "powerflex400-tcp": 'driver = "modbus-tcp"\nhost = "-"',
     "acs355-tcp": 'driver = "modbus-tcp"\nprofile = "acs355"\nhost = "-"',
     "serial-line": 'driver = "serial-line"\nport = "-"',

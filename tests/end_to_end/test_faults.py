@@ -10,8 +10,7 @@ from benchmarks.soak_rigs import DRIVES
 from benchmarks.soak_run import Case, run
 
 #: drive -> a fault; above real time, where a dead program or DAQ would hold up the simulated time
-RUNS = {
-    "powerflex400": ("drive", "drive trips"),
+RUNS = dict.fromkeys(DRIVES, ("drive", "drive trips")) | {
     "m-max": ("DAQ", "one frame corrupted"),
     "vfd-ed": ("DAQ", "keyphasor lost"),
     "acs355": ("program", "SIGTERM"),

@@ -7,13 +7,13 @@ from rotorrig.rig.config.devices import (
     Keyphasor,
     Limits,
     LineController,
-    ModbusProfile,
     ModbusRtu,
     ModbusTcp,
     Motor,
     NiDaqmx,
     OpenDaq,
 )
+from rotorrig.rig.config.drive_profiles import load_profile, profile_names
 from rotorrig.rig.config.extended_config import extended_by
 from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.config.nameplate import (
@@ -59,7 +59,6 @@ __all__ = [
     "Length",
     "Limits",
     "LineController",
-    "ModbusProfile",
     "ModbusRtu",
     "ModbusTcp",
     "Motor",
@@ -86,8 +85,10 @@ __all__ = [
     "checked",
     "extended_by",
     "load",
+    "load_profile",
     "micrometres",
     "parse",
+    "profile_names",
     "read_toml",
     "read_trial_mass",
     "reads",

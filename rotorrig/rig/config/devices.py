@@ -5,20 +5,23 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, field_validator, model_validator
 
+from rotorrig.rig.config.drive_profiles import load_profile, profile_names
 from rotorrig.rig.config.nameplate import Length, Part, RampRate, Rate, Speed, Time, Voltage, is_none
 from rotorrig.rig.config.units import RPM, reads
 
 _LARGEST_TARGET = 32767  # 6042h is an INTEGER16
 _SLCAN_BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 750_000, 1_000_000)
 
-ModbusProfile = Literal["powerflex400", "m-max", "vfd-ed", "acs355"]
-RAMP_BY_HAND: frozenset[ModbusProfile] = frozenset({"vfd-ed"})
 SAME_RAMP = 0.01  # relative: a ramp set by hand need not agree better with the one asked for
-RAMP_AT_REST: frozenset[ModbusProfile] = frozenset({"m-max"})  # is told another only at rest
+
+if TYPE_CHECKING:
+    ModbusProfile = str
+else:  # pydantic refuses another name and lists these
+    ModbusProfile = Literal[profile_names()]
 
 
 class Keyphasor(Part):
@@ -51,7 +54,7 @@ class _Inverter(_Controller):
 
     @model_validator(mode="after")
     def _knows_its_ramp(self) -> Self:
-        if (self.profile in RAMP_BY_HAND) != (self.ramp is not None):
+        if load_profile(self.profile).ramp_by_hand != (self.ramp is not None):
             if self.ramp is None:
                 raise ValueError(f"ramp is missing, want the one that is set at the {self.profile} by hand")
             raise ValueError(f"ramp is given, want none: a {self.profile} is told its ramp")
@@ -60,7 +63,7 @@ class _Inverter(_Controller):
     @property
     def keeps_ramp(self) -> bool:
         """Whether it keeps the ramp it has while it turns, so that a plan can have but one."""
-        return self.profile in RAMP_BY_HAND | RAMP_AT_REST
+        return load_profile(self.profile).keeps_ramp
 
 
 class ModbusRtu(_Inverter):

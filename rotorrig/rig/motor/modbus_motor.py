@@ -10,7 +10,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
-from rotorrig.rig.config import RPM, SAME_RAMP, ModbusProfile, ModbusRtu, ModbusTcp
+from rotorrig.rig.config import RPM, SAME_RAMP, ModbusRtu, ModbusTcp, load_profile
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded, LinkLost
 from rotorrig.rig.motor.base import REMEDY, MotorInfo, MotorState, Stop
 from rotorrig.rig.motor.modbus_frames import (
@@ -25,17 +25,9 @@ from rotorrig.rig.motor.modbus_frames import (
 )
 from rotorrig.rig.motor.modbus_link import ModbusLink
 from rotorrig.rig.motor.modbus_profile import Frequency, Profile
-from rotorrig.rig.motor.profiles import acs355, m_max, powerflex400, vfd_ed
 
 CONFIRM_SECONDS = 1.0  # for the state to follow a command
 CONFIRM_PAUSE_SECONDS = 0.02
-
-PROFILES: dict[ModbusProfile, Profile] = {
-    "powerflex400": powerflex400.PROFILE,
-    "m-max": m_max.PROFILE,
-    "vfd-ed": vfd_ed.PROFILE,
-    "acs355": acs355.PROFILE,
-}
 
 
 class ModbusMotor:
@@ -46,8 +38,9 @@ class ModbusMotor:
     """
 
     def __init__(self, table: ModbusRtu | ModbusTcp) -> None:
-        self._table = table
-        self._profile = PROFILES[table.profile]
+        profile = load_profile(table.profile)
+        assert isinstance(profile, Profile), "a file in profiles/ holds one"
+        self._table, self._profile = table, profile
         self._link = ModbusLink(table, model=self._profile.model)
         self._scale = Scale(step=1.0)  # of the reference; this, and the drive's limit, are read when opened
         self._max_frequency: float | None = None  # Hz
@@ -83,7 +76,7 @@ class ModbusMotor:
             link=self.link,
             watchdog=watchdog,
             coasts=p.stop.coast is not None or p.stop_mode is not None,
-            one_ramp=p.ramps is None or p.ramps.only_at_rest,
+            one_ramp=p.keeps_ramp,
             remarks=_remarks(p),
         )
 
@@ -288,7 +281,7 @@ def _remarks(profile: Profile) -> tuple[str, ...]:
     cannot_coast = profile.stop.coast is None and profile.stop_mode is None
     said = {
         "cannot be told to stop by itself when this program or the cable is gone": profile.watchdog is None,
-        "its ramp is set by hand, and only that one can be asked for": profile.ramps is None,
+        "its ramp is set by hand, and only that one can be asked for": profile.ramp_by_hand,
         "keeps its ramp while it runs": bool(profile.ramps and profile.ramps.only_at_rest),
         "cannot be told to coast, it stops down its ramp": cannot_coast,
         "cannot be told to stop faster than its ramp": profile.stop.fast is None and profile.emergency_time is None,

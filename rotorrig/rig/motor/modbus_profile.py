@@ -119,3 +119,13 @@ class Profile:
     emergency_time: float | None = None  # s from the maximum frequency to 0 after an emergency stop, by `ramps`
     settings: tuple[Setting, ...] = ()
     watchdog: Watchdog | None = None
+
+    @property
+    def ramp_by_hand(self) -> bool:
+        """Whether its ramp is set at the drive and cannot be written over Modbus."""
+        return self.ramps is None
+
+    @property
+    def keeps_ramp(self) -> bool:
+        """Whether it keeps the ramp it has while it turns."""
+        return self.ramps is None or self.ramps.only_at_rest

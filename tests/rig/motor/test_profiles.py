@@ -3,18 +3,32 @@
 import math
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
-from rotorrig.rig.config.devices import ModbusProfile, ModbusRtu, ModbusTcp
+from rotorrig.rig.clock import WallClock
+from rotorrig.rig.config.description import parse
+from rotorrig.rig.config.devices import ModbusRtu, ModbusTcp
+from rotorrig.rig.config.drive_profiles import load_profile, profile_names
 from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.motor.modbus_motor import ModbusMotor
+from rotorrig.rig.motor.modbus_profile import Profile
+from rotorrig.sims.wire.motors.inverters import commission_drive
 from tests.rig.wire_fakes import Drive
+from tests.sims.wire.conftest import ToyPlant
 from tests.sims.wire.served_inverter import Served, Wire, served
 
 RPM = math.pi / 30
+RK4 = (Path(__file__).parents[3] / "configs" / "rk4.toml").read_text()
 RAMP = 300 * RPM
+
+
+def profile_of(name: str) -> Profile:
+    profile = load_profile(name)
+    assert isinstance(profile, Profile)
+    return profile
 
 
 class Recorder(Drive):
@@ -120,13 +134,13 @@ FAKES = {"m-max": (M_MAX, m_max), "vfd-ed": (VFD_ED, vfd_ed), "acs355": (ACS355,
 
 
 @pytest.fixture(params=FAKES)
-def profile(request: pytest.FixtureRequest) -> ModbusProfile:
-    found: ModbusProfile = request.param
-    return found
+def profile(request: pytest.FixtureRequest) -> str:
+    name: str = request.param
+    return name
 
 
 @pytest.fixture
-def recorder(profile: ModbusProfile) -> Iterator[Recorder]:
+def recorder(profile: str) -> Iterator[Recorder]:
     registers, obey = FAKES[profile]
     recorder = Recorder(dict(registers), obey)
     recorder.start()
@@ -134,13 +148,13 @@ def recorder(profile: ModbusProfile) -> Iterator[Recorder]:
     recorder.unplug()
 
 
-def motor_of(recorder: Recorder, profile: ModbusProfile) -> ModbusMotor:
+def motor_of(recorder: Recorder, profile: str) -> ModbusMotor:
     said = {"driver": "modbus-rtu", "port": recorder.port, "profile": profile, "max_speed": 4200 * RPM}
-    said |= {"ramp": RAMP} if profile == "vfd-ed" else {}
+    said |= {"ramp": RAMP} if load_profile(profile).ramp_by_hand else {}
     return ModbusMotor(ModbusRtu.model_validate(said, context={"si": True}))
 
 
-def test_the_frames_are_those_of_the_manual(recorder: Recorder, profile: ModbusProfile) -> None:
+def test_the_frames_are_those_of_the_manual(recorder: Recorder, profile: str) -> None:
     frames = FRAMES[profile]
     with motor_of(recorder, profile) as motor:
         motor.open()
@@ -167,16 +181,15 @@ def wire(request: pytest.FixtureRequest) -> Wire:
     return found
 
 
-@pytest.fixture(params=["powerflex400", "m-max", "vfd-ed", "acs355"])
+@pytest.fixture(params=profile_names())
 def drive(request: pytest.FixtureRequest, wire: Wire) -> Iterator[Served]:
     with served(request.param, wire=wire) as drive:
         yield drive
 
 
 def test_a_drive_goes_to_its_speed_and_stops_as_told(drive: Served) -> None:
-    coasts = drive.table.profile != "vfd-ed"
     with ModbusMotor(drive.table) as motor:
-        motor.open()
+        coasts = motor.open().coasts
         for kind in Stop:
             motor.set_speed(900 * RPM, ramp=RAMP)
             until(lambda: motor.read().at_setpoint)
@@ -200,22 +213,41 @@ def test_a_trip_is_told_with_its_number_and_forbids_a_start(drive: Served) -> No
         assert "53" in motor.read().fault
         with pytest.raises(LimitExceeded, match="has tripped with"):
             motor.set_speed(900 * RPM, ramp=RAMP)
-        if drive.table.profile == "vfd-ed":
-            with pytest.raises(LimitExceeded, match="cannot be cleared over Modbus"):
-                motor.clear_fault()
-        else:
+        if profile_of(drive.table.profile).clear_fault:
             motor.clear_fault()
             assert motor.read().fault == ""
+        else:
+            with pytest.raises(LimitExceeded, match="cannot be cleared over Modbus"):
+                motor.clear_fault()
 
 
-def test_the_drive_stops_the_rotor_when_its_master_falls_silent() -> None:
-    for profile in ("powerflex400", "m-max", "acs355"):
-        with served(profile, watchdog="1 s") as drive:
-            with ModbusMotor(drive.table) as motor:
-                assert motor.open().watchdog == 1.0
-                motor.set_speed(900 * RPM, ramp=RAMP)
-                until(lambda: motor.read().at_setpoint)
-            until(lambda: drive.plant.speed < 0.1)
+@pytest.mark.parametrize("profile", [name for name in profile_names() if profile_of(name).watchdog])
+def test_the_drive_stops_the_rotor_when_its_master_falls_silent(profile: str) -> None:
+    with served(profile, watchdog="1 s") as drive:
+        with ModbusMotor(drive.table) as motor:
+            assert motor.open().watchdog == 1.0
+            motor.set_speed(900 * RPM, ramp=RAMP)
+            until(lambda: motor.read().at_setpoint)
+        until(lambda: drive.plant.speed < 0.1)
+
+
+def test_the_four_families_are_found_by_their_files() -> None:
+    assert {"acs355", "m-max", "powerflex400", "vfd-ed"} <= set(profile_names())
+    assert {name for name in profile_names() if load_profile(name).ramp_by_hand} >= {"vfd-ed"}
+    assert {name for name in profile_names() if load_profile(name).keeps_ramp} >= {"m-max", "vfd-ed"}
+
+
+def test_an_unknown_profile_is_refused_with_the_names_there_are() -> None:
+    text = RK4.replace('profile = "powerflex400"', 'profile = "powerflex"')
+    with pytest.raises(ConfigError, match=r"^rk4: motor.profile: got 'powerflex', input should be 'acs355', 'm-max', "):
+        parse(text, where="rk4")
+
+
+def test_a_drive_without_an_emulator_cannot_be_simulated() -> None:
+    said = {"driver": "modbus-rtu", "port": "-", "max_speed": "4200 rpm"}
+    table = ModbusRtu.model_validate(said).model_copy(update={"profile": "altivar"})
+    with pytest.raises(ConfigError, match=r"^motor.profile: got 'altivar', want a drive that has an emulator"):
+        commission_drive(table, ToyPlant(), WallClock())
 
 
 def test_another_device_that_answers_is_no_answer() -> None:

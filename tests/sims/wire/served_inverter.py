@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from rotorrig.rig.clock import WallClock
-from rotorrig.rig.config.devices import ModbusProfile, ModbusRtu, ModbusTcp
+from rotorrig.rig.config.devices import ModbusRtu, ModbusTcp
+from rotorrig.rig.config.drive_profiles import load_profile
 from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
 from rotorrig.sims.wire.motors import modbus_motor
-from rotorrig.sims.wire.motors.inverters import registers_of
+from rotorrig.sims.wire.motors.inverters import commission_drive
 from rotorrig.sims.wire.motors.modbus_motor import Disguise, Registers
 from tests.sims.wire.conftest import ToyPlant, in_background
 
@@ -32,10 +33,10 @@ class Served:
 
 
 @contextmanager
-def served(profile: ModbusProfile, *, wire: Wire = "rtu", address: int = 1, **more: Any) -> Iterator[Served]:
+def served(profile: str, *, wire: Wire = "rtu", address: int = 1, **more: Any) -> Iterator[Served]:
     """Serve a drive of 70 Hz that turns 60 rpm per Hz, with time passing; `more` are keys of [motor]."""
     said = {"profile": profile, "address": address, "max_speed": "4200 rpm", **more}
-    said |= {"ramp": RAMP} if profile == "vfd-ed" else {}
+    said |= {"ramp": RAMP} if load_profile(profile).ramp_by_hand else {}
     plant, found, ready = ToyPlant(), [], threading.Event()
 
     async def run(end: asyncio.Event) -> None:
@@ -47,13 +48,13 @@ def served(profile: ModbusProfile, *, wire: Wire = "rtu", address: int = 1, **mo
                 table: ModbusRtu | ModbusTcp = ModbusRtu.model_validate(
                     {"driver": "modbus-rtu", "port": cable.client_port, **said}
                 )
-                registers = registers_of(table, plant, WallClock())
+                registers = commission_drive(table, plant, WallClock())
                 serving = modbus_motor.serving(registers, port=cable.device_port, address=address, disguise=disguise)
                 await stack.enter_async_context(serving)
                 jobs.append(group.create_task(cable.run()))
             else:
                 table = ModbusTcp.model_validate({"driver": "modbus-tcp", "host": "127.0.0.1", **said})
-                registers = registers_of(table, plant, WallClock())
+                registers = commission_drive(table, plant, WallClock())
                 serving_tcp = modbus_motor.serving_tcp(registers, address=address, disguise=disguise)
                 table = table.model_copy(update={"tcp_port": await stack.enter_async_context(serving_tcp)})
             jobs.append(group.create_task(_pass_time(registers, plant)))

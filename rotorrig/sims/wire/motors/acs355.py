@@ -16,6 +16,7 @@ from enum import Enum, auto
 from types import MappingProxyType
 
 from rotorrig.rig import Clock, ConfigError
+from rotorrig.rig.config import ModbusRtu, ModbusTcp
 from rotorrig.sims.wire.drive import Drive, OnSilence
 from rotorrig.sims.wire.plant_port import Plant
 
@@ -185,3 +186,8 @@ def _check(number: int, value: int) -> None:
     elif value not in _PARAMETERS[number].allowed or (number, value) == (COMM_FAULT_FUNCTION, 2):
         allowed = _PARAMETERS[number].allowed
         raise ValueError(f"parameter {number}: got {value}, want {allowed.start} to {allowed.stop - 1}")
+
+
+def commission(table: ModbusRtu | ModbusTcp, plant: Plant, *, max_frequency: float, clock: Clock) -> Acs355:
+    """Return the drive as commissioned for `table`, see `inverters`."""
+    return Acs355(plant, rpm_per_hz=table.rpm_per_hz, max_frequency=max_frequency, clock=clock)

@@ -56,10 +56,10 @@ def serving(
 @asynccontextmanager
 async def _modbus_rtu(table: ModbusRtu, plant: Plant, clock: Clock, bridge: PtyBridge) -> AsyncIterator[Controller]:
     from rotorrig.sims.wire.motors import modbus_motor
-    from rotorrig.sims.wire.motors.inverters import registers_of
+    from rotorrig.sims.wire.motors.inverters import commission_drive
 
     with bridge:
-        registers, disguise = registers_of(table, plant, clock), modbus_motor.Disguise()
+        registers, disguise = commission_drive(table, plant, clock), modbus_motor.Disguise()
         server = modbus_motor.serving(registers, port=bridge.device_port, address=table.address, disguise=disguise)
         async with server, running(bridge.run()):
             place: Place = {"port": bridge.client_port}
@@ -69,9 +69,9 @@ async def _modbus_rtu(table: ModbusRtu, plant: Plant, clock: Clock, bridge: PtyB
 @asynccontextmanager
 async def _modbus_tcp(table: ModbusTcp, plant: Plant, clock: Clock) -> AsyncIterator[Controller]:
     from rotorrig.sims.wire.motors import modbus_motor
-    from rotorrig.sims.wire.motors.inverters import registers_of
+    from rotorrig.sims.wire.motors.inverters import commission_drive
 
-    registers, disguise = registers_of(table, plant, clock), modbus_motor.Disguise()
+    registers, disguise = commission_drive(table, plant, clock), modbus_motor.Disguise()
     async with modbus_motor.serving_tcp(registers, address=table.address, disguise=disguise) as port:
         with TcpBridge(port) as bridge:
             async with running(bridge.run()):

@@ -1,34 +1,41 @@
-"""Which emulated inverter stands behind a config's `[motor]`: the one its `profile` names, as commissioned for it."""
+"""Emulated Modbus drive for a config's `[motor]`: the file its `profile` names, commissioned for the rig.
 
-from typing import assert_never
+A drive's file in this folder has the name of its profile and a function `commission`, as `Emulator` says.
+"""
 
-from rotorrig.rig import Clock
+import importlib
+import importlib.util
+from typing import Protocol, cast
+
+from rotorrig.rig import Clock, ConfigError
 from rotorrig.rig.config import RPM, ModbusRtu, ModbusTcp
-from rotorrig.sims.wire.motors.acs355 import Acs355
-from rotorrig.sims.wire.motors.m_max import MMax
 from rotorrig.sims.wire.motors.modbus_motor import Registers
-from rotorrig.sims.wire.motors.powerflex400 import PowerFlex400
-from rotorrig.sims.wire.motors.vfd_ed import VfdEd
 from rotorrig.sims.wire.plant_port import Plant
 
+_FOLDER = "rotorrig.sims.wire.motors"
 
-def registers_of(table: ModbusRtu | ModbusTcp, plant: Plant, clock: Clock) -> Registers:
+
+class Emulator(Protocol):
+    """The module of an emulated drive."""
+
+    def commission(
+        self, table: ModbusRtu | ModbusTcp, plant: Plant, *, max_frequency: float, clock: Clock
+    ) -> Registers:
+        """Return the drive's registers, set up by hand as `table` needs it, up to `max_frequency` [Hz].
+
+        Raises ConfigError if such a drive cannot be set to `max_frequency`.
+        """
+        ...
+
+
+def commission_drive(table: ModbusRtu | ModbusTcp, plant: Plant, clock: Clock) -> Registers:
     """Return the registers of the drive that `table` names, its maximum frequency set to `max_speed`.
 
-    Raises ConfigError if such a drive cannot turn the rotor so fast.
+    Raises ConfigError if there is no emulator of that drive, or if it cannot turn the rotor so fast.
     """
-    rpm_per_hz = table.rpm_per_hz
-    max_frequency = table.max_speed * RPM / rpm_per_hz
-    match table.profile:
-        case "powerflex400":
-            return PowerFlex400(plant, rpm_per_hz=rpm_per_hz, max_frequency=max_frequency, clock=clock)
-        case "m-max":
-            return MMax(plant, rpm_per_hz=rpm_per_hz, max_frequency=max_frequency, clock=clock)
-        case "vfd-ed":
-            assert table.ramp is not None, "checked with the config"
-            by_hand = {"ramp": table.ramp, "time_out": table.watchdog}
-            return VfdEd(plant, rpm_per_hz=rpm_per_hz, max_frequency=max_frequency, **by_hand, clock=clock)
-        case "acs355":
-            return Acs355(plant, rpm_per_hz=rpm_per_hz, max_frequency=max_frequency, clock=clock)
-        case _:
-            assert_never(table.profile)
+    name = f"{_FOLDER}.{table.profile.replace('-', '_')}"
+    if importlib.util.find_spec(name) is None:
+        raise ConfigError(f"motor.profile: got '{table.profile}', want a drive that has an emulator, {name}")
+    emulator = cast(Emulator, importlib.import_module(name))
+    max_frequency = table.max_speed * RPM / table.rpm_per_hz
+    return emulator.commission(table, plant, max_frequency=max_frequency, clock=clock)

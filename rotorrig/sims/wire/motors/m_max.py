@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from rotorrig.rig import Clock, ConfigError
+from rotorrig.rig.config import ModbusRtu, ModbusTcp
 from rotorrig.sims.wire.drive import Drive, OnSilence
 from rotorrig.sims.wire.motors.modbus_motor import Unanswered
 from rotorrig.sims.wire.plant_port import Plant
@@ -179,3 +180,8 @@ class MMax:
             6: drive.speed == 0.0,
         }
         return sum(1 << bit for bit, on in bits.items() if on)
+
+
+def commission(table: ModbusRtu | ModbusTcp, plant: Plant, *, max_frequency: float, clock: Clock) -> MMax:
+    """Return the drive as commissioned for `table`, see `inverters`."""
+    return MMax(plant, rpm_per_hz=table.rpm_per_hz, max_frequency=max_frequency, clock=clock)

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from rotorrig.rig import Clock, ConfigError
+from rotorrig.rig.config import ModbusRtu, ModbusTcp
 from rotorrig.sims.wire.drive import Drive, OnSilence
 from rotorrig.sims.wire.plant_port import Plant
 
@@ -159,3 +160,8 @@ class PowerFlex400:
             10: True,  # commands from the network
         }
         return sum(1 << bit for bit, on in bits.items() if on)
+
+
+def commission(table: ModbusRtu | ModbusTcp, plant: Plant, *, max_frequency: float, clock: Clock) -> PowerFlex400:
+    """Return the drive as commissioned for `table`, see `inverters`."""
+    return PowerFlex400(plant, rpm_per_hz=table.rpm_per_hz, max_frequency=max_frequency, clock=clock)

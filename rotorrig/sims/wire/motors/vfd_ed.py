@@ -13,6 +13,7 @@ Jog, reverse and a change of direction are refused as illegal values.
 import math
 
 from rotorrig.rig import Clock, ConfigError
+from rotorrig.rig.config import ModbusRtu, ModbusTcp
 from rotorrig.sims.wire.drive import Drive, OnSilence
 from rotorrig.sims.wire.plant_port import Plant
 
@@ -93,3 +94,10 @@ class VfdEd:
             raise ValueError(f"command {value:#06x} asks for what this drive is not set up for")
         if number == FREQUENCY_COMMAND and value > self._highest:
             raise ValueError(f"frequency command: got {value}, want 0 to {self._highest}")
+
+
+def commission(table: ModbusRtu | ModbusTcp, plant: Plant, *, max_frequency: float, clock: Clock) -> VfdEd:
+    """Return the drive with the ramp and the time-out of `table` set by hand."""
+    assert table.ramp is not None, "checked with the config"
+    by_hand = {"ramp": table.ramp, "time_out": table.watchdog}
+    return VfdEd(plant, rpm_per_hz=table.rpm_per_hz, max_frequency=max_frequency, **by_hand, clock=clock)
