@@ -6,9 +6,9 @@
 
 Every case is sealed, swept, tracked and diagnosed on its own, and leaves in the folder what was measured (kept until
 the plant changes), the sealed truth, written before the sweep, and the diagnosis; then lam of what it hides is computed
-(blind_lam.py). Faults and healthy rigs take turns, so that a run that was stopped has as large a part of each. What is
-there is not run again, but for what ended in an error, and Ctrl-C or SIGTERM loses only what is under way. Judging is
-done afterwards, from the files alone.
+(parts/blind/lam.py). Faults and healthy rigs take turns, so that a run that was stopped has as large a part of each.
+What is there is not run again, but for what ended in an error, and Ctrl-C or SIGTERM loses only what is under way.
+Judging is done afterwards, from the files alone.
 """
 
 import argparse
@@ -26,22 +26,12 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from benchmarks.blind_cases import (
-    DESIGNS,
-    HEALTHY,
-    Case,
-    Design,
-    cases,
-    files,
-    modelled,
-    outsiders,
-    write_whole,
-)
-from benchmarks.blind_lam import asked, compute, lam_of, template
-from benchmarks.blind_measured import measured
-from benchmarks.blind_page import page, text
-from benchmarks.blind_score import FAILED, Score, score, summarise
-from benchmarks.parallel import WorkerDied, in_parallel
+from benchmarks.parts.blind.cases import DESIGNS, HEALTHY, Case, Design, cases, files, modelled, outsiders, write_whole
+from benchmarks.parts.blind.lam import asked, compute, lam_of, template
+from benchmarks.parts.blind.measured import measured
+from benchmarks.parts.blind.page import page, text
+from benchmarks.parts.blind.score import FAILED, Score, score, summarise
+from benchmarks.parts.parallel import WorkerDied, in_parallel
 from rotorrig.identify import diagnose, write_diagnosis
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import code_version

@@ -21,11 +21,11 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from benchmarks.chea_chapter import CHAPTER
-from benchmarks.chea_functions import Case, cases_beyond, chapter_cases
-from benchmarks.chea_page import Scores, dimension_tables, page, tables
-from benchmarks.chea_peers import CHEA, METHODS, PEERS, Method
-from benchmarks.chea_score import Run, run, summarise
+from benchmarks.parts.chea.chapter import CHAPTER
+from benchmarks.parts.chea.functions import Case, cases_beyond, chapter_cases
+from benchmarks.parts.chea.page import Scores, dimension_tables, page, tables
+from benchmarks.parts.chea.peers import CHEA, METHODS, PEERS, Method
+from benchmarks.parts.chea.score import Run, run, summarise
 
 ROOT = Path(__file__).parents[1]
 CALLS_PER_DIMENSION = 2000  # the budget of every method beyond the chapter's functions

@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from benchmarks.forward_growth import POPULATION, growth_tables
-from benchmarks.forward_page import page, table
-from benchmarks.forward_peers import dense, real_form, ross, ross_case
+from benchmarks.parts.forward.growth import POPULATION, growth_tables
+from benchmarks.parts.forward.page import page, table
+from benchmarks.parts.forward.peers import dense, real_form, ross, ross_case
 from rotorrig.rig.config import RPM, RigConfig, load
 from rotorrig.sims.rotor.model import RotorModel, assemble
 from rotorrig.sims.rotor.steady import Receptance

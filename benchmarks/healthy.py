@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.blind_run import record
+from benchmarks.parts.blind.run import record
 from rotorrig.identify import identify
 from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
 from rotorrig.processing import track

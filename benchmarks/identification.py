@@ -19,12 +19,9 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from benchmarks import identification_coverage as coverage
-from benchmarks import identification_table7 as table7
-from benchmarks import identification_table8 as table8
-from benchmarks import identification_table10 as table10
-from benchmarks import identification_timing as timing
-from benchmarks.coverage_groups import GROUPS
-from benchmarks.identification_page import page
+from benchmarks.parts.identification import table7, table8, table10, timing
+from benchmarks.parts.identification.coverage_groups import GROUPS
+from benchmarks.parts.identification.page import page
 
 ROOT = Path(__file__).parents[1]
 ORDINARY = next(iter(GROUPS))  # coverage95 is of it; the others, bootstraps among them, are identification_coverage's

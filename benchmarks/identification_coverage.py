@@ -21,9 +21,9 @@ import numpy as np
 from scipy.stats import binomtest
 from threadpoolctl import threadpool_limits
 
-from benchmarks.coverage_groups import GROUPS, NAMES
-from benchmarks.matched_run import draw
-from benchmarks.uncertainty_page import page, table
+from benchmarks.parts.identification.coverage_groups import GROUPS, NAMES
+from benchmarks.parts.identification.matched_run import draw
+from benchmarks.parts.identification.uncertainty_page import page, table
 from rotorrig.identify import identify
 from rotorrig.identify.uncertainty import Resampling
 from rotorrig.rig.config import RigConfig, load

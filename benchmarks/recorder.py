@@ -31,10 +31,10 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 from mcap.reader import make_reader
 
-from benchmarks import recorder_page
-from benchmarks.recorder_report import Report
-from benchmarks.recorder_signal import write_signal
-from benchmarks.recorder_sweep import Task, Viewer
+from benchmarks.parts.recorder import page
+from benchmarks.parts.recorder.report import Report
+from benchmarks.parts.recorder.signal import write_signal
+from benchmarks.parts.recorder.sweep import Task, Viewer
 from rotorrig.acquisition.files import read_recording, salvage
 from rotorrig.rig.config import RigConfig, load, parse
 
@@ -70,16 +70,16 @@ def main() -> None:
         bench = Bench(Path(folder))
         if given.minutes:
             measure_long_run(bench, report)
-            say(recorder_page.long_run(report))
+            say(page.long_run(report))
         if given.trips:
             measure_trips(bench, report, each=max(1, given.trips // len(get_args(Viewer))))
-            say(recorder_page.trips(report))
+            say(page.trips(report))
         if given.kills:
             measure_kills(bench, report, kills=given.kills)
-            say(recorder_page.kills(report))
+            say(page.kills(report))
     report.load = os.getloadavg()[2]
     if given.write:
-        (ROOT / "docs/recorder.md").write_text(recorder_page.page(report))
+        (ROOT / "docs/recorder.md").write_text(page.page(report))
     print(json.dumps(report.summary()))
 
 
@@ -96,14 +96,14 @@ class Bench:
     def emulated(self, *, loud: tuple[float, float] | None = None) -> Iterator["Teller"]:
         """Run the rig while the block does."""
         words = [str(self.config), str(self.signal), *(["--loud", *map(str, loud)] if loud else [])]
-        with _process("benchmarks.recorder_rig", *words) as process:
+        with _process("benchmarks.parts.recorder.rig", *words) as process:
             yield Teller(process)
 
     @contextmanager
     def recording(self, ports: dict[str, Any], **fields: Any) -> Iterator[subprocess.Popen[bytes]]:
         """Run the recording process while the block does, or until it ends."""
         task = Task(config=str(self.config), motor=ports["motor"], daq=ports["daq"], **fields)
-        with _process("benchmarks.recorder_sweep", json.dumps(asdict(task))) as process:
+        with _process("benchmarks.parts.recorder.sweep", json.dumps(asdict(task))) as process:
             yield process
 
 
@@ -152,7 +152,7 @@ def measure_long_run(bench: Bench, report: Report) -> None:
     path = Path(result["out"])
     report.samples, report.file_bytes = result["samples"], path.stat().st_size
     report.compression = report.file_bytes / (2 * CHANNELS * report.samples)
-    read = json.loads(_run("benchmarks.recorder_read", str(path), str(bench.signal)))
+    read = json.loads(_run("benchmarks.parts.recorder.read", str(path), str(bench.signal)))
     report.read_s, report.read_rss = read["seconds"], read["rss"]
     report.samples_lost = unsent + read["missing"] + read["wrong"]
     path.unlink()

@@ -25,12 +25,12 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from benchmarks.parallel import WorkerDied, in_parallel
-from benchmarks.soak_faults import FAULTS
-from benchmarks.soak_judge import judge
-from benchmarks.soak_page import page, text, totals
-from benchmarks.soak_rigs import DRIVES
-from benchmarks.soak_run import Case, run
+from benchmarks.parts.parallel import WorkerDied, in_parallel
+from benchmarks.parts.soak.faults import FAULTS
+from benchmarks.parts.soak.judge import judge
+from benchmarks.parts.soak.page import page, text, totals
+from benchmarks.parts.soak.rigs import DRIVES
+from benchmarks.parts.soak.run import Case, run
 
 ROOT = Path(__file__).parents[1]
 WHERE = tuple(dict.fromkeys(fault.where for fault in FAULTS))

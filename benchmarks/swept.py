@@ -20,7 +20,7 @@ from numba import njit
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from benchmarks.tables import markdown
+from benchmarks.parts.tables import markdown
 from rotorrig.rig.config import RPM, load
 from rotorrig.sims.rotor.model import (
     Direction,

@@ -25,12 +25,13 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks import tracking_page, tracking_peers
-from benchmarks.tracking_accuracy import Coverage, Score, instant_truth, windowed_truth
-from benchmarks.tracking_figures import Figures
-from benchmarks.tracking_live import measure_latency
-from benchmarks.tracking_page import METHODS
-from benchmarks.tracking_signal import RunUp, resonant, standard, without, write_run
+from benchmarks.parts.tracking import page as tracking_page
+from benchmarks.parts.tracking import peers
+from benchmarks.parts.tracking.accuracy import Coverage, Score, instant_truth, windowed_truth
+from benchmarks.parts.tracking.figures import Figures
+from benchmarks.parts.tracking.live import measure_latency
+from benchmarks.parts.tracking.page import METHODS
+from benchmarks.parts.tracking.signal import RunUp, resonant, standard, without, write_run
 from docs.tracking_drawing import windows
 from rotorrig.acquisition import RawRecording
 from rotorrig.acquisition.files import read_recording
@@ -130,14 +131,14 @@ def measure_peers(figures: Figures, folder: Path, *, rounds: int) -> None:
         works: dict[str, Callable[[], NDArray[np.complex128]]] = {
             "ours": lambda recording=recording: ours(recording, USUAL.method),
             "ours, Vold-Kalman": lambda recording=recording: ours(recording, "vold-kalman"),
-            "rota-order": lambda v=volts, x=x, g=given: tracking_peers.rota_harmonics(v, x, turns=8, **g),
-            "plain scipy": lambda v=volts, x=x, g=given: tracking_peers.plain_scipy(v, x, turns=8, **g),
+            "rota-order": lambda v=volts, x=x, g=given: peers.rota_harmonics(v, x, turns=8, **g),
+            "plain scipy": lambda v=volts, x=x, g=given: peers.plain_scipy(v, x, turns=8, **g),
         }
         for name, work in works.items():
             figures.peers[name + suffix] = scored(work(), run)
             figures.seconds.setdefault(name, timed(work, rounds))
         began = time.process_time()
-        slow = tracking_peers.rota_vold_kalman(volts, x, turns=8, bandwidth=BANDWIDTH, **given)
+        slow = peers.rota_vold_kalman(volts, x, turns=8, bandwidth=BANDWIDTH, **given)
         figures.seconds["rota-order, Vold-Kalman"] = time.process_time() - began
         figures.peers["rota-order, Vold-Kalman" + suffix] = scored(slow, run)
 
@@ -189,7 +190,7 @@ def measure_memory(figures: Figures, folder: Path) -> None:
         file = write_run(folder / "long.mcap", standard(seconds=seconds))
         for method in METHODS:
             words = ["track", str(file), "--method", method, "--out", str(folder / f"{method}-{seconds:.0f}.mcap")]
-            command = [sys.executable, "-m", "benchmarks.tracking_memory", *words]
+            command = [sys.executable, "-m", "benchmarks.parts.tracking.memory", *words]
             said = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, cwd=ROOT).stdout
             figures.memory[method, seconds] = int(said.splitlines()[-1])
 

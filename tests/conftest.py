@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from benchmarks.blind_run import record
+from benchmarks.parts.blind.run import record
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig, load, parse

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from benchmarks.blind import has_lam, in_turns, is_good
-from benchmarks.blind_cases import Case, cases, files, modelled, nameplate, outsiders, sizes, write_whole
-from benchmarks.blind_lam import Lam, compute, lam_file, lam_of
-from benchmarks.blind_names import ANSWERS, answer, effect_of
-from benchmarks.blind_page import page, text
-from benchmarks.blind_score import Rate, Score, rates, score, summarise
+from benchmarks.parts.blind.cases import Case, cases, files, modelled, nameplate, outsiders, sizes, write_whole
+from benchmarks.parts.blind.lam import Lam, compute, lam_file, lam_of
+from benchmarks.parts.blind.names import ANSWERS, answer, effect_of
+from benchmarks.parts.blind.page import page, text
+from benchmarks.parts.blind.score import Rate, Score, rates, score, summarise
 from rotorrig.sims.effects.base import catalogue
 from rotorrig.sims.plant.draw import draw, identified_truth
 from rotorrig.sims.plant.faults.base import names

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from scipy.optimize import approx_fprime
 
-from benchmarks import chea_page, chea_tables
-from benchmarks.chea_counting import BudgetSpent, Counted
-from benchmarks.chea_functions import Listed, Problem, cases_beyond, chapter_cases, cube
-from benchmarks.chea_peers import METHODS, Found, Method, forward_differences
-from benchmarks.chea_score import count_minima, run, summarise
+from benchmarks import chea_tables
+from benchmarks.parts.chea import page
+from benchmarks.parts.chea.counting import BudgetSpent, Counted
+from benchmarks.parts.chea.functions import Listed, Problem, cases_beyond, chapter_cases, cube
+from benchmarks.parts.chea.peers import METHODS, Found, Method, forward_differences
+from benchmarks.parts.chea.score import count_minima, run, summarise
 
 F1, F2, F3 = chapter_cases()[:3]
 QUICK = [name for name in METHODS if name not in ("pycma BIPOP", "differential_evolution", "basinhopping")]
@@ -138,7 +139,7 @@ def test_json_has_the_agreed_keys_on_its_last_line_and_the_page_the_tables(monke
 
 def test_no_peers_leaves_them_out_and_dimensions_adds_the_others(monkeypatch, capsys) -> None:
     some = [case for case in cases_beyond() if case.name in ("camel 2", "Levy 2")]
-    for module in (chea_tables, chea_page):
+    for module in (chea_tables, page):
         monkeypatch.setattr(module, "chapter_cases", lambda: [F1])
         monkeypatch.setattr(module, "cases_beyond", lambda: some)
     monkeypatch.setattr(chea_tables, "CALLS_PER_DIMENSION", 50)

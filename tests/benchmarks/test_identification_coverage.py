@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.coverage_groups import GROUPS, NAMES
 from benchmarks.identification_coverage import Outcome, Trial, case, summarise, text
-from benchmarks.matched_run import Case, Design, draw
-from benchmarks.uncertainty_page import page
+from benchmarks.parts.identification.coverage_groups import GROUPS, NAMES
+from benchmarks.parts.identification.matched_run import Case, Design, draw
+from benchmarks.parts.identification.uncertainty_page import page
 from rotorrig.identify.fit import identify
 from rotorrig.identify.measurement import measure
 from rotorrig.rig.config.description import RigConfig

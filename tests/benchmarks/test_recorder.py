@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import recorder, recorder_page
+from benchmarks import recorder
+from benchmarks.parts.recorder import page as recorder_page
+from benchmarks.parts.recorder.report import Report
 from benchmarks.recorder import Bench, measure_kills, measure_long_run, measure_trips
-from benchmarks.recorder_report import Report
 
 
 @pytest.fixture(scope="module")

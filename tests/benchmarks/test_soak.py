@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.soak_faults import FAULTS
-from benchmarks.soak_judge import judge
-from benchmarks.soak_page import page, text, totals
-from benchmarks.soak_rigs import DRIVES, config
-from benchmarks.soak_run import Case
-from benchmarks.soak_wire import compare, data_frames
+from benchmarks.parts.soak.faults import FAULTS
+from benchmarks.parts.soak.judge import judge
+from benchmarks.parts.soak.page import page, text, totals
+from benchmarks.parts.soak.rigs import DRIVES, config
+from benchmarks.parts.soak.run import Case
+from benchmarks.parts.soak.wire import compare, data_frames
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.config.description import parse
 from rotorrig.rig.probes.base import Block, DaqInfo

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks import tracking_page
+from benchmarks.parts.tracking import page as tracking_page
+from benchmarks.parts.tracking.accuracy import Coverage, Score
+from benchmarks.parts.tracking.figures import Figures
+from benchmarks.parts.tracking.live import latencies, live_run, measure_latency, row_ends
+from benchmarks.parts.tracking.page import METHODS
+from benchmarks.parts.tracking.signal import RATE, RPM, blocks, resonant, rig_of, standard
 from benchmarks.tracking import COVERED, cases
-from benchmarks.tracking_accuracy import Coverage, Score
-from benchmarks.tracking_figures import Figures
-from benchmarks.tracking_live import latencies, live_run, measure_latency, row_ends
-from benchmarks.tracking_page import METHODS
-from benchmarks.tracking_signal import RATE, RPM, blocks, resonant, rig_of, standard
 from docs import tracking_drawing
 
 

@@ -1,7 +1,7 @@
 """A small blind benchmark: faults in simulated rigs, at sizes that can be named, are found by what they are.
 
 The rig has one plane of probes and is swept three times as fast as in the benchmark ("fast"). The sizes in `LARGE` are
-at three times what can be told from the nearest rival (lam to it 9 * 16 or more, by benchmarks/blind_lam.py) or more;
+at three times what can be told from the nearest rival (lam to it 9 * 16 or more, by parts/blind/lam.py) or more;
 with fixed seeds all of them must be right. Those in `ALIKE` are easily seen, but one plane of probes cannot tell them
 from a rival (lam below 16): the right answer is a tie of the two. The fresh rigs have been seen by nobody: the date
 draws them, and which of the large faults they hide; it is printed on failure, and as many must be right as the stated
@@ -19,10 +19,10 @@ import pytest
 from scipy.stats import binom
 
 from benchmarks.blind import diagnosed
-from benchmarks.blind_cases import Case, measure, sizes
-from benchmarks.blind_names import effect_of
-from benchmarks.blind_score import Score, score
-from benchmarks.parallel import in_parallel
+from benchmarks.parts.blind.cases import Case, measure, sizes
+from benchmarks.parts.blind.names import effect_of
+from benchmarks.parts.blind.score import Score, score
+from benchmarks.parts.parallel import in_parallel
 from rotorrig.sims.effects.base import catalogue
 from rotorrig.sims.plant.sealed_truth import unseal
 from rotorrig.sims.plant.truth import FaultSpec

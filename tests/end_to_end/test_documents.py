@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 import pyuff
 
-from benchmarks.blind_run import record
+from benchmarks.parts.blind.run import record
 from docs.make_tutorial import COLUMNS
 from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.importers.channel_mapping import load_channels

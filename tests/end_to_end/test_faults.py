@@ -5,9 +5,9 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import pytest
 
-from benchmarks.soak_judge import judge
-from benchmarks.soak_rigs import DRIVES
-from benchmarks.soak_run import Case, run
+from benchmarks.parts.soak.judge import judge
+from benchmarks.parts.soak.rigs import DRIVES
+from benchmarks.parts.soak.run import Case, run
 
 #: drive -> a fault; above real time, where a dead program or DAQ would hold up the simulated time
 RUNS = dict.fromkeys(DRIVES, ("drive", "drive trips")) | {

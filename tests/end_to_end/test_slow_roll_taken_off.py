@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from benchmarks.blind_run import record
+from benchmarks.parts.blind.run import record
 from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.tracking_accuracy import Coverage, Score, instant_truth, windowed_truth
-from benchmarks.tracking_signal import RunUp, resonant, standard, without, write_run
+from benchmarks.parts.tracking.accuracy import Coverage, Score, instant_truth, windowed_truth
+from benchmarks.parts.tracking.signal import RunUp, resonant, standard, without, write_run
 from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import Method, OrderTrackedResponse

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.blind_run import record
+from benchmarks.parts.blind.run import record
 from rotorrig.acquisition.files.recording_mcap import read_recording, write_recording
 from rotorrig.acquisition.recording import Event
 from rotorrig.acquisition.replay import cut_from

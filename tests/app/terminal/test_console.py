@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from benchmarks.blind_run import record
+from benchmarks.parts.blind.run import record
 from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.app import cli
 from rotorrig.app.terminal.console import tell
