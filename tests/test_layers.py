@@ -45,6 +45,12 @@ EVERYWHERE = {*sys.stdlib_module_names, "numpy", "lazy_loader"}
 #: folder -> its floors, lowest first: what stands on one may import from those below it alone
 FLOORS: dict[str, tuple[str, ...]] = {
     "rig": ("clock errors provenance serial_port", "config", "motor probes ross", "connect interlock"),
+    "rig.probes": (
+        "base",
+        "calibration clock_comparison requirements",
+        "keyphasor_speed tally",
+        "nidaqmx opendaq stream",
+    ),
     "acquisition": ("recording", "files importers sweep", "exporters replay"),
     "processing": (
         "probe_planes response waveform windows",
@@ -249,7 +255,7 @@ def test_no_folder_has_more_entries_than_one_reads_through() -> None:
         ("sims.plant.shaft", "from rotorrig.sims.rotor.model import anything"),
         ("sims.plant.plant", "import rotorrig.identify.fit"),
         ("sims.wire.motors.modbus_motor", "from rotorrig.rig.motor.modbus_frames import encode"),
-        ("sims.wire.probe_daq", "from rotorrig.rig.probes import daq_frames"),
+        ("sims.wire.probe_daq", "from rotorrig.rig.probes.stream import frames"),
         ("identify.chea.chapter.genetic", "from rotorrig.rig import RigError"),
         ("identify.adequacy.misfit", "import rerun"),
         ("acquisition.sweep.engine", "from rotorrig.processing import track"),

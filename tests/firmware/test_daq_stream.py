@@ -16,8 +16,8 @@ import pytest
 import serial
 from numpy.typing import NDArray
 
-from rotorrig.rig.probes.daq_frames import Complaint, Data, Frame, FrameDecoder, Info, Stopped
-from rotorrig.rig.probes.stream_daq import StreamDaq
+from rotorrig.rig.probes.stream.daq import StreamDaq
+from rotorrig.rig.probes.stream.frames import Complaint, Data, Frame, FrameDecoder, Info, Stopped
 
 ROOT = Path(__file__).parents[2]
 SOURCES = ROOT / "firmware" / "daq_stream"

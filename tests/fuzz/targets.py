@@ -15,7 +15,7 @@ from rotorrig.processing.files.bode_table import read_table
 from rotorrig.rig.config.description import load
 from rotorrig.rig.errors import BadFrame, RigError
 from rotorrig.rig.motor import line_frames
-from rotorrig.rig.probes.daq_frames import FrameDecoder, Info, daq_info
+from rotorrig.rig.probes.stream.frames import FrameDecoder, Info, daq_info
 from tests.fuzz.corpus import BODE_CSV, BODE_MAPPING, CHANNELS, RK4
 
 Read = Callable[[bytes, Path], None]

@@ -11,7 +11,7 @@ from rotorrig.rig.config.devices import ModbusTcp
 from rotorrig.rig.config.validation import checked
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.motor.modbus_motor import ModbusMotor
-from rotorrig.rig.probes.stream_daq import StreamDaq
+from rotorrig.rig.probes.stream.daq import StreamDaq
 
 
 def test_the_rk4_has_a_modbus_motor_and_a_stream_daq(rk4: RigConfig) -> None:

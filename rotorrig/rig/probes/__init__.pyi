@@ -5,9 +5,9 @@ from .calibration import ProbeScale as ProbeScale
 from .calibration import channel_volts as channel_volts
 from .calibration import channels_used as channels_used
 from .keyphasor_speed import KeyphasorSpeed as KeyphasorSpeed
-from .nidaqmx_daq import NiDaqmxDaq as NiDaqmxDaq
-from .opendaq_daq import OpenDaqDaq as OpenDaqDaq
-from .stream_daq import StreamDaq as StreamDaq
+from .nidaqmx import NiDaqmxDaq as NiDaqmxDaq
+from .opendaq import OpenDaqDaq as OpenDaqDaq
+from .stream import StreamDaq as StreamDaq
 
 __all__ = [
     "Block",

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from rotorrig.rig.config import OpenDaq
 from rotorrig.rig.errors import ConfigError, LinkLost
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
-from rotorrig.rig.probes.opendaq_device import Channel, OpenDaqDevice
+from rotorrig.rig.probes.opendaq.device import Channel, OpenDaqDevice
+from rotorrig.rig.probes.opendaq.scan_assembly import ScanAssembler
+from rotorrig.rig.probes.opendaq.tick_index import TickIndex
 from rotorrig.rig.probes.requirements import check_found
-from rotorrig.rig.probes.scan_assembly import ScanAssembler
 from rotorrig.rig.probes.tally import Tally
-from rotorrig.rig.probes.tick_index import TickIndex
 
 POLL_SECONDS = 0.005  # between looks for packets; devices send some every 10 to 50 ms
 

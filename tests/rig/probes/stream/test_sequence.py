@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.errors import LinkLost
-from rotorrig.rig.probes.daq_frames import Data
-from rotorrig.rig.probes.frame_sequence import BEHIND, SEQUENCES, STALE_IN_A_ROW, FrameSequence, Place
+from rotorrig.rig.probes.stream.frames import Data
+from rotorrig.rig.probes.stream.sequence import BEHIND, SEQUENCES, STALE_IN_A_ROW, FrameSequence, Place
 
 
 def frame(sequence: int, first_scan: int | None = None) -> Data:

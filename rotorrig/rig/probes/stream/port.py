@@ -15,7 +15,7 @@ import time
 import serial
 
 from rotorrig.rig.errors import LinkLost
-from rotorrig.rig.probes.daq_frames import Frame, FrameDecoder
+from rotorrig.rig.probes.stream.frames import Frame, FrameDecoder
 
 BLOCKS_AHEAD = 50  # frames; a second of 20 ms frames
 POLL_SECONDS = 0.05  # of one read of the port

@@ -4,7 +4,7 @@ from collections import deque
 from enum import Enum
 
 from rotorrig.rig.errors import LinkLost
-from rotorrig.rig.probes.daq_frames import Data
+from rotorrig.rig.probes.stream.frames import Data
 
 SEQUENCES = 1 << 32
 BEHIND = 32  # a frame up to so many behind the newest is an old one come again; further back the device has restarted

@@ -9,12 +9,11 @@ from typing import Self
 import serial
 
 from rotorrig.rig.errors import BadFrame, LinkLost
-from rotorrig.rig.probes import daq_frames
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
-from rotorrig.rig.probes.daq_frames import Complaint, Data, Frame, Info, Stopped
-from rotorrig.rig.probes.frame_port import POLL_SECONDS, FramePort
-from rotorrig.rig.probes.frame_sequence import FrameSequence, Place
 from rotorrig.rig.probes.requirements import check_found
+from rotorrig.rig.probes.stream.frames import ASK, START, STOP, Complaint, Data, Frame, Info, Stopped, daq_info
+from rotorrig.rig.probes.stream.port import POLL_SECONDS, FramePort
+from rotorrig.rig.probes.stream.sequence import FrameSequence, Place
 from rotorrig.rig.probes.tally import Tally
 from rotorrig.rig.serial_port import why_closed
 
@@ -53,7 +52,7 @@ class StreamDaq:
         self.close()
         self._wire = FramePort(self._open_port())
         try:
-            self._send(daq_frames.STOP)  # it may still stream to whoever asked before
+            self._send(STOP)  # it may still stream to whoever asked before
             self._info = self._ask()
             check_found(self._info, where=self.port, sample_rate=self._want_rate, channels=self._want_channels)
         except BaseException:
@@ -69,7 +68,7 @@ class StreamDaq:
         self._tally = Tally(self._info)
         self._sequence = FrameSequence(sample_rate=self._info.sample_rate)
         self._noise_before = (decoder.bad_frames, decoder.skipped_bytes)
-        self._send(daq_frames.START)
+        self._send(START)
         self._streaming = True
 
     def read(self, timeout: float = 1.0) -> Block:
@@ -94,7 +93,7 @@ class StreamDaq:
         if not self._streaming:
             return
         self._streaming = False
-        self._send(daq_frames.STOP)
+        self._send(STOP)
         if not any(isinstance(frame, Stopped) for frame, _ in self._frames(STOP_SECONDS)):
             raise LinkLost(f"{self.port}: asked the DAQ to stop, no answer in {STOP_SECONDS:g} s{self._noise()}")
 
@@ -106,7 +105,7 @@ class StreamDaq:
         if self._streaming:
             self._streaming = False
             with contextlib.suppress(OSError):  # the wire may be what went wrong
-                wire.port.write(daq_frames.STOP)
+                wire.port.write(STOP)
         wire.close()
 
     def __enter__(self) -> Self:
@@ -129,7 +128,7 @@ class StreamDaq:
         """Ask until the device answers; what a stream of before left on the wire is passed over."""
         complaint = ""
         for _ in range(round(ANSWER_SECONDS / ASK_AGAIN_SECONDS)):
-            self._send(daq_frames.ASK)
+            self._send(ASK)
             for frame, _ in self._frames(ASK_AGAIN_SECONDS):
                 if isinstance(frame, Info):
                     return self._understood(frame)
@@ -139,7 +138,7 @@ class StreamDaq:
 
     def _understood(self, frame: Info) -> DaqInfo:
         try:
-            return daq_frames.daq_info(frame.payload)
+            return daq_info(frame.payload)
         except BadFrame as error:
             raise LinkLost(f"{self.port}: the DAQ's answer cannot be used: {error}") from error
 

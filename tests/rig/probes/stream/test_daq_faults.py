@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.probes.base import DaqCounters
-from rotorrig.rig.probes.stream_daq import StreamDaq
+from rotorrig.rig.probes.stream.daq import StreamDaq
 from tests.rig.wire_fakes import Board, data_frame
 
 FRAMES, SCANS = 80, 20

@@ -3,7 +3,7 @@
 import pytest
 
 from rotorrig.rig.errors import LinkLost
-from rotorrig.rig.probes.tick_index import TickIndex
+from rotorrig.rig.probes.opendaq.tick_index import TickIndex
 
 NOW = 1_795_274_737_147_815  # us since 1970
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from rotorrig.rig.config import OpenDaq
 from rotorrig.rig.errors import ConfigError, LinkLost
-from rotorrig.rig.probes.opendaq_counts import CountScale, raw_scale, rounded_scale
+from rotorrig.rig.probes.opendaq.counts import CountScale, raw_scale, rounded_scale
 
 NETWORK = "daq."  # connection strings that begin like this name devices on the network
 RATE_SETTINGS = ("SampleRate", "GlobalSampleRate")  # what devices call theirs

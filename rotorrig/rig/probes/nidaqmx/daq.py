@@ -15,7 +15,7 @@ import numpy as np
 from rotorrig.rig.config import NiDaqmx
 from rotorrig.rig.errors import ConfigError, LinkLost
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
-from rotorrig.rig.probes.nidaqmx_counts import Straightening, straightening
+from rotorrig.rig.probes.nidaqmx.counts import Straightening, straightening
 from rotorrig.rig.probes.requirements import check_found
 from rotorrig.rig.probes.tally import Tally
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.rig.probes.nidaqmx_counts import straightening
+from rotorrig.rig.probes.nidaqmx.counts import straightening
 
 LSB = 20 / 65536  # V: 16 bits over -10 V to 10 V
 RAW = np.arange(-32768, 32768, dtype=np.int32)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from rotorrig.rig.errors import BadFrame
-from rotorrig.rig.probes.daq_frames import Complaint, Data, FrameDecoder, Info, Stopped, daq_info, decode
+from rotorrig.rig.probes.stream.frames import Complaint, Data, FrameDecoder, Info, Stopped, daq_info, decode
 from tests.rig.wire_fakes import INFO, data_frame, error_frame, frame, info_frame, stopped_frame
 
 INT24 = st.integers(-(1 << 23), (1 << 23) - 1)

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.errors import ConfigError, LinkLost
-from rotorrig.rig.probes import frame_port, stream_daq
 from rotorrig.rig.probes.base import DaqCounters
-from rotorrig.rig.probes.stream_daq import StreamDaq
+from rotorrig.rig.probes.stream import daq as stream_daq
+from rotorrig.rig.probes.stream import port
+from rotorrig.rig.probes.stream.daq import StreamDaq
 from tests.rig.wire_fakes import Board, data_frame, error_frame, info_frame, stopped_frame, wait_for
 
 SCANS = 200
@@ -338,7 +339,7 @@ def test_a_stop_that_is_not_confirmed_is_said(board: Board, daq: StreamDaq, monk
 def test_the_beginning_of_a_frame_that_never_ends_does_not_hide_the_next(
     board: Board, daq: StreamDaq, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(frame_port, "PAUSE_SECONDS", 0.1)
+    monkeypatch.setattr(port, "PAUSE_SECONDS", 0.1)
     board.before_info = b"\xa5\x5a\x01\x00\xff\xff"  # an INFO of 65535 bytes
     assert daq.open().model == "board"
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rotorrig.rig.probes.scan_assembly import ScanAssembler
+from rotorrig.rig.probes.opendaq.scan_assembly import ScanAssembler
 
 
 def segment(first: int, length: int, channel: int) -> np.ndarray:

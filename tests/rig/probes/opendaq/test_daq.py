@@ -13,7 +13,7 @@ from rotorrig.rig import connect
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.devices import OpenDaq
 from rotorrig.rig.errors import ConfigError, LinkLost
-from rotorrig.rig.probes.opendaq_daq import OpenDaqDaq
+from rotorrig.rig.probes.opendaq.daq import OpenDaqDaq
 
 RATE = 10_000.0
 AMPLITUDE, FREQUENCY = 4.0, 25.0  # V, Hz of the reference device's sine

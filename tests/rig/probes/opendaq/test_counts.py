@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.rig.probes.opendaq_counts import FULL_SCALE, raw_scale, rounded_scale
+from rotorrig.rig.probes.opendaq.counts import FULL_SCALE, raw_scale, rounded_scale
 
 
 def test_offset_binary_counts_become_signed_ones_exactly() -> None:

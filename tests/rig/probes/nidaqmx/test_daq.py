@@ -9,9 +9,9 @@ from rotorrig.rig import connect
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.devices import NiDaqmx
 from rotorrig.rig.errors import ConfigError, LinkLost
-from rotorrig.rig.probes import nidaqmx_daq
 from rotorrig.rig.probes.base import DaqCounters
-from rotorrig.rig.probes.nidaqmx_daq import NiDaqmxDaq, first_sentence, read_failure
+from rotorrig.rig.probes.nidaqmx import daq as nidaqmx_daq
+from rotorrig.rig.probes.nidaqmx.daq import NiDaqmxDaq, first_sentence, read_failure
 
 TABLE = {"driver": "nidaqmx", "device": "Dev1", "sample_rate": "10 kHz"}
 OVERFLOW = """Onboard device memory overflow. Because of system and/or bus-bandwidth limitations, the driver could not

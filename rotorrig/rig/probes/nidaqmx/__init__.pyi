@@ -1,0 +1,3 @@
+from .daq import NiDaqmxDaq as NiDaqmxDaq
+
+__all__ = ["NiDaqmxDaq"]

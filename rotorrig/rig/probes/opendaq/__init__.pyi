@@ -1,0 +1,3 @@
+from .daq import OpenDaqDaq as OpenDaqDaq
+
+__all__ = ["OpenDaqDaq"]

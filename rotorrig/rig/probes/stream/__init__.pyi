@@ -1,0 +1,3 @@
+from .daq import StreamDaq as StreamDaq
+
+__all__ = ["StreamDaq"]
