@@ -1,7 +1,10 @@
-"""Runs a plan on a rig and stops the rotor however that ends.
+"""Run a plan on a rig and bring the rotor to rest, however the plan ends.
 
-Steps are timed by the DAQ's sample clock, so a simulated rig may run faster than real time; only how often the motor
-controller is asked goes by the wall clock.
+The path to the stop: `run_sweep` -> `_run_plan` (every step, until something ends it) -> `_stop_rotor` ->
+`Session.stop_rotor` -> `MotorControl.stop` -> `MotorDriver.stop`, then `follow_run_down` until the rotor is at rest.
+
+Steps are timed by the DAQ's sample clock, so a simulated rig may run faster than real time; only the interval between
+readings of the motor controller is wall time.
 """
 
 import math
@@ -12,11 +15,11 @@ from datetime import UTC, datetime
 
 from rotorrig.acquisition.recording import Event
 from rotorrig.acquisition.sweep.fanout import Listener, Writer
-from rotorrig.acquisition.sweep.interrupts import EMERGENCY, Interrupts
-from rotorrig.acquisition.sweep.motor_control import READ_EVERY, STALL, MotorControl, ThreadedControl
+from rotorrig.acquisition.sweep.interrupts import EMERGENCY_COUNT, Interrupts
+from rotorrig.acquisition.sweep.motor_control import LOOP_STALL, READ_EVERY, MotorControl, ThreadedControl
 from rotorrig.acquisition.sweep.operator import Nobody, Operator
-from rotorrig.acquisition.sweep.perform import Progress, perform
-from rotorrig.acquisition.sweep.run_down import RunDown, run_down
+from rotorrig.acquisition.sweep.perform import Progress, perform_steps
+from rotorrig.acquisition.sweep.run_down import RunDown, follow_run_down
 from rotorrig.acquisition.sweep.session import Session, StopTimes
 from rotorrig.acquisition.sweep.steps import Ask, Ramp, Step
 from rotorrig.rig import Clock, ConfigError, Interlock, LimitExceeded, LinkLost, RigError, WallClock
@@ -24,13 +27,13 @@ from rotorrig.rig.config import RigConfig
 from rotorrig.rig.motor import MotorDriver, Stop
 from rotorrig.rig.probes import Daq
 
-RUN_DOWN = 180.0  # s, where the config has no [limits]
+RUN_DOWN_LIMIT = 180.0  # s, where the config has no [limits]
 WATCHDOG_SHARE = 0.25  # of the drive's watchdog time, between two readings of it at most
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SweepResult:
-    """How a sweep went; the data are in its recording."""
+    """Outcome of a sweep; the data are in its recording."""
 
     samples: int
     seconds: float  # of the sample clock
@@ -44,7 +47,7 @@ class SweepResult:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ending:
-    """What ended a plan, and how the rotor is to be stopped for it."""
+    """Cause of a plan's end, and the stop it calls for."""
 
     kind: str  # of the event
     stop: Stop
@@ -52,12 +55,12 @@ class Ending:
     error: BaseException | None = None  # to be raised when the rotor is at rest and the recording closed
 
 
-class _StopWanted(Exception):
-    """The operator wants the sweep to end here."""
+class _StopRequested(Exception):
+    """The operator asked for the sweep to end here."""
 
 
-class _Aborted(Exception):
-    """A signal wants the program to end."""
+class _AbortRequested(Exception):
+    """A signal asked for the program to end."""
 
 
 def run_sweep(
@@ -76,16 +79,16 @@ def run_sweep(
 ) -> SweepResult:
     """Run `steps` on opened devices, bring the rotor to rest and close the recording, whatever happens on the way.
 
-    A limit exceeded, or a step that does not get where it should, ends the sweep with `SweepResult.trip`; the
-    operator's wish ends it without. Everything else that ends it early is raised once the rotor was stopped and the
-    recording closed: LinkLost, which says what became of the rotor and names the danger if no stop was confirmed and
-    the rotor not seen to come to rest; DataError if it could not be recorded; KeyboardInterrupt (for SIGTERM and
-    SIGHUP too). Raises ConfigError if a step asks the operator for something and there is none.
+    A limit exceeded, or a step that does not reach its target, ends the sweep with `SweepResult.trip`; the operator's
+    stop ends it without. Anything else that ends it early is raised once the rotor has been stopped and the recording
+    closed: LinkLost, which says what became of the rotor and warns if no stop was confirmed and the rotor not seen to
+    come to rest; DataError if recording failed; KeyboardInterrupt (for SIGTERM and SIGHUP too). Raises ConfigError if
+    a step needs an operator and there is none.
     """
     plan, clock = tuple(steps), clock or WallClock()
-    operator = _operator(operator, plan)
+    operator = _require_operator(operator, plan)
     watchdog = rig.motor.watchdog if rig.motor else math.inf
-    control = control or ThreadedControl(motor, every=_read_every(rig), watchdog=watchdog, clock=clock)
+    control = control or ThreadedControl(motor, every=_reading_interval(rig), watchdog=watchdog, clock=clock)
     session = Session(
         motor=motor,
         control=control,
@@ -97,12 +100,12 @@ def run_sweep(
         clock=clock,
     )
     with Interrupts(
-        stop=lambda: session.halt(Stop.EMERGENCY), hangs=lambda: clock.now() - session.beaten > STALL
+        stop=lambda: session.stop_rotor(Stop.EMERGENCY), loop_hangs=lambda: clock.now() - session.last_beat > LOOP_STALL
     ) as interrupts:
-        ending = _ended(plan, session, progress, interrupts, operator, about=rig.name)
-        down = _stopped(ending, plan, session, interrupts, operator, rig)
-    if isinstance(ending.error, LinkLost) or not (down.at_rest or down.confirmed):
-        raise LinkLost(f"{ending.reason}; {down.words}") from ending.error
+        ending = _run_plan(plan, session, progress, interrupts, operator, about=rig.name)
+        run_down = _stop_rotor(ending, plan, session, interrupts, operator, rig)
+    if isinstance(ending.error, LinkLost) or not (run_down.at_rest or run_down.confirmed):
+        raise LinkLost(f"{ending.reason}; {run_down.words}") from ending.error
     if ending.error is not None:
         raise ending.error
     return SweepResult(
@@ -112,23 +115,23 @@ def run_sweep(
         trip=next((event.text for event in session.events if event.kind == "trip"), ""),
         events=tuple(session.events),
         ending=ending.kind,
-        at_rest=down.at_rest,
+        at_rest=run_down.at_rest,
         stop_times=session.stop_times,
     )
 
 
-def _operator(operator: Operator | None, steps: tuple[Step, ...]) -> Operator:
+def _require_operator(operator: Operator | None, steps: tuple[Step, ...]) -> Operator:
     if operator is None and any(isinstance(step, Ask) for step in steps):
         raise ConfigError("the plan asks for something to be done at the rotor, want an operator to ask")
     return operator or Nobody()
 
 
-def _read_every(rig: RigConfig) -> float:
-    """Return the seconds between readings of the drive, so that its watchdog is kept waiting by a dead program only."""
+def _reading_interval(rig: RigConfig) -> float:
+    """Seconds between readings of the drive: often enough that only a dead program lets its watchdog run out."""
     return min(READ_EVERY, WATCHDOG_SHARE * rig.motor.watchdog) if rig.motor else READ_EVERY
 
 
-def _ended(
+def _run_plan(
     steps: tuple[Step, ...],
     session: Session,
     progress: Progress | None,
@@ -137,17 +140,17 @@ def _ended(
     *,
     about: str,
 ) -> Ending:
-    """Run the steps and return what ended them."""
+    """Stream and perform the steps until something ends them; return what did. Stops nothing itself."""
     try:
         session.start()
         session.note("note", f"{about}: recorded from {datetime.now(UTC):%Y-%m-%d %H:%M:%S} UTC")
-        for _ in perform(steps, session, operator, progress):
-            _heed(interrupts, operator)
+        for _ in perform_steps(steps, session, operator, progress):
+            _check_interrupts(interrupts, operator)
         return Ending(kind="stop", stop=Stop.RAMP, reason="plan finished")
-    except _StopWanted:
+    except _StopRequested:
         return Ending(kind="stop", stop=Stop.RAMP, reason="stopped by the operator")
-    except (_Aborted, KeyboardInterrupt):
-        kind = "emergency" if interrupts.count >= EMERGENCY else "abort"
+    except (_AbortRequested, KeyboardInterrupt):
+        kind = "emergency" if interrupts.count >= EMERGENCY_COUNT else "abort"
         reason = f"interrupted by the operator ({interrupts.first or 'Ctrl-C'})"
         return Ending(kind=kind, stop=Stop.EMERGENCY, reason=reason, error=KeyboardInterrupt())
     except LimitExceeded as trip:
@@ -160,15 +163,15 @@ def _ended(
         return Ending(kind="abort", stop=Stop.EMERGENCY, reason=f"{type(error).__name__}: {error}", error=error)
 
 
-def _heed(interrupts: Interrupts, operator: Operator) -> None:
-    """Look, after every block, whether somebody wants the sweep to end."""
+def _check_interrupts(interrupts: Interrupts, operator: Operator) -> None:
+    """Raise if a signal or the operator has asked for the sweep to end; called after every block."""
     if interrupts.count:
-        raise _Aborted
+        raise _AbortRequested
     if operator.wants_stop():
-        raise _StopWanted
+        raise _StopRequested
 
 
-def _stopped(
+def _stop_rotor(
     ending: Ending,
     steps: tuple[Step, ...],
     session: Session,
@@ -176,25 +179,25 @@ def _stopped(
     operator: Operator,
     rig: RigConfig,
 ) -> RunDown:
-    """Bring the rotor to rest, before anything else can fail; say why, and close the recording."""
+    """Stop the rotor before anything else can fail, record why, follow it to rest, close the recording."""
     try:
         session.beat()  # a silent DAQ may have been waited for
         report = session.control.report
-        if report is None or report.kind is not ending.stop:  # else the limit or the signal has done so
-            session.halt(ending.stop)
-        session.guarded = ending.stop is Stop.RAMP
-        session.paused = False
+        if report is None or report.kind is not ending.stop:  # else the limit or the signal has sent it already
+            session.stop_rotor(ending.stop)
+        session.limits_armed = ending.stop is Stop.RAMP
+        session.recording_paused = False
         with suppress(Exception):  # the recorder may be what failed; `close` raises it again
             session.note(ending.kind, ending.reason)
-        limit = rig.limits.run_down if rig.limits else RUN_DOWN
-        ramps = [step.rate for step in steps if isinstance(step, Ramp)]
-        down = run_down(session, ramp=min(ramps, default=1.0), limit=limit, interrupts=interrupts, operator=operator)
+        limit = rig.limits.run_down if rig.limits else RUN_DOWN_LIMIT
+        ramp = min((step.rate for step in steps if isinstance(step, Ramp)), default=1.0)
+        run_down = follow_run_down(session, ramp=ramp, limit=limit, interrupts=interrupts, operator=operator)
         with suppress(Exception):
-            session.note("note" if down.at_rest or down.confirmed else "emergency", down.words)
+            session.note("note" if run_down.at_rest or run_down.confirmed else "emergency", run_down.words)
     finally:
         try:
             session.close()
         except Exception:
             if ending.error is None:  # else the same fault of the recorder, or the lesser one
                 raise
-    return down
+    return run_down

@@ -1,4 +1,7 @@
-"""Hands a sweep's data on: the recorder gets everything and may stop the sweep, viewers get the newest and may not."""
+"""Recorder and viewers of a sweep, each on a thread of its own.
+
+The recorder gets every item, and its failure stops the sweep; viewers get the newest block, and theirs does not.
+"""
 
 import queue
 import threading
@@ -13,20 +16,20 @@ from rotorrig.rig.probes import Block
 Item = Block | Event | MotorSample
 Listener = Callable[[Block], None]
 
-DEPTH = 1000  # items that may wait for the disk: 20 s of 20 ms blocks
-PATIENCE = 1.0  # s to wait for room among them before giving up: the interlock waits with it
-IDLE = 0.1  # s without anything to write after which what waits for the rest of its chunk is handed to the system
-FAREWELL = 2.0  # s for a viewer to finish its last block
+QUEUE_DEPTH = 1000  # items that may wait for the disk: 20 s of 20 ms blocks
+PUT_TIMEOUT = 1.0  # s to wait for room in the queue before giving up: the interlock waits with it
+FLUSH_AFTER = 0.1  # s without an item after which a chunk that is not full is flushed
+CLOSE_TIMEOUT = 2.0  # s for a viewer to finish its last block
 
 
 class _Pause(Enum):
-    """Stands for a while in which nothing came."""
+    """Marker for a pause in which no item came."""
 
     PAUSE = auto()
 
 
 class Writer(Protocol):
-    """What the recorder needs of a recording's file."""
+    """Recording file as the recorder uses it."""
 
     def block(self, block: Block) -> None:
         """Add a block."""
@@ -41,7 +44,7 @@ class Writer(Protocol):
         ...
 
     def flush(self) -> None:
-        """Hand what was added to the system, so that it outlives this process."""
+        """Hand what was added to the operating system, so that it outlives this process."""
         ...
 
     def close(self) -> None:
@@ -50,14 +53,14 @@ class Writer(Protocol):
 
 
 class Recorder:
-    """Writes all it is given, in order, on a thread of its own; in a pause, nothing of it is held back."""
+    """Thread that writes every item, in order; in a pause it flushes."""
 
-    def __init__(self, writer: Writer, *, depth: int = DEPTH, patience: float = PATIENCE) -> None:
+    def __init__(self, writer: Writer, *, depth: int = QUEUE_DEPTH, patience: float = PUT_TIMEOUT) -> None:
         self._writer = writer
         self._patience = patience
         self._queue: queue.Queue[Item | _Pause | None] = queue.Queue(depth)
         self._fault: Exception | None = None
-        self._paused = True  # nothing is held back
+        self._flushed = True  # nothing waits for the rest of its chunk
         self._thread = threading.Thread(target=self._write_all, name="recorder", daemon=True)
         self._thread.start()
 
@@ -69,8 +72,8 @@ class Recorder:
             self._queue.put(item, timeout=self._patience)
         except queue.Full:
             raise DataError(
-                f"recorder: {self._queue.maxsize} blocks and readings wait to be written and for {self._patience:g} s "
-                "none was, want a disk that keeps up"
+                f"recorder: {self._queue.maxsize} blocks and readings wait to be written and none was for "
+                f"{self._patience:g} s, want a disk that keeps up"
             ) from None
 
     def close(self) -> None:
@@ -83,21 +86,21 @@ class Recorder:
             raise self._fault
 
     def _write_all(self) -> None:
-        while (item := self._next()) is not None:
+        while (item := self._next_item()) is not None:
             if self._fault is not None:
-                continue  # nothing more can be written, but nobody shall wait for room in the queue
+                continue  # nothing more can be written, but nobody should wait for room in the queue
             try:
                 self._write(item)
-            except Exception as fault:  # handed to the thread that puts, which stops the rotor
+            except Exception as fault:  # raised by `put`, whose thread stops the rotor
                 self._fault = fault
 
-    def _next(self) -> Item | _Pause | None:
-        """Wait for the next item; once, when none has come for a while, return a pause instead. None at the end."""
+    def _next_item(self) -> Item | _Pause | None:
+        """Wait for the next item; in a pause return PAUSE, once. None at the end."""
         try:
-            item = self._queue.get(timeout=None if self._paused else IDLE)
+            item = self._queue.get(timeout=None if self._flushed else FLUSH_AFTER)
         except queue.Empty:
             item = _Pause.PAUSE
-        self._paused = item is _Pause.PAUSE
+        self._flushed = item is _Pause.PAUSE
         return item
 
     def _write(self, item: Item | _Pause) -> None:
@@ -113,11 +116,11 @@ class Recorder:
 
 
 class Viewer:
-    """Shows the newest block to one listener, on a thread of its own; those it has no time for are dropped."""
+    """Thread that shows the newest block to one listener; blocks it has no time for are dropped."""
 
     def __init__(self, listener: Listener) -> None:
         self.dropped = 0  # blocks the listener never saw
-        self.fault = ""  # why it was given up; empty: it was not
+        self.fault = ""  # why the listener failed; empty: it did not
         self._listener = listener
         self._newest: Block | None = None
         self._ended = False
@@ -137,17 +140,17 @@ class Viewer:
         with self._changed:
             self._ended = True
             self._changed.notify()
-        self._thread.join(FAREWELL)
+        self._thread.join(CLOSE_TIMEOUT)
 
     def _show_all(self) -> None:
-        while (block := self._next()) is not None:
+        while (block := self._next_block()) is not None:
             try:
                 self._listener(block)
             except Exception as fault:  # a picture is not worth a sweep; the engine notes it in the recording
                 self.fault = f"{type(fault).__name__}: {fault}"
                 return
 
-    def _next(self) -> Block | None:
+    def _next_block(self) -> Block | None:
         """Wait for the next block; None at the end."""
         with self._changed:
             self._changed.wait_for(lambda: self._newest is not None or self._ended)

@@ -1,4 +1,4 @@
-"""Ctrl-C, `kill` and a closed terminal while a rotor turns: each stops it, none ends the program before it stands.
+"""Ctrl-C, `kill` and a closed terminal while a rotor turns: each stops it, none ends the program before it is at rest.
 
 The first one aborts the sweep, the second is an emergency stop, the third ends the recording of the run-down.
 """
@@ -11,20 +11,20 @@ from typing import Self
 
 HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "the terminal was closed"}
-EMERGENCY, ENOUGH = 2, 3  # how many make an emergency stop, and end the recording
+EMERGENCY_COUNT, FINAL_COUNT = 2, 3  # signals that make an emergency stop, and that end the recording
 
 
 class Interrupts:
-    """Counts what would end the program otherwise, while its `with` block runs; not outside the main thread.
+    """Counter of the signals that would otherwise end the program, while its `with` block runs in the main thread.
 
-    `stop` is called at once, from the signal handler, the first two times: the loop may hang, the rotor shall not wait
-    for it. `hangs` says whether it does: then the third one breaks out of it as KeyboardInterrupt.
+    The first two call `stop` at once, from the signal handler: the rotor does not wait for a loop that may hang. If
+    `loop_hangs()`, the third breaks out of it as KeyboardInterrupt.
     """
 
-    def __init__(self, *, stop: Callable[[], None], hangs: Callable[[], bool]) -> None:
+    def __init__(self, *, stop: Callable[[], None], loop_hangs: Callable[[], bool]) -> None:
         self.count = 0
-        self.first = ""  # what came first
-        self._stop, self._hangs = stop, hangs
+        self.first = ""  # name of the first
+        self._stop, self._hangs = stop, loop_hangs
         self._before: dict[signal.Signals, object] = {}
 
     def __enter__(self) -> Self:
@@ -43,7 +43,7 @@ class Interrupts:
     def _handle(self, number: int, frame: FrameType | None) -> None:
         self.count += 1
         self.first = self.first or NAMES[signal.Signals(number)]
-        if self.count <= EMERGENCY:
+        if self.count <= EMERGENCY_COUNT:
             self._stop()
         elif self._hangs():
             raise KeyboardInterrupt

@@ -1,13 +1,13 @@
-"""The person at the rig, as far as a sweep needs one."""
+"""Operator of a sweep: the person at the rig, as far as the engine needs one."""
 
 from typing import Protocol
 
 
 class Operator(Protocol):
-    """Is asked, told, and may end the sweep. None of it may wait: it is called between two blocks."""
+    """Person who is asked and told things and may end the sweep. No method may wait: they are called between blocks."""
 
     def wants_stop(self) -> bool:
-        """Whether the sweep shall end here, down the ramp."""
+        """Return True if the sweep should end here, down the ramp."""
         ...
 
     def ask(self, request: str) -> None:
@@ -15,7 +15,7 @@ class Operator(Protocol):
         ...
 
     def has_answered(self) -> bool:
-        """Whether it has been done."""
+        """Return True once it has been done."""
         ...
 
     def tell(self, text: str) -> None:
@@ -24,7 +24,7 @@ class Operator(Protocol):
 
 
 class Nobody:
-    """An operator for sweeps that nobody watches: asked for something, it never answers."""
+    """Operator of a sweep that nobody watches: asked for something, it never answers."""
 
     def wants_stop(self) -> bool:
         """Never."""

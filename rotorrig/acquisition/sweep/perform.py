@@ -1,4 +1,4 @@
-"""How each step of a plan is performed: what is commanded, what is waited for, and when that has taken too long."""
+"""Perform the steps of a plan: the command each sends, the condition it waits for, and its time limit."""
 
 from collections.abc import Callable, Iterator
 
@@ -14,20 +14,22 @@ from rotorrig.rig.motor import Stop
 Progress = Callable[[Step, float, float], None]  # step, fraction of the sweep 0..1, speed [rad/s]
 
 AT_SPEED = 0.005  # relative distance from the target that counts as there
-SLIP = 0.05  # an induction motor stays behind its frequency: so far off is there too ...
+SLIP = 0.05  # an induction motor lags behind its frequency: within this of the target counts as there too ...
 SLIP_STEADY = 3.0  # ... once the speed has been steady for so many seconds
 DISAGREEMENT = 5.0  # s for which a drive may be at its setpoint and the rotor steady somewhere else
 RAMP_SLACK = (2.0, 20.0)  # a ramp may take twice its time and 20 s more
 COAST_LIMIT = 900.0  # s; an RK4 needs about 45
 
 
-def perform(steps: tuple[Step, ...], session: Session, operator: Operator, progress: Progress | None) -> Iterator[None]:
-    """Perform the steps; yield after every block. Raises LimitExceeded if one does not get where it should."""
+def perform_steps(
+    steps: tuple[Step, ...], session: Session, operator: Operator, progress: Progress | None
+) -> Iterator[None]:
+    """Perform the steps; yield after every block. Raises LimitExceeded if one does not reach its target in time."""
     timed = plan_timeline(steps)
     total = timed[-1].end if timed and timed[-1].end else 1.0
     shown = 0.0
     for part in timed:
-        for done in _performed(part.step, session, operator):
+        for done in _perform_step(part.step, session, operator):
             now = (part.begin + part.seconds * min(done, 1.0)) / total
             shown = max(shown, now)  # a measured speed falters, progress does not
             if progress:
@@ -35,129 +37,129 @@ def perform(steps: tuple[Step, ...], session: Session, operator: Operator, progr
             yield
 
 
-def _performed(step: Step, session: Session, operator: Operator) -> Iterator[float]:
-    """Perform a step; yield after every block how much of it is done, about 0 to 1."""
+def _perform_step(step: Step, session: Session, operator: Operator) -> Iterator[float]:
+    """Perform one step; after every block yield the fraction done, about 0 to 1."""
     match step:
         case Mark():
             session.note("mark", step.label)
         case Trial():
             session.note("trial", step.mass)
         case Ramp():
-            yield from _ramped(step, session)
+            yield from _ramp(step, session)
         case Dwell():
-            yield from _dwelt(step, session)
+            yield from _dwell(step, session)
         case Coast():
-            yield from _coasted(step, session)
+            yield from _coast(step, session)
         case Rest():
-            yield from _brought_to_rest(session)
+            yield from _come_to_rest(session)
         case Ask():
-            yield from _asked(step, session, operator)
+            yield from _ask_operator(step, session, operator)
 
 
-def _ramped(step: Ramp, session: Session) -> Iterator[float]:
+def _ramp(step: Ramp, session: Session) -> Iterator[float]:
     start, began = session.speed, session.t
     factor, slack = RAMP_SLACK
     limit = factor * abs(step.end - start) / step.rate + slack
     rising = step.end > start
-    session.command(step.to, ramp=step.rate)
-    while not (_there(step.to, session) if step.until is None else _passed(step.until, session, rising=rising)):
+    session.command_speed(step.to, ramp=step.rate)
+    while not (_at_speed(step.to, session) if step.until is None else _is_past(step.until, session, rising=rising)):
         if session.t - began > limit:
             raise LimitExceeded(
-                f"ramp to {step.end * RPM:.0f} rpm: not there after {limit:.0f} s, {_readings(session)}"
+                f"ramp to {step.end * RPM:.0f} rpm: not there after {limit:.0f} s, {_both_speeds(session)}"
             )
-        session.take()
+        session.take_block()
         _check_agreement(step, session, since=began)
         yield (session.speed - start) / (step.end - start) if step.end != start else 1.0
     if step.until is None and abs(session.speed - step.to) > AT_SPEED * step.to:
         session.note("note", f"steady at {session.speed * RPM:.1f} rpm, asked for {step.to * RPM:.1f} rpm: slip")
 
 
-def _dwelt(step: Dwell, session: Session) -> Iterator[float]:
+def _dwell(step: Dwell, session: Session) -> Iterator[float]:
     began = session.t
     while session.t - began < step.seconds:
-        session.take()
+        session.take_block()
         yield (session.t - began) / step.seconds
 
 
-def _coasted(step: Coast, session: Session) -> Iterator[float]:
+def _coast(step: Coast, session: Session) -> Iterator[float]:
     start, began = session.speed, session.t
-    session.slow_down(Stop.COAST)
+    session.command_stop(Stop.COAST)
     while session.speed > step.until:
         if session.t - began > COAST_LIMIT:
             raise LimitExceeded(
-                f"coast to {step.until * RPM:.0f} rpm: not there after {COAST_LIMIT:.0f} s, {_readings(session)}"
+                f"coast to {step.until * RPM:.0f} rpm: not there after {COAST_LIMIT:.0f} s, {_both_speeds(session)}"
             )
-        session.take()
+        session.take_block()
         yield (start - session.speed) / (start - step.until)
 
 
-def _brought_to_rest(session: Session) -> Iterator[float]:
+def _come_to_rest(session: Session) -> Iterator[float]:
     start, began = max(session.speed, AT_REST), session.t
-    session.slow_down(Stop.RAMP)
-    while not _resting(session):
+    session.command_stop(Stop.RAMP)
+    while not _at_rest(session):
         if session.t - began > COAST_LIMIT:
-            raise LimitExceeded(f"stop: not at rest after {COAST_LIMIT:.0f} s, {_readings(session)}")
-        session.take()
+            raise LimitExceeded(f"stop: not at rest after {COAST_LIMIT:.0f} s, {_both_speeds(session)}")
+        session.take_block()
         yield 1 - session.speed / start
 
 
-def _asked(step: Ask, session: Session, operator: Operator) -> Iterator[float]:
-    """Wait for the operator with limits off, since a hand at the rotor exceeds them; a drive that runs trips still.
+def _ask_operator(step: Ask, session: Session, operator: Operator) -> Iterator[float]:
+    """Wait for the operator with limits off, since a hand at the rotor exceeds them; a drive that runs still trips.
 
-    Samples are not recorded meanwhile: turns by hand are no pulses of a run. The stream goes on, and so the watch.
+    Samples are not recorded meanwhile: a rotor turned by hand gives no pulses of a run. The stream goes on.
     """
     session.note("pause", f"{step.request}; not recorded until that is done")
-    session.guarded, session.paused = False, True
+    session.limits_armed, session.recording_paused = False, True
     operator.ask(step.request)
     while not operator.has_answered():
-        session.take()
-        state = session.state
+        session.take_block()
+        state = session.motor_state
         if state is not None and state.running:
-            session.halt(Stop.EMERGENCY)
+            session.stop_rotor(Stop.EMERGENCY)
             raise LimitExceeded(f"drive: runs at {state.speed * RPM:.0f} rpm while the rotor is worked on")
         yield 0.0
-    session.guarded, session.paused = True, False
+    session.limits_armed, session.recording_paused = True, False
     session.note("note", f"done: {step.request}")
 
 
-def _there(target: float, session: Session) -> bool:
-    """Whether the keyphasor and the drive agree that the target speed is reached."""
+def _at_speed(target: float, session: Session) -> bool:
+    """Return True once keyphasor and drive agree that the target speed is reached."""
     off = abs(session.speed - target)
-    slipping = off <= SLIP * target and session.steady >= SLIP_STEADY
+    slipping = off <= SLIP * target and session.steady_for >= SLIP_STEADY
     if off > AT_SPEED * target and not slipping:
         return False
-    session.control.hurry()
-    session.hear_motor()
-    return session.state is not None and session.state.at_setpoint
+    session.control.read_soon()
+    session.poll_motor()
+    return session.motor_state is not None and session.motor_state.at_setpoint
 
 
 def _check_agreement(step: Ramp, session: Session, *, since: float) -> None:
-    """Raise LimitExceeded if the drive has long been where it was sent, and the rotor stays elsewhere."""
-    state = session.state
-    steady = min(session.steady, session.t - since)
+    """Raise LimitExceeded if the drive has long been at its setpoint while the rotor holds another speed."""
+    state = session.motor_state
+    steady_for = min(session.steady_for, session.t - since)
     if (
         state is None
         or not state.at_setpoint
-        or steady < DISAGREEMENT
+        or steady_for < DISAGREEMENT
         or abs(session.speed - step.to) <= SLIP * step.to
     ):
         return
     raise LimitExceeded(
-        f"ramp to {step.end * RPM:.0f} rpm: the rotor does not follow, for {steady:.0f} s {_readings(session)}"
+        f"ramp to {step.end * RPM:.0f} rpm: the rotor does not follow, for {steady_for:.0f} s {_both_speeds(session)}"
     )
 
 
-def _passed(speed: float, session: Session, *, rising: bool) -> bool:
+def _is_past(speed: float, session: Session, *, rising: bool) -> bool:
     return session.speed >= speed if rising else session.speed <= speed
 
 
-def _resting(session: Session) -> bool:
-    return session.speed < AT_REST and session.state is not None and not session.state.running
+def _at_rest(session: Session) -> bool:
+    return session.speed < AT_REST and session.motor_state is not None and not session.motor_state.running
 
 
-def _readings(session: Session) -> str:
-    """Say what keyphasor and drive read, for an error."""
-    state = session.state
+def _both_speeds(session: Session) -> str:
+    """Speed by keyphasor and by drive, for an error message."""
+    state = session.motor_state
     drive = "has not answered since the command"
     if state is not None:
         where = "at" if state.at_setpoint else "not at"

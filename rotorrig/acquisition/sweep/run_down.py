@@ -1,4 +1,4 @@
-"""From the stop to rest: the rotor is watched and recorded while it slows down, and stopped harder if it does not.
+"""Run-down after a stop: record the rotor until it is at rest, and stop it harder if it does not slow down.
 
 docs/sweeps.md says what stops a sweep, how, and what the recording says of it.
 """
@@ -6,7 +6,7 @@ docs/sweeps.md says what stops a sweep, how, and what the recording says of it.
 import math
 from dataclasses import dataclass
 
-from rotorrig.acquisition.sweep.interrupts import EMERGENCY, ENOUGH, Interrupts
+from rotorrig.acquisition.sweep.interrupts import EMERGENCY_COUNT, FINAL_COUNT, Interrupts
 from rotorrig.acquisition.sweep.operator import Operator
 from rotorrig.acquisition.sweep.session import Session
 from rotorrig.rig import LimitExceeded, LinkLost
@@ -25,38 +25,40 @@ HARDER = {Stop.RAMP: Stop.EMERGENCY, Stop.EMERGENCY: Stop.COAST}  # what to try 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunDown:
-    """How a rotor came to rest, or did not."""
+    """Outcome of a run-down: at rest or not, by whose word."""
 
     at_rest: bool
     confirmed: bool  # the drive obeyed a stop
     words: str  # for a person
 
 
-def run_down(session: Session, *, ramp: float, limit: float, interrupts: Interrupts, operator: Operator) -> RunDown:
-    """Watch the rotor, already told to stop, until it is at rest or for `limit` seconds; never raises RigError.
+def follow_run_down(
+    session: Session, *, ramp: float, limit: float, interrupts: Interrupts, operator: Operator
+) -> RunDown:
+    """Watch a rotor already commanded to stop until it is at rest or for `limit` seconds; never raises RigError.
 
     `ramp` [rad/s^2] is the slowest that a stop of kind RAMP may slow down by.
     """
     watch = _Watch(session, ramp)
-    told = False
-    while not watch.at_rest and not watch.over(limit) and interrupts.count < ENOUGH:
-        _take(session, watch)
-        if interrupts.count >= EMERGENCY and not watch.emergency:
+    operator_warned = False
+    while not watch.at_rest and not watch.over(limit) and interrupts.count < FINAL_COUNT:
+        _take_block(session, watch)
+        if interrupts.count >= EMERGENCY_COUNT and not watch.emergency:
             watch.emergency = True
             session.note("emergency", "emergency stop by the operator")
         report = session.control.report
-        if report and report.trouble and report.tries > 1 and not told:
-            told = True
+        if report and report.trouble and report.tries > 1 and not operator_warned:
+            operator_warned = True
             operator.tell(
                 f"The drive does not confirm the stop ({report.trouble}); trying again. "
                 "If the rotor does not slow down, cut its power by hand."
             )
-        watch.insist()
+        watch.stop_harder_if_needed()
     return watch.result()
 
 
 class _Watch:
-    """What is known of a rotor that is to slow down."""
+    """State of a rotor that has been commanded to stop."""
 
     def __init__(self, session: Session, ramp: float) -> None:
         self.emergency = False  # the operator has asked for more than an abort
@@ -68,29 +70,29 @@ class _Watch:
 
     @property
     def at_rest(self) -> bool:
-        """Whether keyphasor and drive say so, or the one of them that can be heard."""
-        state, report = self._session.state, self._session.control.report
+        """True if keyphasor and drive say so, or the one of them that can be heard."""
+        state, report = self._session.motor_state, self._session.control.report
         if report is None or not report.tries:
             return False  # the stop is not out yet
         off = state is not None and not state.running
         if self.blind:
             return off and not report.trouble
-        still = self._session.speed < AT_REST and self._session.silence >= QUIET
+        still = self._session.speed < AT_REST and self._session.pulse_age >= QUIET
         return still and (off or bool(report.trouble))
 
     def over(self, limit: float) -> bool:
-        """Whether there is no use in waiting longer."""
+        """Return True once there is no use in waiting longer."""
         passed = self._session.clock.now() - self._began_wall
         if self.blind:
-            return passed > (BLIND if self._session.state is None else limit)
+            return passed > (BLIND if self._session.motor_state is None else limit)
         return self._session.t - self._began > limit
 
-    def insist(self) -> None:
+    def stop_harder_if_needed(self) -> None:
         """Stop harder if the drive has obeyed and the rotor goes on as before."""
         session, report = self._session, self._session.control.report
         if self.blind or report is None or math.isnan(report.confirmed):
             return
-        if session.state is not None and not session.state.running:
+        if session.motor_state is not None and not session.motor_state.running:
             return  # the power is off, there is nothing harder
         if self._kind is not report.kind:
             self._kind, self._from, self._since = report.kind, session.speed, session.t
@@ -99,16 +101,16 @@ class _Watch:
             patience += 2 * (1 - SLOWER) * self._from / self._ramp
         waited = session.t - self._since > patience and session.clock.now() - report.confirmed > CONFIRM
         if waited and session.speed > SLOWER * self._from and session.speed > AT_REST:
-            self._harder(report.kind)
+            self._stop_harder(report.kind)
         elif session.speed <= SLOWER * self._from:
             self._from, self._since = session.speed, session.t  # it has to go on slowing down
 
-    def _harder(self, kind: Stop) -> None:
+    def _stop_harder(self, kind: Stop) -> None:
         session = self._session
         if (harder := HARDER.get(kind)) is None:
             return
-        session.halt(harder)
-        session.guarded = False
+        session.stop_rotor(harder)
+        session.limits_armed = False
         session.note(
             "emergency",
             f"the rotor does not slow down, {session.speed * RPM:.0f} rpm after a stop of kind '{kind}': "
@@ -116,7 +118,7 @@ class _Watch:
         )
 
     def result(self) -> RunDown:
-        """Say how it ended."""
+        """Return how the run-down ended."""
         session, report = self._session, self._session.control.report
         confirmed = report is not None and not math.isnan(report.confirmed)
         at_rest = self.at_rest
@@ -136,17 +138,17 @@ class _Watch:
         return RunDown(at_rest=at_rest, confirmed=confirmed, words=words)
 
 
-def _take(session: Session, watch: _Watch) -> None:
+def _take_block(session: Session, watch: _Watch) -> None:
     """Take a block as during the sweep, whatever goes wrong with it; without samples, listen to the drive alone."""
     try:
         if watch.blind:
             session.clock.sleep(LOOK)
             session.beat()
-            session.hear_motor()
+            session.poll_motor()
         else:
-            session.take()
+            session.take_block()
     except LimitExceeded as trip:  # it is told to stop as fast as it can already; from here on, no limit can do more
-        session.guarded = False
+        session.limits_armed = False
         session.note("trip", f"{trip}; while stopping")
     except LinkLost as lost:
         watch.blind = True

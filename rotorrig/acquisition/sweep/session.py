@@ -1,4 +1,7 @@
-"""A rig in operation: every block is checked, recorded and shown, and what the motor controller said is looked at."""
+"""Per-block loop of a sweep: check limits, record, publish to viewers, poll the motor.
+
+`take_block` is called for every block; `command_speed` and `command_stop` are a plan's own steps, `stop_rotor` ends it.
+"""
 
 import math
 from collections.abc import Sequence
@@ -13,13 +16,13 @@ from rotorrig.rig.config import RPM, RigConfig
 from rotorrig.rig.motor import MotorDriver, MotorState, Stop
 from rotorrig.rig.probes import Block, Daq
 
-SILENCE = 2.0  # s of wall time the DAQ may be silent
-STEADY_BAND = 0.005  # a speed is steady while it stays within this of itself, relative
+DAQ_TIMEOUT = 2.0  # s of wall time the DAQ may be silent
+STEADY_BAND = 0.005  # relative; a speed is steady while it stays within this of where it settled
 
 
 @dataclass(frozen=True, slots=True)
 class Steadiness:
-    """A speed [rad/s] and since when [s] the shaft has kept to it."""
+    """Speed [rad/s] the shaft has kept to, and since when [s]."""
 
     speed: float
     since: float
@@ -27,16 +30,16 @@ class Steadiness:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StopTimes:
-    """When what happened that stopped the rotor, s on the session's clock; NaN: it did not happen."""
+    """Times of the events that stopped the rotor, s on the session's clock; NaN: did not happen."""
 
     received: float  # the last block before the stop came from the DAQ
-    decided: float  # the stop was decided and put into the hands of the motor's control
-    handed: float  # the driver was called
+    decided: float  # the stop was decided and passed to the motor control
+    handed: float  # the driver's `stop` was called
     confirmed: float  # the drive had obeyed
 
 
 class Session:
-    """What happens around every block, whatever step of a plan is under way."""
+    """State and devices of a running sweep, and the work done for every block, whatever the step."""
 
     def __init__(
         self,
@@ -50,26 +53,26 @@ class Session:
         listeners: Sequence[Listener],
         clock: Clock,
     ) -> None:
-        """Begin the recorder's and viewers' threads. Raises ConfigError without a keyphasor."""
+        """Start the recorder's and viewers' threads. Raises ConfigError without a keyphasor."""
         if interlock.keyphasor is None:
-            raise ConfigError("keyphasor: is missing in the config, want [keyphasor]: a sweep goes by its speed")
+            raise ConfigError("keyphasor: missing in the config, want [keyphasor]: a sweep goes by its speed")
         self.control = control
         self.clock = clock
         self.events: list[Event] = []
         self.samples = 0  # recorded
         self.gaps = 0  # places where samples are missing
-        self.state: MotorState | None = None  # the controller's last reading since the last command
-        self.guarded = True  # limits are watched; False: the rotor is being stopped, or is at rest and worked on
-        self.paused = False  # blocks are not recorded
-        self.recording = True  # False: the recorder has failed and the rotor is being stopped
-        self.beaten = clock.now()  # when the loop last showed that it lives
+        self.motor_state: MotorState | None = None  # the controller's last reading since the last command
+        self.limits_armed = True  # False: the rotor is being stopped, or is at rest and worked on
+        self.recording_paused = False  # True: blocks are not recorded
+        self.recorder_alive = True  # False: the recorder has failed and the rotor is being stopped
+        self.last_beat = clock.now()  # when the loop last gave a sign of life
         self._motor, self._daq, self._interlock, self._keyphasor = motor, daq, interlock, interlock.keyphasor
         self._names = {probe.channel: f"probe {probe.name}" for probe in rig.probes}
         self._recorder = Recorder(writer)
         self._viewers = [Viewer(listener) for listener in listeners]
         self._next_sample: int | None = None  # None: no block yet
-        self._orders = 0  # number of the last command
-        self._sent_to = 0.0  # rad/s, by that command; 0: it was a stop
+        self._commands_sent = 0  # number of the last command
+        self._commanded_speed = 0.0  # rad/s, by that command; 0: it was a stop
         self._steadiness = Steadiness(0.0, 0.0)
         self._received = self._decided = math.nan
         self._first_stop: StopReport | None = None  # once there was another
@@ -85,18 +88,18 @@ class Session:
         return float(self._keyphasor.steady_speed)
 
     @property
-    def silence(self) -> float:
-        """Seconds since the keyphasor's last pulse, or since the samples begin where there was none."""
+    def pulse_age(self) -> float:
+        """Seconds since the keyphasor's last pulse, or since the first sample where there was none."""
         return self._keyphasor.age
 
     @property
-    def steady(self) -> float:
+    def steady_for(self) -> float:
         """Seconds for which the speed has been steady."""
         return self.t - self._steadiness.since
 
     @property
     def stop_times(self) -> StopTimes | None:
-        """When the first stop was decided and obeyed; None: there was none."""
+        """Times of the first stop; None: there was none."""
         report = self._first_stop or self.control.report
         if report is None:
             return None
@@ -110,58 +113,58 @@ class Session:
         self.events.append(event)
         self._record(event)
 
-    def command(self, speed: float, *, ramp: float) -> None:
-        """Send the motor to `speed` [rad/s] at `ramp` [rad/s^2]; what it refuses is raised by `take`."""
-        self.state = None
-        self._sent_to = speed
-        self._orders = self.control.send(lambda: self._motor.set_speed(speed, ramp=ramp))
+    def command_speed(self, speed: float, *, ramp: float) -> None:
+        """Send the motor to `speed` [rad/s] at `ramp` [rad/s^2]; `take_block` raises what goes wrong."""
+        self.motor_state = None
+        self._commanded_speed = speed
+        self._commands_sent = self.control.send(lambda: self._motor.set_speed(speed, ramp=ramp))
 
-    def slow_down(self, kind: Stop) -> None:
-        """Stop the motor as a step of the plan: it may be started again. What goes wrong is raised by `take`."""
-        self.state = None
-        self._sent_to = 0.0
-        self._orders = self.control.send(lambda: self._motor.stop(kind))
+    def command_stop(self, kind: Stop) -> None:
+        """Stop the motor as a step of the plan: it may be started again. `take_block` raises what goes wrong."""
+        self.motor_state = None
+        self._commanded_speed = 0.0
+        self._commands_sent = self.control.send(lambda: self._motor.stop(kind))
 
-    def halt(self, kind: Stop) -> None:
-        """Stop the rotor now and for good; returns at once. May be called from a signal handler."""
+    def stop_rotor(self, kind: Stop) -> None:
+        """Stop the rotor now and for good: later commands are refused. Returns at once; signal handlers may call it."""
         if math.isnan(self._decided):
             self._decided = self.clock.now()
         self._first_stop = self._first_stop or self.control.report
         self.control.stop(kind)
-        self.state, self._sent_to = None, 0.0
+        self.motor_state, self._commanded_speed = None, 0.0
 
     def start(self) -> None:
-        """Begin to stream."""
+        """Start the motor control and the DAQ's stream."""
         self.control.start()
         self._daq.start()
 
-    def take(self) -> None:
+    def take_block(self) -> None:
         """Take the next block, check it, record it. Raises LinkLost, LimitExceeded and what recording raises.
 
-        Whatever a limit stops, the stop is on its way before this returns or raises.
+        If a limit is exceeded, the stop is on its way before this raises.
         """
-        block = self._daq.read(SILENCE)
+        block = self._daq.read(DAQ_TIMEOUT)
         self.beat()
         if math.isnan(self._decided):
-            self._received = self.beaten
+            self._received = self.last_beat
         before = self.t
         try:
-            self._look_at(block)
+            self._check_limits(block)
         finally:  # the block that trips is the one worth having
-            self._keep(block, after=before)
+            self._record_and_show(block, after=before)
         if abs(self.speed - self._steadiness.speed) > STEADY_BAND * self._steadiness.speed:
             self._steadiness = Steadiness(self.speed, self.t)
-        self.hear_motor()
+        self.poll_motor()
 
     def beat(self) -> None:
-        """Show that the loop lives."""
-        self.beaten = self.clock.now()
+        """Give a sign of life: without it the motor is no longer read, and its watchdog stops the rotor."""
+        self.last_beat = self.clock.now()
         self.control.beat()
 
-    def hear_motor(self) -> None:
-        """Look at what the motor controller has said. Raises LinkLost, LimitExceeded."""
-        for reading in self.control.readings():
-            self._hear(reading)
+    def poll_motor(self) -> None:
+        """Record and check the motor readings since the last call. Raises LinkLost, LimitExceeded."""
+        for reading in self.control.take_readings():
+            self._check_reading(reading)
 
     def close(self) -> None:
         """End the stream and close the recording. Raises what recording raises."""
@@ -178,20 +181,20 @@ class Session:
         finally:
             self._recorder.close()
 
-    def _look_at(self, block: Block) -> None:
-        if not self.guarded:
+    def _check_limits(self, block: Block) -> None:
+        if not self.limits_armed:
             self._interlock.follow(block)
             return
         try:
             self._interlock.check(block)
         except LimitExceeded:
-            self.halt(Stop.EMERGENCY)  # before anything else
+            self.stop_rotor(Stop.EMERGENCY)  # before anything else
             raise
 
-    def _hear(self, reading: Reading) -> None:
+    def _check_reading(self, reading: Reading) -> None:
         state = reading.state
-        if reading.orders >= self._orders:
-            self.state = state
+        if reading.commands_done >= self._commands_sent:
+            self.motor_state = state
         self._record(
             MotorSample(
                 t_ns=round(self.t * 1e9),
@@ -201,42 +204,42 @@ class Session:
                 fault=state.fault,
             )
         )
-        if not self.guarded:
+        if not self.limits_armed:
             return
         try:
             self._interlock.check_motor(state)
-            if self.state is not None and self._sent_to and not state.running:
+            if self.motor_state is not None and self._commanded_speed and not state.running:
                 raise LimitExceeded(
-                    f"drive: is off, though it was sent to {self._sent_to * RPM:.0f} rpm; "
+                    f"drive: is off, though it was sent to {self._commanded_speed * RPM:.0f} rpm; "
                     "was it stopped by hand or by its watchdog?"
                 )
         except LimitExceeded:
-            self.halt(Stop.EMERGENCY)
+            self.stop_rotor(Stop.EMERGENCY)
             raise
 
-    def _keep(self, block: Block, *, after: float) -> None:
-        """Hand a block to recorder and viewers, and take note of what is missing before it, after that time [s]."""
+    def _record_and_show(self, block: Block, *, after: float) -> None:
+        """Hand a block to recorder and viewers; note samples missing before it, at the time `after` [s]."""
         self._note_gap(block, after)
-        if not self.paused:
+        if not self.recording_paused:
             self._record(block)
             self.samples += len(block.counts)
         for viewer in self._viewers:
             viewer.show(block)
 
     def _record(self, item: Item) -> None:
-        if not self.recording:
+        if not self.recorder_alive:
             return
         try:
             self._recorder.put(item)
         except Exception:
-            self.recording = False  # raised once more by `close`
+            self.recorder_alive = False  # raised once more by `close`
             raise
 
     def _note_gap(self, block: Block, after: float) -> None:
         if self._next_sample is not None and block.first_sample < self._next_sample:
             raise LinkLost(
-                f"DAQ: has begun again at sample {block.first_sample} after sample {self._next_sample}; "
-                "was it reset or its power lost?"
+                f"DAQ: restarted at sample {block.first_sample} after sample {self._next_sample}; "
+                "was it reset or did it lose power?"
             )
         if self._next_sample is not None and block.first_sample > self._next_sample:
             self.gaps += 1

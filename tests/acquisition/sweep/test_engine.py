@@ -332,7 +332,7 @@ def test_a_daq_that_begins_again_ends_the_sweep(bench: MakeBench) -> None:
     rig.daq.on_block = lambda block: (
         dataclasses.replace(block, first_sample=block.first_sample - 4_000) if block.first_sample >= 4_000 else block
     )
-    with pytest.raises(LinkLost, match="begun again at sample 0 after sample 4000"):
+    with pytest.raises(LinkLost, match="restarted at sample 0 after sample 4000"):
         rig.sweep()
     assert rig.recorded().samples == 4_000
 

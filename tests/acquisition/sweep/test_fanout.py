@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from rotorrig.acquisition.recording import Event, MotorSample
-from rotorrig.acquisition.sweep.fanout import IDLE, Recorder, Viewer
+from rotorrig.acquisition.sweep.fanout import FLUSH_AFTER, Recorder, Viewer
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import Block
 
@@ -87,7 +87,7 @@ def test_what_waits_in_a_pause_is_handed_on_once() -> None:
     for n in range(3):
         recorder.put(block(n))
     assert writer.pause.wait(10)
-    time.sleep(3 * IDLE)
+    time.sleep(3 * FLUSH_AFTER)
     assert writer.flushed == [3]
     writer.pause.clear()
     recorder.put(block(3))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from rotorrig.acquisition.sweep import motor_control
-from rotorrig.acquisition.sweep.motor_control import DirectControl, ThreadedControl
+from rotorrig.acquisition.sweep.motor_control import DirectControl, Reading, ThreadedControl
 from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.rig.motor.base import Stop
@@ -45,13 +45,13 @@ def confirmed(control: ThreadedControl) -> bool:
 def test_readings_come_by_themselves_and_say_which_commands_they_know_of(
     motor: ScriptedMotor, control: ThreadedControl
 ) -> None:
-    until(lambda: any(reading.orders == 0 for reading in control.readings()))
+    until(lambda: any(reading.commands_done == 0 for reading in control.take_readings()))
     number = control.send(lambda: motor.set_speed(60.0, ramp=10.0))
     assert number == 1
-    found = []
-    until(lambda: bool(found.extend(control.readings()) or (found and found[-1].orders == number)))
-    assert found[-1].state.setpoint == 60.0
-    assert all(reading.state.setpoint == 0.0 for reading in found if reading.orders == 0)
+    taken: list[Reading] = []
+    until(lambda: bool(taken.extend(control.take_readings()) or (taken and taken[-1].commands_done == number)))
+    assert taken[-1].state.setpoint == 60.0
+    assert all(reading.state.setpoint == 0.0 for reading in taken if reading.commands_done == 0)
 
 
 def test_a_stop_does_not_wait_for_a_reading_that_hangs(motor: ScriptedMotor, control: ThreadedControl) -> None:
@@ -140,7 +140,7 @@ def test_a_stop_is_sent_again_when_the_link_dies_while_the_rotor_slows_down(
 
     motor.on_read = once  # type: ignore[assignment]
     until(lambda: motor.commands == [("stop", Stop.RAMP)] * 2)
-    assert control.readings() is not None  # nothing is raised: the rotor is being stopped
+    assert control.take_readings() is not None  # nothing is raised: the rotor is being stopped
 
 
 @pytest.mark.parametrize("fault", [LinkLost("no answer"), LimitExceeded("has tripped")])
@@ -155,7 +155,7 @@ def test_what_goes_wrong_is_raised_where_it_can_be_acted_on(
 
     def heard() -> bool:
         try:
-            control.readings()
+            control.take_readings()
         except type(fault) as error:
             raised.append(error)
         return bool(raised)
@@ -173,7 +173,7 @@ def test_readings_after_a_stop_know_of_the_commands_that_failed_and_of_those_tha
     control.send(refuse)
     control.stop(Stop.EMERGENCY)
     number = control.send(lambda: motor.set_speed(90.0, ramp=10.0))
-    until(lambda: any(reading.orders == number for reading in control.readings()))
+    until(lambda: any(reading.commands_done == number for reading in control.take_readings()))
     assert motor.commands == [("stop", Stop.EMERGENCY)]
 
 
@@ -181,13 +181,13 @@ def test_a_program_that_hung_for_longer_than_the_watchdog_starts_no_rotor(
     motor: ScriptedMotor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The drive has stopped the rotor by itself; what the program had decided before must not start it again."""
-    monkeypatch.setattr(motor_control, "STALL", 0.1)
+    monkeypatch.setattr(motor_control, "LOOP_STALL", 0.1)
     control = ThreadedControl(motor, every=0.01, watchdog=0.3)
     control.start()
     try:
-        until(lambda: bool(control.readings()))
+        until(lambda: bool(control.take_readings()))
         time.sleep(0.6)  # the loop hangs, so the drive hears nothing
-        control.readings()
+        control.take_readings()
         control.send(lambda: motor.set_speed(90.0, ramp=10.0))
         until(lambda: raises(control, LimitExceeded, "was not spoken to for 0."))
     finally:
@@ -197,7 +197,7 @@ def test_a_program_that_hung_for_longer_than_the_watchdog_starts_no_rotor(
 
 def raises(control: ThreadedControl, kind: type[Exception], said: str) -> bool:
     try:
-        control.readings()
+        control.take_readings()
     except kind as error:
         return said in str(error)
     return False
@@ -206,7 +206,7 @@ def raises(control: ThreadedControl, kind: type[Exception], said: str) -> bool:
 def test_of_a_program_that_hangs_the_drive_hears_nothing_more(
     motor: ScriptedMotor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(motor_control, "STALL", 0.3)
+    monkeypatch.setattr(motor_control, "LOOP_STALL", 0.3)
     read_at: list[float] = []
     motor.on_read = lambda state: read_at.append(time.monotonic()) or state  # type: ignore[func-returns-value]
     control = ThreadedControl(motor, every=0.01)
@@ -233,12 +233,12 @@ def test_the_direct_control_does_the_same_by_its_callers_clock(motor: ScriptedMo
     control = DirectControl(motor, clock=clock)
     control.start()
     control.beat()
-    assert len(control.readings()) == 1
+    assert len(control.take_readings()) == 1
     control.beat()
-    assert control.readings() == []
+    assert control.take_readings() == []
     clock.sleep(motor_control.READ_EVERY)
     control.beat()
-    assert len(control.readings()) == 1
+    assert len(control.take_readings()) == 1
     assert control.send(lambda: motor.set_speed(60.0, ramp=10.0)) == 1
     control.stop(Stop.RAMP)
     control.send(lambda: motor.set_speed(90.0, ramp=10.0))

@@ -61,7 +61,7 @@ def test_a_limit_stops_the_rotor_and_the_recording_follows_it_to_rest(ports: Ben
 def test_of_a_program_that_hangs_the_drive_stops_the_rotor_by_itself(
     ports: BenchPorts, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(motor_control, "STALL", 0.5)
+    monkeypatch.setattr(motor_control, "LOOP_STALL", 0.5)
     hung: list[float] = []
 
     def hang(step: Step, fraction: float, speed: float) -> None:
