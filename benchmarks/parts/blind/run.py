@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from rotorrig.acquisition import Event, RawRecording
-from rotorrig.acquisition.sweep.plans import Coast, Dwell, Mark, Ramp, steps
+from rotorrig.acquisition.sweep.plans import Coast, Dwell, Mark, Ramp, plan_sweep
 from rotorrig.rig import Provenance, code_version
 from rotorrig.rig.config import RigConfig
 from rotorrig.rig.probes import Block, DaqInfo
@@ -37,7 +37,7 @@ def record(
             counts = plant.advance(min(plant.t + 0.1, end))
             blocks.append(Block(counts=counts, first_sample=first, t_ns=round(first * 1e9 / plant.sample_rate)))
 
-    for step in steps(rig):
+    for step in plan_sweep(rig):
         match step:
             case Mark(label=label):
                 events.append(Event(t_ns=round(plant.t * 1e9), kind="mark", text=label))

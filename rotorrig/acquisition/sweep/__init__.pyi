@@ -1,6 +1,11 @@
+from .critical_speeds import Band as Band
+from .critical_speeds import critical_bands as critical_bands
 from .engine import SweepResult as SweepResult
 from .engine import run_sweep as run_sweep
 from .operator import Operator as Operator
+from .plans import draft_sweep as draft_sweep
+from .plans import objections as objections
+from .plans import plan_sweep as plan_sweep
 from .steps import Ask as Ask
 from .steps import Coast as Coast
 from .steps import Dwell as Dwell
@@ -10,12 +15,13 @@ from .steps import Rest as Rest
 from .steps import Step as Step
 from .steps import Trial as Trial
 from .timeline import COAST_SECONDS as COAST_SECONDS
-from .timeline import Timed as Timed
+from .timeline import TimedStep as TimedStep
 from .timeline import plan_timeline as plan_timeline
 
 __all__ = [
     "COAST_SECONDS",
     "Ask",
+    "Band",
     "Coast",
     "Dwell",
     "Mark",
@@ -24,8 +30,12 @@ __all__ = [
     "Rest",
     "Step",
     "SweepResult",
-    "Timed",
+    "TimedStep",
     "Trial",
+    "critical_bands",
+    "draft_sweep",
+    "objections",
+    "plan_sweep",
     "plan_timeline",
     "run_sweep",
 ]

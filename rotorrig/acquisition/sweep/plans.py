@@ -1,4 +1,4 @@
-"""Sweeps as generators of steps: what to ask of the rig, in order.
+"""Sweep plans as generators of steps: run-up and coast-down, stepped, dwell, trial-mass runs.
 
 `list(plan)` is a sweep's preview and its limit check; the engine runs the same steps.
 """
@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import replace
 from typing import TypeGuard, assert_never
 
-from rotorrig.acquisition.sweep.critical_speeds import Band, bands, dwelt_in, quick
+from rotorrig.acquisition.sweep.critical_speeds import Band, critical_bands, dwells_in_bands, pass_bands_quickly
 from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
 from rotorrig.rig import ConfigError
 from rotorrig.rig.config import (
@@ -27,7 +27,7 @@ from rotorrig.rig.config import (
     read_trial_mass,
 )
 
-__all__ = ["Ask", "Coast", "Dwell", "Mark", "Ramp", "Rest", "Step", "Trial", "objections", "planned", "steps"]
+__all__ = ["Ask", "Coast", "Dwell", "Mark", "Ramp", "Rest", "Step", "Trial", "draft_sweep", "objections", "plan_sweep"]
 
 SETTLING_RAMP = 10.0  # rad/s^2, about 95 rpm/s: gentle, and outside the recorded runs
 
@@ -68,25 +68,25 @@ def slow_roll(speed: float, *, seconds: float) -> Iterator[Step]:
     yield Mark(label="settling")
 
 
-def stepped(plan: Stepped, *, avoiding: Sequence[Band] = ()) -> Iterator[Step]:
-    """Yield a slow-roll dwell and a run of its own at every speed; a grid leaves out speeds in `avoiding`."""
+def stepped_speeds(plan: Stepped, *, avoid: Sequence[Band] = ()) -> Iterator[Step]:
+    """Yield a slow-roll dwell and a run of its own at every speed; a grid leaves out speeds in the bands to avoid."""
     yield from slow_roll(plan.slow_roll, seconds=plan.slow_roll_time)
-    rising = [s for s in plan.rising if plan.listed or not any(s in band for band in avoiding)]
+    rising = [s for s in plan.rising if plan.listed or not any(s in band for band in avoid)]
     falling = rising[::-1]
-    way = {"up": rising, "down": falling, "up-down": rising + falling[1:]}[plan.direction]
-    for speed in way:
+    speeds = {"up": rising, "down": falling, "up-down": rising + falling[1:]}[plan.direction]
+    for speed in speeds:
         yield Ramp(to=speed, rate=plan.ramp)
-        yield from held(speed, settle=plan.settle, seconds=plan.dwell)
+        yield from dwell_run(speed, settle=plan.settle, seconds=plan.dwell)
 
 
-def dwell_at(plan: DwellAt) -> Iterator[Step]:
+def single_dwell(plan: DwellAt) -> Iterator[Step]:
     """Yield a run at one speed."""
     yield Mark(label="settling")
     yield Ramp(to=plan.speed, rate=plan.ramp)
-    yield from held(plan.speed, settle=plan.settle, seconds=plan.time)
+    yield from dwell_run(plan.speed, settle=plan.settle, seconds=plan.time)
 
 
-def held(speed: float, *, settle: float, seconds: float) -> Iterator[Step]:
+def dwell_run(speed: float, *, settle: float, seconds: float) -> Iterator[Step]:
     """Yield a run at the speed [rad/s] just reached, once it has settled."""
     yield Dwell(seconds=settle)
     yield Mark(label=f"dwell {speed * RPM:.0f} rpm")
@@ -108,24 +108,24 @@ def trial_mass_runs(masses: Sequence[str], runs: Sequence[Step]) -> Iterator[Ste
         before = mass
 
 
-def steps(
+def plan_sweep(
     rig: RigConfig, name: str = "default", *, trial: Sequence[str] = (), criticals: Sequence[float] = ()
 ) -> tuple[Step, ...]:
-    """Return the steps of the plan of that name, checked against the rig's limits. Raises ConfigError.
+    """Return the steps of the plan `name`, checked against the rig's limits. Raises ConfigError.
 
     `trial` are the trial masses on the rotor, as `read_trial_mass` reads them; they are noted first. `criticals` are
-    the critical speeds of a model [rad/s], which count where the config has no bands, see `critical_speeds.bands`.
+    the critical speeds of a model [rad/s], which count where the config has no bands, see `critical_bands`.
     """
-    plan = planned(rig, name, trial=trial, criticals=criticals)
+    plan = draft_sweep(rig, name, trial=trial, criticals=criticals)
     for objection in objections(rig, plan, criticals=criticals):
         raise ConfigError(f"plans.{name}: {objection}")
     return plan
 
 
-def planned(
+def draft_sweep(
     rig: RigConfig, name: str, *, trial: Sequence[str] = (), criticals: Sequence[float] = ()
 ) -> tuple[Step, ...]:
-    """Return the steps of a plan, allowed or not. Raises ConfigError if there is no such plan or trial mass."""
+    """Return the steps of the plan `name`, allowed or not. Raises ConfigError for an unknown plan or trial mass."""
     for mass in trial:
         read_trial_mass(mass, planes=rig.unbalance_planes)
     if name not in rig.plans:
@@ -133,65 +133,65 @@ def planned(
     plan = rig.plans[name]
     if trial and isinstance(plan, TrialMassRuns):
         raise ConfigError(f"plan '{name}': mounts trial masses of its own, want it without --trial")
-    through = bands(rig.limits, criticals)
+    bands = critical_bands(rig.limits, criticals)
     rate = rig.limits.critical_ramp if rig.limits else None
-    asked = quick(_generated(plan, rig, through), through=through, rate=rate)
+    steps = pass_bands_quickly(_generate(plan, rig, bands), bands=bands, rate=rate)
     if _keeps_ramp(rig.motor):
-        asked = _settling_at_its_own_rate(tuple(asked))
-    return (*(Trial(mass=mass) for mass in trial), *asked)
+        steps = _settle_at_own_rate(tuple(steps))
+    return (*(Trial(mass=mass) for mass in trial), *steps)
 
 
 def objections(rig: RigConfig, plan: Iterable[Step], *, criticals: Sequence[float] = ()) -> Iterator[str]:
-    """Yield in a sentence each what speaks against running these steps on this rig."""
+    """Yield the reasons not to run these steps on this rig, a sentence each."""
     plan = tuple(plan)
     ceilings = [rig.motor.max_speed] if rig.motor else []
     ceilings += [rig.limits.overspeed] if rig.limits else []
     fastest = max((step.to for step in plan if isinstance(step, Ramp)), default=0.0)
     if ceilings and fastest >= min(ceilings):
         yield f"goes to {fastest * RPM:.0f} rpm, want less than the limit of {min(ceilings) * RPM:.0f} rpm"
-    if objection := _about_ramps(rig.motor, {step.rate for step in plan if isinstance(step, Ramp)}):
+    if objection := _ramp_objection(rig.motor, {step.rate for step in plan if isinstance(step, Ramp)}):
         yield objection
-    said = set()
-    for _, speed, band in dwelt_in(plan, bands(rig.limits, criticals)):
-        if speed not in said:
+    speeds = set()
+    for _, speed, band in dwells_in_bands(plan, critical_bands(rig.limits, criticals)):
+        if speed not in speeds:
             yield f"holds {speed * RPM:.0f} rpm inside the critical band {band}, want it to pass"
-            said.add(speed)
+            speeds.add(speed)
 
 
 def _keeps_ramp(motor: Motor | None) -> TypeGuard[ModbusRtu | ModbusTcp]:
     return isinstance(motor, ModbusRtu | ModbusTcp) and motor.keeps_ramp
 
 
-def _settling_at_its_own_rate(plan: Sequence[Step]) -> Iterator[Step]:
-    """Yield a plan whose settling ramps have its own rate, for a controller that keeps the ramp it has."""
+def _settle_at_own_rate(plan: Sequence[Step]) -> Iterator[Step]:
+    """Yield a plan whose settling ramps have the rate of its other ramps, for a drive that keeps one rate."""
     own = next((step.rate for step in plan if isinstance(step, Ramp) and step.rate != SETTLING_RAMP), SETTLING_RAMP)
     for step in plan:
         yield replace(step, rate=own) if isinstance(step, Ramp) and step.rate == SETTLING_RAMP else step
 
 
-def _about_ramps(motor: Motor | None, rates: Set[float]) -> str:
-    """Return what speaks against the ramps of a plan [rad/s^2]; nothing: ""."""
+def _ramp_objection(motor: Motor | None, rates: Set[float]) -> str:
+    """Return the reason not to run ramps at these rates [rad/s^2]; "": none."""
     if not _keeps_ramp(motor):
         return ""
-    said = " and ".join(f"{rate * RPM:.4g}" for rate in sorted(rates))
+    listed = " and ".join(f"{rate * RPM:.4g}" for rate in sorted(rates))
     if len(rates) > 1:
-        return f"ramps at {said} rpm/s, want one rate: a drive of profile {motor.profile} keeps it while it turns"
+        return f"ramps at {listed} rpm/s, want one rate: a drive of profile {motor.profile} keeps it while it turns"
     if motor.ramp and any(abs(rate / motor.ramp - 1) > SAME_RAMP for rate in rates):
-        return f"ramps at {said} rpm/s, want the {motor.ramp * RPM:.4g} rpm/s of motor.ramp, which is set by hand"
+        return f"ramps at {listed} rpm/s, want the {motor.ramp * RPM:.4g} rpm/s of motor.ramp, which is set by hand"
     return ""
 
 
-def _generated(plan: Plan, rig: RigConfig, through: Sequence[Band]) -> Iterator[Step]:
+def _generate(plan: Plan, rig: RigConfig, bands: Sequence[Band]) -> Iterator[Step]:
     match plan:
         case RunUpCoastDown():
             return run_up_coast_down(plan)
         case RunUpRampDown():
             return run_up_ramp_down(plan)
         case Stepped():
-            return stepped(plan, avoiding=through)
+            return stepped_speeds(plan, avoid=bands)
         case DwellAt():
-            return dwell_at(plan)
+            return single_dwell(plan)
         case TrialMassRuns():
-            return trial_mass_runs(plan.masses, tuple(_generated(rig.plans[plan.plan], rig, through)))
+            return trial_mass_runs(plan.masses, tuple(_generate(rig.plans[plan.plan], rig, bands)))
         case _:
             assert_never(plan)

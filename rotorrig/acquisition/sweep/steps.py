@@ -1,4 +1,4 @@
-"""The steps of a sweep, one thing to ask of the rig each; plans make them, the engine performs them."""
+"""Steps of a sweep, each one request to the rig; plans make them, the engine performs them."""
 
 from dataclasses import dataclass
 
@@ -30,7 +30,7 @@ class Dwell:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coast:
-    """Power off; wait until the keyphasor says the speed is below `until` [rad/s]."""
+    """Power off; wait until the speed by the keyphasor is below `until` [rad/s]."""
 
     until: float
 

@@ -1,17 +1,17 @@
-"""When each step of a sweep should begin and end, before it is run: for its preview and its progress."""
+"""Expected timeline of a sweep, for its preview and its progress: begin, end and speeds of every step."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from rotorrig.acquisition.sweep.critical_speeds import with_speeds
+from rotorrig.acquisition.sweep.critical_speeds import with_start_speeds
 from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
 
-COAST_SECONDS = 45.0  # an RK4's from full speed; nobody knows another rotor's before it was measured
+COAST_SECONDS = 45.0  # an RK4's from full speed; another rotor's is not known before it has been measured
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Timed:
-    """A step, when it is expected [s] and at what speeds [rad/s]."""
+class TimedStep:
+    """Step with the times [s] and speeds [rad/s] expected of it."""
 
     step: Step
     begin: float
@@ -21,24 +21,24 @@ class Timed:
 
     @property
     def seconds(self) -> float:
-        """How long it is expected to take [s]."""
+        """Expected duration [s]."""
         return self.end - self.begin
 
 
-def plan_timeline(steps: Iterable[Step]) -> tuple[Timed, ...]:
-    """Return the steps with their times, from rest; the time an operator takes is not known and counts as none."""
-    timed: list[Timed] = []
+def plan_timeline(steps: Iterable[Step]) -> tuple[TimedStep, ...]:
+    """Return the steps with their times, from rest; the time an operator takes is unknown and counts as zero."""
+    timeline: list[TimedStep] = []
     t, ramp = 0.0, 1.0
-    for step, speed in with_speeds(steps):
-        seconds, to = _expected(step, speed, ramp)
-        timed.append(Timed(step=step, begin=t, end=t + seconds, speed=speed, to=to))
+    for step, speed in with_start_speeds(steps):
+        seconds, to = _duration_and_end(step, speed, ramp)
+        timeline.append(TimedStep(step=step, begin=t, end=t + seconds, speed=speed, to=to))
         t += seconds
         ramp = step.rate if isinstance(step, Ramp) else ramp
-    return tuple(timed)
+    return tuple(timeline)
 
 
-def _expected(step: Step, speed: float, ramp: float) -> tuple[float, float]:
-    """Return the seconds a step should take from `speed` [rad/s], and the speed it ends with; `ramp` was the last."""
+def _duration_and_end(step: Step, speed: float, ramp: float) -> tuple[float, float]:
+    """Return the seconds expected of a step from `speed` [rad/s], and its end speed; `ramp` [rad/s^2] was the last."""
     match step:
         case Ramp():
             return abs(step.end - speed) / step.rate, step.end

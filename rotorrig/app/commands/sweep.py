@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rotorrig.acquisition.files import RecordingWriter
-from rotorrig.acquisition.sweep import Operator, SweepResult, plan_timeline, plans, run_sweep
+from rotorrig.acquisition.sweep import Ask, Operator, Step, SweepResult, plan_sweep, plan_timeline, run_sweep
 from rotorrig.app.commands.config_model import criticals_to_pass
 from rotorrig.app.commands.simulate import StandIn, simulated
 from rotorrig.app.commands.sweep_preview import expected_bytes
@@ -21,7 +21,7 @@ from rotorrig.sims.wire import BenchPorts
 if TYPE_CHECKING:
     from rotorrig.app.viewer import LiveView
 
-Progress = Callable[[plans.Step, float, float], None]  # step, fraction of the sweep's steps, speed [rad/s]
+Progress = Callable[[Step, float, float], None]  # step, fraction of the sweep's steps, speed [rad/s]
 
 
 def sweep(
@@ -39,7 +39,7 @@ def sweep(
     What can be said before anything starts is: a wrong plan, a disk without room. With `yes` no mass is waited for.
     """
     steps = steps_of(rig, plan, trial=trial)
-    if stand_in and any(isinstance(step, plans.Ask) for step in steps):
+    if stand_in and any(isinstance(step, Ask) for step in steps):
         raise ConfigError(
             f"plan '{plan}': mounts trial masses half-way, which nobody can do on a simulated rig; "
             "want two sweeps, the second with --trial"
@@ -54,7 +54,7 @@ def sweep(
             say(HINT)
         task = bars.add_task("sweeping", total=1.0, note="")
 
-        def show(step: plans.Step, fraction: float, speed: float) -> None:
+        def show(step: Step, fraction: float, speed: float) -> None:
             bars.update(task, completed=fraction, note=f"{speed * RPM:.0f} rpm")
 
         return record_sweep(
@@ -75,12 +75,12 @@ def sweep_facts(result: SweepResult) -> dict[str, Any]:
     }
 
 
-def steps_of(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> tuple[plans.Step, ...]:
+def steps_of(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> tuple[Step, ...]:
     """Return the steps of a plan, past the model's critical speeds where the config says so. Raises ConfigError."""
-    return plans.steps(rig, plan, trial=trial, criticals=criticals_to_pass(rig))
+    return plan_sweep(rig, plan, trial=trial, criticals=criticals_to_pass(rig))
 
 
-def refuse_full_disk(out: Path, rig: RigConfig, steps: Sequence[plans.Step]) -> None:
+def refuse_full_disk(out: Path, rig: RigConfig, steps: Sequence[Step]) -> None:
     """Raise DataError if the recording will hardly fit on its disk."""
     if rig.daq is None or not out.parent.is_dir():
         return  # said by whoever opens them

@@ -12,16 +12,18 @@ from rich.text import Text
 from rotorrig.acquisition.sweep import (
     COAST_SECONDS,
     Ask,
+    Band,
     Coast,
     Dwell,
     Mark,
     Ramp,
     Rest,
-    Timed,
+    TimedStep,
     Trial,
-    critical_speeds,
+    critical_bands,
+    draft_sweep,
+    objections,
     plan_timeline,
-    plans,
 )
 from rotorrig.app.commands.config_model import criticals_of
 from rotorrig.app.terminal import out, tell
@@ -41,9 +43,9 @@ DOT = {False: "·", True: "."}  # along a critical speed
 class Preview:
     """What a plan comes to."""
 
-    steps: tuple[Timed, ...]
+    steps: tuple[TimedStep, ...]
     criticals: tuple[float, ...]  # of the nameplate's model, rad/s
-    bands: tuple[critical_speeds.Band, ...]
+    bands: tuple[Band, ...]
     objections: tuple[str, ...]  # why it is refused; empty: it is not
 
     @property
@@ -55,12 +57,12 @@ class Preview:
 def preview(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> Preview:
     """Return what a plan comes to. Raises ConfigError if there is none of that name, or no such trial mass."""
     criticals = criticals_of(rig)
-    planned = plans.planned(rig, plan, trial=trial, criticals=criticals)
+    steps = draft_sweep(rig, plan, trial=trial, criticals=criticals)
     return Preview(
-        steps=plan_timeline(planned),
+        steps=plan_timeline(steps),
         criticals=tuple(criticals),
-        bands=critical_speeds.bands(rig.limits, criticals),
-        objections=tuple(plans.objections(rig, planned, criticals=criticals)),
+        bands=critical_bands(rig.limits, criticals),
+        objections=tuple(objections(rig, steps, criticals=criticals)),
     )
 
 
@@ -163,7 +165,7 @@ def limits_words(rig: RigConfig) -> str:
     return ", ".join(words)
 
 
-def chart(steps: Sequence[Timed], *, criticals: Sequence[float] = (), width: int, plain: bool) -> Text:
+def chart(steps: Sequence[TimedStep], *, criticals: Sequence[float] = (), width: int, plain: bool) -> Text:
     """Return speed over time as columns of characters, with the highest speed and the critical ones [rad/s] named."""
     total, top = steps[-1].end or 1.0, max(max(timed.speed, timed.to) for timed in steps) or 1.0
     rows = {int(speed / top * ROWS): f"critical {speed * RPM:.0f} rpm " for speed in criticals if speed < top}
@@ -184,14 +186,14 @@ def chart(steps: Sequence[Timed], *, criticals: Sequence[float] = (), width: int
     return Text("\n".join(lines), no_wrap=True, overflow="crop")
 
 
-def _speed_at(steps: Sequence[Timed], t: float) -> float:
+def _speed_at(steps: Sequence[TimedStep], t: float) -> float:
     """Return the expected speed at a time, straight between the ends of each step."""
     timed = next((timed for timed in steps if timed.begin <= t < timed.end), steps[-1])
     part = (t - timed.begin) / timed.seconds if timed.seconds else 1.0
     return timed.speed + min(part, 1.0) * (timed.to - timed.speed)
 
 
-def _described(timed: Timed) -> tuple[str, str]:
+def _described(timed: TimedStep) -> tuple[str, str]:
     """Return what a step is, and its rate in rpm/s where it has one."""
     match timed.step:
         case Ramp(rate=rate):
@@ -210,7 +212,7 @@ def _described(timed: Timed) -> tuple[str, str]:
             return f"trial mass: {mass}", ""
 
 
-def _remarks(timed: Timed, seen: Preview) -> str:
+def _remarks(timed: TimedStep, seen: Preview) -> str:
     """Say which critical speeds and bands a step passes or stands in."""
     low, high = sorted((timed.speed, timed.to))
     said = []

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.acquisition.sweep.critical_speeds import Band, bands, quick
-from rotorrig.acquisition.sweep.plans import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial, steps
+from rotorrig.acquisition.sweep.critical_speeds import Band, critical_bands, pass_bands_quickly
+from rotorrig.acquisition.sweep.plans import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial, plan_sweep
 from rotorrig.acquisition.sweep.timeline import plan_timeline
 from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.config.units import RPM
@@ -34,8 +34,8 @@ RUN_UP = 'slow_roll = "240 rpm"\nslow_roll_time = "5 s"\nstart = "480 rpm"\nend 
 
 
 def test_a_run_up_ends_by_coasting_or_down_a_ramp() -> None:
-    coasting = steps(rig_with(f'kind = "run-up-coast-down"\n{RUN_UP}'), "test")
-    powered = steps(rig_with(f'kind = "run-up-ramp-down"\n{RUN_UP}'), "test")
+    coasting = plan_sweep(rig_with(f'kind = "run-up-coast-down"\n{RUN_UP}'), "test")
+    powered = plan_sweep(rig_with(f'kind = "run-up-ramp-down"\n{RUN_UP}'), "test")
     assert marks(coasting) == marks(powered) == ["settling", "slow roll", "settling", "up", "down", "end"]
     assert coasting[:-2] == powered[:-2]
     assert coasting[-2] == Coast(until=pytest.approx(480 / RPM))
@@ -51,7 +51,7 @@ STEPPED = 'kind = "stepped"\nslow_roll = "240 rpm"\nslow_roll_time = "5 s"\nramp
 )
 def test_a_stepped_plan_holds_every_speed_in_a_run_of_its_own(direction: str, gone_through: list[int]) -> None:
     grid = 'start = "600 rpm"\nend = "1050 rpm"\nstep = "200 rpm"\n'
-    plan = steps(rig_with(f'{STEPPED}{grid}direction = "{direction}"'), "test")
+    plan = plan_sweep(rig_with(f'{STEPPED}{grid}direction = "{direction}"'), "test")
     assert speeds(plan) == [240, *gone_through]
     assert [mark for mark in marks(plan) if mark.startswith("dwell")] == [f"dwell {rpm} rpm" for rpm in gone_through]
     at = plan.index(Mark(label="dwell 800 rpm"))
@@ -61,18 +61,18 @@ def test_a_stepped_plan_holds_every_speed_in_a_run_of_its_own(direction: str, go
 
 def test_a_grid_ends_where_it_says_when_its_steps_fit() -> None:
     grid = 'start = "600 rpm"\nend = "1000 rpm"\nstep = "100 rpm"\n'
-    assert speeds(steps(rig_with(STEPPED + grid), "test")) == [240, 600, 700, 800, 900, 1000]
+    assert speeds(plan_sweep(rig_with(STEPPED + grid), "test")) == [240, 600, 700, 800, 900, 1000]
 
 
 def test_one_speed_can_be_held() -> None:
-    plan = steps(rig_with('kind = "dwell"\nspeed = "900 rpm"\ntime = "60 s"\nramp = "60 rpm/s"'), "test")
+    plan = plan_sweep(rig_with('kind = "dwell"\nspeed = "900 rpm"\ntime = "60 s"\nramp = "60 rpm/s"'), "test")
     assert speeds(plan) == [900]
     assert marks(plan) == ["settling", "dwell 900 rpm", "settling"]
 
 
 def test_trial_masses_come_after_a_baseline_one_at_a_time_with_the_rotor_at_rest() -> None:
     rig = rig_with('kind = "trial-mass"\nmasses = ["disk: 12 g mm at 0 deg", "disk: 12 g mm at 90 deg"]')
-    plan, alone = steps(rig, "test"), steps(rig, "default")
+    plan, alone = plan_sweep(rig, "test"), plan_sweep(rig, "default")
     between = [step for step in plan if isinstance(step, Rest | Ask | Trial)]
     assert between == [
         Rest(),
@@ -90,12 +90,12 @@ def test_trial_masses_come_after_a_baseline_one_at_a_time_with_the_rotor_at_rest
 def test_a_plan_that_mounts_masses_is_not_run_with_one_on() -> None:
     rig = rig_with('kind = "trial-mass"\nmasses = ["disk: 12 g mm at 0 deg"]')
     with pytest.raises(ConfigError, match="plan 'test': mounts trial masses of its own, want it without --trial"):
-        steps(rig, "test", trial=["disk: 1 g mm at 0 deg"])
+        plan_sweep(rig, "test", trial=["disk: 1 g mm at 0 deg"])
 
 
 def test_a_ramp_passes_a_critical_band_at_the_rate_that_is_asked_for_and_does_not_halt_at_its_edges() -> None:
     rig = rig_with(f'kind = "run-up-ramp-down"\n{RUN_UP}', limits='critical_ramp = "200 rpm/s"', bands=BAND)
-    pieces = [step for step in steps(rig, "test") if isinstance(step, Ramp)][2:]
+    pieces = [step for step in plan_sweep(rig, "test") if isinstance(step, Ramp)][2:]
     assert [(round(p.to * RPM), round(p.rate * RPM), p.until and round(p.until * RPM)) for p in pieces] == [
         (3000, 60, 2000),
         (3000, 200, 2400),
@@ -108,7 +108,7 @@ def test_a_ramp_passes_a_critical_band_at_the_rate_that_is_asked_for_and_does_no
 
 def test_a_ramp_that_is_quick_enough_is_left_alone() -> None:
     fast = [Ramp(to=300.0, rate=30.0)]
-    assert list(quick(fast, through=[Band(low=200.0, high=250.0)], rate=20.0)) == fast
+    assert list(pass_bands_quickly(fast, bands=[Band(low=200.0, high=250.0)], rate=20.0)) == fast
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,9 @@ def test_a_ramp_that_is_quick_enough_is_left_alone() -> None:
 )
 def test_a_ramp_is_cut_where_it_enters_and_leaves(end: float, pieces: list[tuple[float, float | None]]) -> None:
     two = [Band(low=200.0, high=250.0), Band(low=300.0, high=330.0)]
-    cut = [step for step in quick([Ramp(to=end, rate=5.0)], through=two, rate=20.0) if isinstance(step, Ramp)]
+    cut = [
+        step for step in pass_bands_quickly([Ramp(to=end, rate=5.0)], bands=two, rate=20.0) if isinstance(step, Ramp)
+    ]
     assert [(step.rate, step.until) for step in cut] == pieces
     assert {step.to for step in cut} == {end}
 
@@ -131,24 +133,24 @@ def test_without_bands_in_the_config_those_of_a_model_count_where_a_rate_is_aske
     plain = rig_with(f'kind = "run-up-coast-down"\n{RUN_UP}')
     asked = rig_with(f'kind = "run-up-coast-down"\n{RUN_UP}', limits='critical_ramp = "200 rpm/s"')
     criticals = [2226 / RPM, 2237 / RPM, 6000 / RPM]
-    assert bands(plain.limits, criticals) == ()
-    assert [str(band) for band in bands(asked.limits, criticals)] == ["2003-2461 rpm", "5400-6600 rpm"]
-    assert steps(asked, "test") == steps(plain, "test")
-    assert len(steps(asked, "test", criticals=criticals)) == len(steps(plain, "test")) + 2
+    assert critical_bands(plain.limits, criticals) == ()
+    assert [str(band) for band in critical_bands(asked.limits, criticals)] == ["2003-2461 rpm", "5400-6600 rpm"]
+    assert plan_sweep(asked, "test") == plan_sweep(plain, "test")
+    assert len(plan_sweep(asked, "test", criticals=criticals)) == len(plan_sweep(plain, "test")) + 2
 
 
 def test_nothing_dwells_inside_a_critical_band() -> None:
     inside = 'kind = "dwell"\nspeed = "2200 rpm"\ntime = "60 s"\nramp = "60 rpm/s"'
     with pytest.raises(ConfigError, match=r"^plans.test: holds 2200 rpm inside the critical band 2000-2400 rpm"):
-        steps(rig_with(inside, bands=BAND), "test")
+        plan_sweep(rig_with(inside, bands=BAND), "test")
     listed = f'{STEPPED}speeds = ["1000 rpm", "2100 rpm"]'
     with pytest.raises(ConfigError, match="holds 2100 rpm inside"):
-        steps(rig_with(listed, bands=BAND), "test")
+        plan_sweep(rig_with(listed, bands=BAND), "test")
 
 
 def test_a_grid_of_speeds_leaves_a_critical_band_out() -> None:
     grid = 'start = "1800 rpm"\nend = "2600 rpm"\nstep = "100 rpm"\n'
-    assert speeds(steps(rig_with(STEPPED + grid, bands=BAND), "test")) == [240, 1800, 1900, 2500, 2600]
+    assert speeds(plan_sweep(rig_with(STEPPED + grid, bands=BAND), "test")) == [240, 1800, 1900, 2500, 2600]
 
 
 def test_a_plan_beyond_the_limits_is_refused() -> None:
@@ -158,12 +160,12 @@ def test_a_plan_beyond_the_limits_is_refused() -> None:
         with pytest.raises(
             ConfigError, match=r"^plans.default: goes to 3600 rpm, want less than the limit of 2500 rpm"
         ):
-            steps(rig)
+            plan_sweep(rig)
 
 
 def test_the_timeline_of_a_plan_is_whole_and_adds_up() -> None:
     rig = rig_with(f'kind = "run-up-ramp-down"\n{RUN_UP}')
-    timed = plan_timeline(steps(rig, "test"))
+    timed = plan_timeline(plan_sweep(rig, "test"))
     assert timed[0].begin == 0.0
     for before, after in pairwise(timed):
         assert before.end == after.begin
