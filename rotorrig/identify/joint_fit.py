@@ -7,7 +7,7 @@ import numpy as np
 
 from rotorrig.identify.adequacy import Adequacy, assess
 from rotorrig.identify.causes import background
-from rotorrig.identify.extended_model import ExtendedProblem, MarkEdge, Recording
+from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, MarkEdge, Recording
 from rotorrig.identify.fit import first_fit
 from rotorrig.identify.least_squares import Solution
 from rotorrig.sims.effects import Effect
@@ -33,7 +33,7 @@ def fitted(
     marks = (MarkEdge.of_recording(r.number) for r in recordings if r.backward)
     slight = [(effect, effect.at_nothing) for effect in (*background(recordings[0].response.rig), *marks)]
     known = [*slight, *effects]
-    problem = ExtendedProblem(recordings, [effect for effect, _ in known])
+    problem = ExtendedProblem(ExtendedModel(recordings, [effect for effect, _ in known]))
     start = problem.parameters.start(first.p)
     start[problem.parameters.own] = [theta[q.name] / q.size for effect, theta in known for q in effect.parameters]
     return assessed(problem, problem.solve(start, tolerance=_SETTLED, max_steps=_STEPS))
@@ -43,7 +43,7 @@ def assessed(problem: ExtendedProblem, polished: Solution) -> Assessed:
     """Test a fit: adequate if it is for every recording."""
     reduced = _reduced_chi2(problem, polished)
     each = []
-    for recording, predicted in zip(problem.recordings, problem.predict(polished.p), strict=True):
+    for recording, predicted in zip(problem.recordings, problem.model.predict(polished.p), strict=True):
         shape = (len(recording.response.omega), len(recording.response.probes))
         whole = {}
         for order, z in predicted.items():
@@ -68,7 +68,7 @@ def assessed(problem: ExtendedProblem, polished: Solution) -> Assessed:
 def _reduced_chi2(problem: ExtendedProblem, polished: Solution) -> float:
     """Return chi2 per degree of freedom of 1X, priors included, as the limits of residual_tests.py were set for."""
     square, size = 0.0, 0
-    for recording, predicted in zip(problem.recordings, problem.predict(polished.p), strict=True):
+    for recording, predicted in zip(problem.recordings, problem.model.predict(polished.p), strict=True):
         measured = recording.measured[1]
         square += float(np.sum(measured.sigmas(predicted[1] - measured.z) ** 2))
         size += measured.size

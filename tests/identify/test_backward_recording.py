@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording, told_by_falling_angle
 from rotorrig.processing.response import OrderTrackedResponse
@@ -41,11 +42,11 @@ def test_it_is_what_the_rig_of_the_other_sense_shows(rig: RigConfig, hidden: NDA
     made = swept_response(other_way, hidden=[(find(other_way, label), mirrored)], unbalance=np.conj(U), **FAST)
     recording = Recording(made, backward=True)
     effect = find(rig, label)
-    problem = ExtendedProblem([recording], [effect])
+    problem = ExtendedProblem(ExtendedModel([recording], [effect]))
     p = problem.parameters.start(hidden)
     p[problem.parameters.base.unbalance] = U.real, U.imag
     p[problem.parameters.own] = [theta[q.name] / q.size for q in effect.parameters]
-    (predicted,) = problem.predict(p)
+    (predicted,) = problem.model.predict(p)
     for order in (1, 2):
         got, want = (
             recording.as_measured(predicted[order]),
@@ -57,7 +58,9 @@ def test_it_is_what_the_rig_of_the_other_sense_shows(rig: RigConfig, hidden: NDA
 def test_its_columns_are_derivatives(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
     other_way = rig.turned_over
     made = swept_response(other_way, unbalance=np.conj(U), **FAST)
-    problem = ExtendedProblem([Recording(made, backward=True)], [find(rig, "internal_damping"), find(rig, "bow")])
+    problem = ExtendedProblem(
+        ExtendedModel([Recording(made, backward=True)], [find(rig, "internal_damping"), find(rig, "bow")])
+    )
     p = problem.parameters.start(hidden)
     p[problem.parameters.base.unbalance] = U.real, U.imag
     p[problem.parameters.own] = 0.5
@@ -78,8 +81,8 @@ def test_told_by_a_falling_angle_twice_it_is_itself(short: OrderTrackedResponse)
 
 def test_a_force_law_is_not_followed_backwards(rig: RigConfig, short: OrderTrackedResponse) -> None:
     effect = find(rig, "cubic_spring")
-    problem = ExtendedProblem([Recording(short, backward=True)], [effect])
+    problem = ExtendedProblem(ExtendedModel([Recording(short, backward=True)], [effect]))
     p = problem.parameters.start(np.zeros(0))
     p[problem.parameters.own] = 0.1
     with pytest.raises(DataError, match="turns backwards"):
-        problem.predict(p)
+        problem.model.predict(p)

@@ -28,7 +28,7 @@ from benchmarks.parts.blind.names import Answer, answer
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes import background, candidates
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
-from rotorrig.identify.extended_model import ExtendedProblem, Recording
+from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording
 from rotorrig.identify.verdict import NAMEABLE
 from rotorrig.identify.verdict.separability import DETECTABLE, HOPED, HOPED_OF_LAWS, fitted, separation
 from rotorrig.identify.verdict.verdict import another
@@ -98,10 +98,10 @@ def lam(
     A rival is not followed beyond `enough`.
     """
     slight = background(rig)
-    problem = ExtendedProblem(recordings, (*slight, find(rig, hidden.exact)))
+    problem = ExtendedProblem(ExtendedModel(recordings, (*slight, find(rig, hidden.exact))))
     p = _vector(problem, identified_truth(rig, truth), hidden)
-    seen = [r.instead(z) for r, z in zip(recordings, problem.predict(p), strict=True)]
-    base = ExtendedProblem(seen, slight, models=problem.models)
+    seen = [r.instead(z) for r, z in zip(recordings, problem.model.predict(p), strict=True)]
+    base = ExtendedProblem(ExtendedModel(seen, slight, models=problem.model.models))
     best = fitted(base, p[: base.parameters.own.start])
     left = max(0.0, best.chi2 - _floor(problem, p))
     if left < DETECTABLE:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.extended_model import ExtendedProblem, Moving, Recording, halved_loads
+from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Moving, Recording, halved_loads
 from rotorrig.sims.effects import Effect, Parameter
 from rotorrig.sims.rotor.model import Direction, Load, RotorModel, between
 
@@ -29,7 +29,7 @@ def score_columns(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effec
     """
     if not candidates:
         return []
-    wide = problem.seeing({name: z for effect in candidates for name, z in effect.places.items()})
+    wide = problem.model.seeing({name: z for effect in candidates for name, z in effect.places.items()})
     moving = wide.moving(p)
     steps = [step for effect in candidates for step in _steps(effect, moving.model)]
     parts = [_of_recording(wide, recording, p, moving, steps) for recording in wide.recordings]
@@ -75,25 +75,25 @@ def _stepped(effect: Effect, q: Parameter) -> dict[str, float]:
 
 
 def _of_recording(
-    problem: ExtendedProblem, recording: Recording, p: Reals, moving: Moving, steps: Sequence[_Step]
+    model: ExtendedModel, recording: Recording, p: Reals, moving: Moving, steps: Sequence[_Step]
 ) -> Reals:
     """Return the columns of all steps in one recording, (figure, step)."""
     stacked: list[Reals] = []
     for order, measured in recording.measured.items():
-        motion = problem.motions(recording, p, moving)[order] if order == 1 else None
+        motion = model.motions(recording, p, moving)[order] if order == 1 else None
         found = np.zeros((*measured.z.shape, len(steps)), complex)
-        _by_loads(problem, recording, p, moving, steps, order, found)
+        _by_loads(model, recording, p, moving, steps, order, found)
         if order == 1:
-            _by_matrices(problem, recording, p, moving, steps, found)
+            _by_matrices(model, recording, p, moving, steps, found)
         if motion is None:
-            motion = problem.motion_of(recording, p, moving, order=order)
-        _at_probes(problem, recording, p, motion, steps, order, found)
+            motion = model.motion_of(recording, p, moving, order=order)
+        _at_probes(model, recording, p, motion, steps, order, found)
         stacked.append(measured.sigmas(found).reshape(-1, len(steps)))
     return np.concatenate(stacked)
 
 
 def _by_loads(
-    problem: ExtendedProblem,
+    model: ExtendedModel,
     recording: Recording,
     p: Reals,
     moving: Moving,
@@ -110,7 +110,7 @@ def _by_loads(
     ]
     z = _responses(recording, moving.model, [load for _, load, _ in acting], order)
     for k, (c, _, h) in enumerate(acting):
-        found[..., c] += problem.probes.linear(p, z[..., k]) / h
+        found[..., c] += model.probes.linear(p, z[..., k]) / h
 
 
 def _responses(recording: Recording, model: RotorModel, loads: Sequence[Load], order: int) -> Complex:
@@ -131,7 +131,7 @@ def _responses(recording: Recording, model: RotorModel, loads: Sequence[Load], o
 
 
 def _by_matrices(
-    problem: ExtendedProblem, recording: Recording, p: Reals, moving: Moving, steps: Sequence[_Step], found: Complex
+    model: ExtendedModel, recording: Recording, p: Reals, moving: Moving, steps: Sequence[_Step], found: Complex
 ) -> None:
     acting = {c: step.direction for c, step in enumerate(steps) if step.direction is not None}
     for turns in (False, True):  # those of a stiffness that turns apart
@@ -139,14 +139,14 @@ def _by_matrices(
         if not some:
             continue
         planes = halved_loads(moving.planes) if turns and not moving.halved else moving.planes
-        amounts = problem.amounts(recording, p, halved=turns)
+        amounts = model.amounts(recording, p, halved=turns)
         unit = recording.derivatives(moving.model, planes, list(some.values()), order=1).by
         for c, by in zip(some, unit, strict=True):
-            found[..., c] += problem.probes.linear(p, np.einsum("rpl,rl->rp", by, amounts))
+            found[..., c] += model.probes.linear(p, np.einsum("rpl,rl->rp", by, amounts))
 
 
 def _at_probes(
-    problem: ExtendedProblem,
+    model: ExtendedModel,
     recording: Recording,
     p: Reals,
     motion: Complex,
@@ -154,12 +154,12 @@ def _at_probes(
     order: int,
     found: Complex,
 ) -> None:
-    z = problem.probes.of_motion(p, motion, order=order) + problem.probes.hum(recording, p, order)
-    if any("probes" in effect.acts_on for effect in problem.effects):
-        seen = problem.probes.through_effects(recording, p, z, order=order)
+    z = model.probes.of_motion(p, motion, order=order) + model.probes.hum(recording, p, order)
+    if any("probes" in effect.acts_on for effect in model.effects):
+        seen = model.probes.through_effects(recording, p, z, order=order)
         for c in range(found.shape[-1]):
             if found[..., c].any():
-                found[..., c] = problem.probes.through_effects(recording, p, z + found[..., c], order=order) - seen
+                found[..., c] = model.probes.through_effects(recording, p, z + found[..., c], order=order) - seen
         z = seen
     view = recording.view(order)
     for c, step in enumerate(steps):

@@ -5,12 +5,14 @@ Motion, measuring chain, Jacobian.
 
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_loads
 from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.parameters import CURVED_AT
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 
 __all__ = [
     "CURVED_AT",
+    "ExtendedModel",
     "ExtendedProblem",
     "MarkEdge",
     "Moving",

@@ -1,23 +1,17 @@
 """Columns of the Jacobian under force laws: by all that moves the rotor, the force being found anew."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.extended_model.excited_rotor import halved_amounts
+from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.effects import Effect
 from rotorrig.sims.rotor.model import Direction, Load
 from rotorrig.sims.rotor.nonlinear import ForceLaw, LawChange
-
-if TYPE_CHECKING:
-    from rotorrig.identify.extended_model.excited_rotor import Moving
-    from rotorrig.identify.extended_model.problem import ExtendedProblem
 
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
@@ -28,20 +22,20 @@ STEP = 1e-5  # of an unknown in working coordinates: loads and laws
 class LawColumns:
     """What a step along every unknown of `free` makes of the rotor, its loads and its laws; serves all recordings."""
 
-    def __init__(self, problem: ExtendedProblem, p: Reals, moving: Moving, free: Index) -> None:
+    def __init__(self, model: ExtendedModel, p: Reals, moving: Moving, free: Index) -> None:
         """Work out the directions at `p` and what the steps lead to."""
-        self._problem, self._p, self._moving, self._free = problem, p, moving, free
-        names = problem.parameters
+        self._model, self._p, self._moving, self._free = model, p, moving, free
+        names = model.parameters
         structural = [int(i) for i in free if i < names.base.structural.stop]
         matrices: list[int] = []  # unknowns of effects
         others: list[int] = []
         nonlinear: list[int] = []  # whose loads are no multiples of them
-        for effect, part in zip(problem.effects, names.theta, strict=True):
-            own = [int(i) for i in free if part.start <= i < part.stop and under_laws(problem, p, effect, int(i))]
+        for effect, part in zip(model.effects, names.theta, strict=True):
+            own = [int(i) for i in free if part.start <= i < part.stop and under_laws(model, p, effect, int(i))]
             (matrices if "matrices" in effect.acts_on else others).extend(own)
             nonlinear.extend(own if "loads" in effect.acts_on and not effect.linear else [])
         which = [*structural, *matrices]
-        directions = problem.directions(p, moving.model, np.array(which, dtype=np.intp))
+        directions = model.directions(p, moving.model, np.array(which, dtype=np.intp))
         self._directions: dict[int, Direction] = dict(zip(which, directions, strict=True))
         self._nonlinear = nonlinear
         self._after = {i: self._stepped(i) for i in [*which, *others]}
@@ -54,14 +48,14 @@ class LawColumns:
         Return the motion of 1X along and across every probe, (row + 1, 2 probe). One march for every set of trial
         masses there is in the recording.
         """
-        problem, p = self._problem, self._p
+        model, p = self._model, self._p
         if not self._moves:
-            return problem.motions(recording, p, self._moving)[1]
+            return model.motions(recording, p, self._moving)[1]
         loads, more = self._loads(recording)
         halved = self._moving.halved
-        amounts = problem.amounts(recording, p, halved=halved)
+        amounts = model.amounts(recording, p, halved=halved)
         sets, which = np.unique(amounts, axis=0, return_inverse=True)
-        turned = 1j * np.stack(list(problem.trials(recording, p).values()), axis=-1)
+        turned = 1j * np.stack(list(model.trials(recording, p).values()), axis=-1)
         turned = halved_amounts(turned) if halved else turned
         motion = np.zeros((len(amounts), len(self._moving.model.probes)), complex)
         for n, planes in enumerate(sets):
@@ -77,23 +71,23 @@ class LawColumns:
             columns = np.searchsorted(self._free, list(changes))
             for order, change in by.items():
                 for k, column in enumerate(columns):
-                    found[order][rows, :, column] += problem.probes.linear(p, change[..., k])[rows]
+                    found[order][rows, :, column] += model.probes.linear(p, change[..., k])[rows]
         return motion
 
     def fill_above(self, recording: Recording, found: Complex, *, order: int) -> None:
         """Add the columns by loads above 1X that are not linear in the unknowns to `found` (row + 1, probe, column)."""
         known = self._moving.loads(recording, order)
-        rotor = self._problem.above(self._moving)
+        rotor = self._model.above(self._moving)
         for i in self._nonlinear:
             pairs = zip(known, self._after[i].loads(recording, order), strict=True)
             more = [replace(old, pattern=(new.pattern - old.pattern) / STEP) for old, new in pairs]
             z = recording.columns(rotor, more, order=order).sum(axis=-1)
-            found[..., np.searchsorted(self._free, i)] += self._problem.probes.linear(self._p, z)
+            found[..., np.searchsorted(self._free, i)] += self._model.probes.linear(self._p, z)
 
     def _stepped(self, i: int) -> Moving:
         moved = self._p.copy()
         moved[i] += STEP
-        return self._problem.moving(moved)
+        return self._model.moving(moved)
 
     def _loads(self, recording: Recording) -> tuple[list[Load], dict[int, list[Load]]]:
         """Return the loads of 1X and after them what a unit of unknowns adds to them; this also as unknown -> loads."""
@@ -108,7 +102,7 @@ class LawColumns:
 
     def _changes(self, loads: int, more: dict[int, list[Load]], turned: Complex) -> dict[int, LawChange]:
         """Return what every unknown changes, `turned` (plane,) being how the keyphasor's angle turns trial masses."""
-        names, planes = self._problem.parameters, self._problem.planes
+        names, planes = self._model.parameters, self._model.planes
         base, amounts = names.base, {}
         for i in self._free[(self._free >= base.unbalance.start) & (self._free < base.unbalance.stop)]:
             plane, imaginary = divmod(int(i) - base.unbalance.start, 2)
@@ -138,21 +132,21 @@ class LawColumns:
         return None if same else after
 
 
-def under_laws(problem: ExtendedProblem, p: Reals, effect: Effect, i: int) -> bool:
+def under_laws(model: ExtendedModel, p: Reals, effect: Effect, i: int) -> bool:
     """Say whether unknown `i` of an effect has a column here: it moves the rotor, and does it smoothly."""
     if not effect.acts_on or "probes" in effect.acts_on:
         return False
-    matrices = "matrices" not in effect.acts_on or not problem.resized(p, i)
-    return matrices and not _moves_a_law(problem, p, effect, i)
+    matrices = "matrices" not in effect.acts_on or not model.resized(p, i)
+    return matrices and not _moves_a_law(model, p, effect, i)
 
 
-def _moves_a_law(problem: ExtendedProblem, p: Reals, effect: Effect, i: int) -> bool:
+def _moves_a_law(model: ExtendedModel, p: Reals, effect: Effect, i: int) -> bool:
     """Say whether unknown `i` is where a force law of its effect acts, and not only how."""
-    k = problem.effects.index(effect)
-    q = effect.parameters[i - problem.parameters.theta[k].start]
-    theta, model = problem.parameters.of_effect(p, k), problem.model(p)
-    there = effect.laws(model, theta | {q.name: theta[q.name] + STEP * q.size})
-    return any(not np.array_equal(a.rows, b.rows) for a, b in zip(effect.laws(model, theta), there, strict=True))
+    k = model.effects.index(effect)
+    q = effect.parameters[i - model.parameters.theta[k].start]
+    theta, rotor = model.parameters.of_effect(p, k), model.rotor(p)
+    there = effect.laws(rotor, theta | {q.name: theta[q.name] + STEP * q.size})
+    return any(not np.array_equal(a.rows, b.rows) for a, b in zip(effect.laws(rotor, theta), there, strict=True))
 
 
 def _unit(size: int, i: int) -> Complex:

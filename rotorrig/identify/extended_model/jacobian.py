@@ -1,41 +1,33 @@
-"""The derivatives of an extended problem's vectors by its unknowns, column by column."""
-
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+"""The derivatives of an extended model's vectors by its unknowns, column by column."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.extended_model.excited_rotor import halved_amounts
+from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts
 from rotorrig.identify.extended_model.force_law_jacobian import LawColumns, under_laws
+from rotorrig.identify.extended_model.model import MARCHED, ExtendedModel
 from rotorrig.identify.extended_model.parameters import MAINS, bends
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.effects import Effect
-
-if TYPE_CHECKING:
-    from rotorrig.identify.extended_model.excited_rotor import Moving
-    from rotorrig.identify.extended_model.problem import ExtendedProblem
 
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 
 Changes = dict[int, list[dict[int, Complex]]]  # unknown -> per recording: order -> (row + 1, probe)
 
-MARCHED = 2  # the highest order at which a force law is followed
 STEP = 1e-4  # of an effect's size
 
 
-def columns(problem: ExtendedProblem, p: Reals, free: Index) -> Reals:
+def columns(model: ExtendedModel, p: Reals, free: Index) -> Reals:
     """Return d whitened vectors / d p of the columns `free`, (figure, column): recordings, orders, rows, probes."""
-    moving = problem.moving(p)
-    by_difference = [int(i) for i in free if _differenced(problem, p, moving, int(i))]
-    differences = _differences(problem, p, by_difference)
-    lawful = LawColumns(problem, p, moving, free) if moving.laws else None
+    moving = model.moving(p)
+    by_difference = [int(i) for i in free if _differenced(model, p, moving, int(i))]
+    differences = _differences(model, p, by_difference)
+    lawful = LawColumns(model, p, moving, free) if moving.laws else None
     parts = []
-    for n, recording in enumerate(problem.recordings):
-        found = _exact(problem, recording, p, free, moving, lawful)
+    for n, recording in enumerate(model.recordings):
+        found = _exact(model, recording, p, free, moving, lawful)
         for order, measured in recording.measured.items():
             d = found[order]
             for i, change in differences.items():
@@ -59,27 +51,27 @@ def by_matrices(effect: Effect) -> bool:
     return effect.acts_on == {"matrices"} or (effect.acts_on == {"matrices", "loads"} and effect.linear)
 
 
-def _differenced(problem: ExtendedProblem, p: Reals, moving: Moving, i: int) -> bool:
+def _differenced(model: ExtendedModel, p: Reals, moving: Moving, i: int) -> bool:
     """Say whether column `i` is taken as a difference of the whole prediction."""
-    names = problem.parameters
+    names = model.parameters
     if i < names.own.start:
         return False
-    effect = next(e for e, part in zip(problem.effects, names.theta, strict=True) if part.start <= i < part.stop)
+    effect = next(e for e, part in zip(model.effects, names.theta, strict=True) if part.start <= i < part.stop)
     if on_probes_alone(effect):
         return False
     if moving.laws:
-        return not under_laws(problem, p, effect, i)
+        return not under_laws(model, p, effect, i)
     if by_matrices(effect):
-        return problem.resized(p, i)
+        return model.resized(p, i)
     return not effect.linear or "probes" in effect.acts_on
 
 
-def _differences(problem: ExtendedProblem, p: Reals, which: list[int]) -> Changes:
+def _differences(model: ExtendedModel, p: Reals, which: list[int]) -> Changes:
     """Return (prediction(p + h e_i) - prediction(p)) / h for every i, one-sided, within the bounds."""
     if not which:
         return {}
-    low, high = problem.bounds
-    at = problem.predict(p)
+    low, high = model.parameters.bounds
+    at = model.predict(p)
     found = {}
     for i in which:
         h = STEP
@@ -87,13 +79,13 @@ def _differences(problem: ExtendedProblem, p: Reals, which: list[int]) -> Change
             h = -h
         moved = p.copy()
         moved[i] += h
-        there = problem.predict(moved)
+        there = model.predict(moved)
         found[i] = [{n: (b[n] - a[n]) / h for n in b} for a, b in zip(at, there, strict=True)]
     return found
 
 
 def _exact(
-    problem: ExtendedProblem,
+    model: ExtendedModel,
     recording: Recording,
     p: Reals,
     free: Index,
@@ -107,28 +99,28 @@ def _exact(
         if lawful is not None and order == 1:
             marched = tuple(n for n in recording.orders if n <= MARCHED)
             motion = lawful.fill(recording, found, orders=marched)
-        elif order > 1 and problem.linear_at(order) and not problem.units.exact:
-            motion = problem.motion_of(recording, p, moving, order=order)
-            _by_loads(problem, recording, p, free, moving, order, found[order])
+        elif order > 1 and model.linear_at(order) and not model.units.exact:
+            motion = model.motion_of(recording, p, moving, order=order)
+            _by_loads(model, recording, p, free, moving, order, found[order])
         else:
-            motion = _by_rotor(problem, recording, p, free, moving, order, found[order])
+            motion = _by_rotor(model, recording, p, free, moving, order, found[order])
             if lawful is not None:
                 lawful.fill_above(recording, found[order], order=order)
-        _by_probes(problem, p, motion, problem.probes.common_hum(recording, p, order), free, found[order])
-        _by_runout(problem, free, order, found[order])
-        _by_hum(problem, recording, p, free, order, found[order])
+        _by_probes(model, p, motion, model.probes.common_hum(recording, p, order), free, found[order])
+        _by_runout(model, free, order, found[order])
+        _by_hum(model, recording, p, free, order, found[order])
         if order == 1:
-            first = problem.probes.of_motion(p, motion, order=1)
-        _by_curvature(problem, first, free, order, found[order])
-        if any("probes" in effect.acts_on for effect in problem.effects):
-            z = problem.probes.of_motion(p, motion, order=order) + problem.probes.hum(recording, p, order)
-            z = z + problem.probes.bent(p, first, order)
-            _through_effects(problem, recording, p, z, free, order, found[order])
+            first = model.probes.of_motion(p, motion, order=1)
+        _by_curvature(model, first, free, order, found[order])
+        if any("probes" in effect.acts_on for effect in model.effects):
+            z = model.probes.of_motion(p, motion, order=order) + model.probes.hum(recording, p, order)
+            z = z + model.probes.bent(p, first, order)
+            _through_effects(model, recording, p, z, free, order, found[order])
     return found
 
 
 def _by_rotor(
-    problem: ExtendedProblem,
+    model: ExtendedModel,
     recording: Recording,
     p: Reals,
     free: Index,
@@ -137,78 +129,78 @@ def _by_rotor(
     found: Complex,
 ) -> Complex:
     """Fill in the columns by structure, unbalance and linear effects; return the motion, (row + 1, 2 probe)."""
-    base, planes = problem.parameters.base, list(moving.planes) if order == 1 else []
+    base, planes = model.parameters.base, list(moving.planes) if order == 1 else []
     loads = [*planes, *moving.loads(recording, order)]
     rows = len(recording.rows) + 1
     amounts = np.ones((rows, len(loads)), complex)
     if order == 1:
-        amounts[:, : len(planes)] = problem.amounts(recording, p, halved=moving.halved)
+        amounts[:, : len(planes)] = model.amounts(recording, p, halved=moving.halved)
     if not loads:
         motion = np.zeros((rows, len(moving.model.probes)), complex)
-    counts = order == 1 or problem.units.exact  # else at 2X and 3X only amounts do
-    structural = _structural(problem, p, free) if counts else free[:0]
+    counts = order == 1 or model.units.exact  # else at 2X and 3X only amounts do
+    structural = _structural(model, p, free) if counts else free[:0]
     if loads and len(structural):
-        directions = problem.directions(p, moving.model, structural)
+        directions = model.directions(p, moving.model, structural)
         unit, by = recording.derivatives(moving.model, loads, directions, order=order)
         for k, i in enumerate(structural):
             d = np.einsum("rpl,rl->rp", by[k], amounts)
-            found[..., np.searchsorted(free, i)] = problem.probes.linear(p, d)
+            found[..., np.searchsorted(free, i)] = model.probes.linear(p, d)
     elif loads:
-        unit = recording.columns(moving.model if order == 1 else problem.above(moving), loads, order=order)
+        unit = recording.columns(moving.model if order == 1 else model.above(moving), loads, order=order)
     if loads:
         motion = np.einsum("rpl,rl->rp", unit, amounts)
     if order == 1:
         sought = base.space.planes
         for i in free[(free >= base.unbalance.start) & (free < base.unbalance.stop)]:
             plane, part = divmod(int(i) - base.unbalance.start, 2)
-            k = problem.planes.index(sought[plane])
+            k = model.planes.index(sought[plane])
             column = unit[..., 2 * k + part] if moving.halved else unit[..., k] * (1j if part else 1)
-            found[..., np.searchsorted(free, i)] = problem.probes.linear(p, column)
-        if problem.parameters.keyphasor in free:
-            turned = np.stack([1j * trial for trial in problem.trials(recording, p).values()], axis=-1)
+            found[..., np.searchsorted(free, i)] = model.probes.linear(p, column)
+        if model.parameters.keyphasor in free:
+            turned = np.stack([1j * trial for trial in model.trials(recording, p).values()], axis=-1)
             turned = halved_amounts(turned) if moving.halved else turned
             d = np.einsum("rpl,rl->rp", unit[..., : len(planes)], turned)
-            found[..., np.searchsorted(free, problem.parameters.keyphasor)] = problem.probes.linear(p, d)
-    _by_loads(problem, recording, p, free, moving, order, found)
+            found[..., np.searchsorted(free, model.parameters.keyphasor)] = model.probes.linear(p, d)
+    _by_loads(model, recording, p, free, moving, order, found)
     return motion
 
 
-def _structural(problem: ExtendedProblem, p: Reals, free: Index) -> Index:
+def _structural(model: ExtendedModel, p: Reals, free: Index) -> Index:
     """Return the unknowns that change matrices: of the base, and of effects."""
-    names = problem.parameters
+    names = model.parameters
     own = [
         i
-        for effect, part in zip(problem.effects, names.theta, strict=True)
+        for effect, part in zip(model.effects, names.theta, strict=True)
         if by_matrices(effect)
         for i in range(part.start, part.stop)
-        if i in free and not problem.resized(p, i)
+        if i in free and not model.resized(p, i)
     ]
     return free[(free < names.base.structural.stop) | np.isin(free, own)]
 
 
 def _by_loads(
-    problem: ExtendedProblem, recording: Recording, p: Reals, free: Index, moving: Moving, order: int, found: Complex
+    model: ExtendedModel, recording: Recording, p: Reals, free: Index, moving: Moving, order: int, found: Complex
 ) -> None:
     """Fill in the columns by the loads of linear effects; those of effects on the probes too are differences."""
-    names = problem.parameters
+    names = model.parameters
     mine = [
         i
-        for effect, part in zip(problem.effects, names.theta, strict=True)
+        for effect, part in zip(model.effects, names.theta, strict=True)
         if effect.linear and "probes" not in effect.acts_on
         for i in range(part.start, part.stop)
         if i in free
     ]
     if not mine:
         return
-    units = problem.units.of(recording, p, moving.model, order)
+    units = model.units.of(recording, p, moving.model, order)
     for i in mine:
-        found[..., np.searchsorted(free, i)] += problem.probes.linear(p, units[..., i - names.own.start])
+        found[..., np.searchsorted(free, i)] += model.probes.linear(p, units[..., i - names.own.start])
 
 
-def _by_probes(problem: ExtendedProblem, p: Reals, motion: Complex, hum: Complex, free: Index, found: Complex) -> None:
+def _by_probes(model: ExtendedModel, p: Reals, motion: Complex, hum: Complex, free: Index, found: Complex) -> None:
     """Fill in the columns by gain and angle error; the hum is common to all probes, (row + 1, 1)."""
-    base = problem.parameters.base
-    gain, cos, sin = problem.probes.figures(p)
+    base = model.parameters.base
+    gain, cos, sin = model.probes.figures(p)
     n = len(gain)
     along, across = motion[:, :n], motion[:, n:]
     for part, d in (
@@ -220,16 +212,16 @@ def _by_probes(problem: ExtendedProblem, p: Reals, motion: Complex, hum: Complex
             found[:, k, np.searchsorted(free, i)] = d[:, k]
 
 
-def _by_runout(problem: ExtendedProblem, free: Index, order: int, found: Complex) -> None:
-    part = problem.parameters.runouts[order]
+def _by_runout(model: ExtendedModel, free: Index, order: int, found: Complex) -> None:
+    part = model.parameters.runouts[order]
     for i in free[(free >= part.start) & (free < part.stop)]:
         probe, imaginary = divmod(int(i) - part.start, 2)
         found[:, probe, np.searchsorted(free, i)] = 1j if imaginary else 1.0
 
 
-def _by_hum(problem: ExtendedProblem, recording: Recording, p: Reals, free: Index, order: int, found: Complex) -> None:
-    part = problem.parameters.hums
-    gain = problem.probes.figures(p)[0]
+def _by_hum(model: ExtendedModel, recording: Recording, p: Reals, free: Index, order: int, found: Complex) -> None:
+    part = model.parameters.hums
+    gain = model.probes.figures(p)[0]
     own = part.start + 2 * len(MAINS) * recording.number
     for i in free[(free >= own) & (free < own + 2 * len(MAINS))]:
         frequency, imaginary = divmod(int(i) - own, 2)
@@ -237,8 +229,8 @@ def _by_hum(problem: ExtendedProblem, recording: Recording, p: Reals, free: Inde
         found[..., np.searchsorted(free, i)] = leak[:, None] * gain
 
 
-def _by_curvature(problem: ExtendedProblem, first: Complex, free: Index, order: int, found: Complex) -> None:
-    names = problem.parameters
+def _by_curvature(model: ExtendedModel, first: Complex, free: Index, order: int, found: Complex) -> None:
+    names = model.parameters
     for part, unit in ((names.odd, (1.0, 0.0)), (names.even, (0.0, 1.0))):
         if not np.any((free >= part.start) & (free < part.stop)):
             continue
@@ -249,19 +241,19 @@ def _by_curvature(problem: ExtendedProblem, first: Complex, free: Index, order: 
 
 
 def _through_effects(
-    problem: ExtendedProblem, recording: Recording, p: Reals, z: Complex, free: Index, order: int, found: Complex
+    model: ExtendedModel, recording: Recording, p: Reals, z: Complex, free: Index, order: int, found: Complex
 ) -> None:
     """Take columns of what the probes read through the effects behind them; fill in those by these effects."""
-    names = problem.parameters
-    before = problem.probes.through_effects(recording, p, z, order=order)
+    names = model.parameters
+    before = model.probes.through_effects(recording, p, z, order=order)
     for k in range(found.shape[-1]):
         if found[..., k].any():  # what an effect does there is linear in the vectors, but for a constant
-            found[..., k] = problem.probes.through_effects(recording, p, z + found[..., k], order=order) - before
-    for effect, part in zip(problem.effects, names.theta, strict=True):
+            found[..., k] = model.probes.through_effects(recording, p, z + found[..., k], order=order) - before
+    for effect, part in zip(model.effects, names.theta, strict=True):
         if not on_probes_alone(effect) or effect.recording not in (None, recording.number):
             continue
         for i in free[(free >= part.start) & (free < part.stop)]:
             moved = p.copy()
             moved[i] += STEP
-            there = problem.probes.through_effects(recording, moved, z, order=order)
+            there = model.probes.through_effects(recording, moved, z, order=order)
             found[..., np.searchsorted(free, i)] = (there - before) / STEP

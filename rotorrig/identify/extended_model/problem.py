@@ -1,102 +1,40 @@
 """The least-squares problem of one or more recordings of a rig, its model extended by effects.
 
-What base_model.Problem is for one recording at 1X, with the same unknowns first. Columns by the rotor's own parameters
-are exact; so are those by an effect's matrices and by loads that are linear, others are differences. Under a force law
-the motion is not linear in anything: its columns come from the march, force_law_jacobian.py.
+What polish.Problem is for one recording at 1X, with the same unknowns first. Columns by the rotor's own parameters are
+exact; so are those by an effect's matrices and by loads that are linear, others are differences. Under a force law the
+motion is not linear in anything: its columns come from the march, force_law_jacobian.py.
 """
 
-import copy
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rotorrig.identify.base_model import Reals, StructuralModel
-from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts, halved_loads
-from rotorrig.identify.extended_model.jacobian import MARCHED, columns
-from rotorrig.identify.extended_model.measuring_chain import ProbeSide
-from rotorrig.identify.extended_model.parameters import ExtendedParameters
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.extended_model.jacobian import columns
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.tracked_recording import ORDERS, Recording
-from rotorrig.identify.extended_model.unit_responses import UnitResponses
 from rotorrig.identify.least_squares import NONE_FIXED, TOLERANCE, Index, Solution, Stop, Worth, always, solve
-from rotorrig.sims.effects import Effect, Theta
-from rotorrig.sims.rotor.model import Direction, Load, RotorModel, between, unbalance_pattern
-
-Complex = NDArray[np.complex128]
-
-STEP = 1e-5  # of an effect's size: its matrices
-RECENT = 4  # rotors kept: the next question is often about the same one
-Models = dict[tuple[tuple[str, float], ...], StructuralModel]
-Recent = dict[Hashable, RotorModel]
+from rotorrig.sims.effects import Effect
 
 
 class ExtendedProblem:
     """Residuals of all recordings and priors over the vector of ExtendedParameters."""
 
-    def __init__(
-        self,
-        recordings: Sequence[Recording],
-        effects: Sequence[Effect] = (),
-        *,
-        models: Models | None = None,
-        recent: Recent | None = None,
-        count: int = 0,
-        exact: bool = False,
-    ) -> None:
-        """Set up; `models` keeps the reduced rotors that several problems of one rig share, `recent` those of vectors.
-
-        `count` is how many recordings there are in all, if more than these; `exact` as of UnitResponses.
-        """
-        first = recordings[0].response
-        self.recordings = tuple(recordings)
-        self.effects = tuple(effects)
-        orders = recordings[0].orders
-        self._count = max(count, 1 + max(r.number for r in recordings))
-        self.parameters = ExtendedParameters(
-            recordings[0].rig, first.probes, orders=orders, recordings=self._count, effects=effects
-        )
-        self.probes = ProbeSide(self.parameters)
-        self.units = UnitResponses(self.parameters, self.effects, exact=exact)
-        self._marched: dict[tuple[Hashable, ...], dict[int, Complex]] = {}  # motions under force laws, the latest
-        self._above: RotorModel | None = None  # the rotor at the start of a fit, for what laws do above 1X
-        self._resizes: dict[tuple[int, bytes], bool] = {}
-        self._directions: tuple[tuple[bytes, bytes], list[Direction]] = ((b"", b""), [])  # the latest
-        base = self.parameters.base
-        trial = dict.fromkeys(disk for r in recordings for disk in r.trial)
-        self.planes = tuple(dict.fromkeys((*base.space.planes, *trial)))
-        self.models = {} if models is None else models
-        self._recent = {} if recent is None else recent
-        self._rotor = self._with_places({name: z for effect in effects for name, z in effect.places.items()})
+    def __init__(self, model: ExtendedModel) -> None:
+        """Set up to fit `model` to its recordings."""
+        self.model = model
+        self.recordings = model.recordings
+        self.effects = model.effects
+        self.parameters = model.parameters
 
     def on(self, recordings: Sequence[Recording]) -> "ExtendedProblem":
         """Return the same problem of other recordings or rows."""
-        return self._of(recordings, self.effects)
-
-    def seeing(self, places: Mapping[str, float]) -> "ExtendedProblem":
-        """Return the same problem with a rotor that has these places [m] too."""
-        other = copy.copy(self)
-        own = {name: z for effect in self.effects for name, z in effect.places.items()}
-        other._rotor = self._with_places({**own, **places})
-        return other
-
-    def _with_places(self, places: Mapping[str, float]) -> StructuralModel:
-        """Return the reduced rotor with those places, made at most once."""
-        key = tuple(sorted(places.items()))
-        if key not in self.models:
-            first, base = self.recordings[0], self.parameters.base
-            self.models[key] = StructuralModel(
-                first.rig, first.response.probes, groups=base.space.groups, others=base.others, places=places
-            )
-        return self.models[key]
+        return ExtendedProblem(self.model.on(recordings))
 
     def extended(self, effects: Sequence[Effect]) -> "ExtendedProblem":
         """Return the problem of the same recordings with these effects instead."""
-        return self._of(self.recordings, effects)
-
-    def _of(self, recordings: Sequence[Recording], effects: Sequence[Effect]) -> "ExtendedProblem":
-        models, recent, exact = self.models, self._recent, self.units.exact
-        return ExtendedProblem(recordings, effects, models=models, recent=recent, count=self._count, exact=exact)
+        return ExtendedProblem(self.model.extended(effects))
 
     @property
     def curved(self) -> bool:
@@ -128,206 +66,37 @@ class ExtendedProblem:
         force laws once more those of the rotor at the end.
         """
         fixed = {**self.parameters.frozen, **fixed}
-        laws = self._hold(start)
+        laws = self.model.hold_above(start)
         refine = partial(solve, self, fixed=fixed, tolerance=tolerance, max_steps=max_steps, worth=worth, damped=laws)
         found = refine(start)
-        if (laws or self.units.seen) and not self.units.exact and found.stop is not Stop.GIVEN_UP:
+        if (laws or self.model.units.seen) and not self.model.units.exact and found.stop is not Stop.GIVEN_UP:
             before = self.residual(found.p)
-            self._hold(found.p)
+            self.model.hold_above(found.p)
             if np.sum((self.residual(found.p) - before) ** 2) > tolerance:
-                self.units.exact = not laws
+                self.model.units.exact = not laws
                 found = refine(found.p)
         return found
-
-    def _hold(self, p: Reals) -> bool:
-        """Take responses above 1X from here on as those of the rotor of `p`; say whether it is under force laws."""
-        moving = self.moving(p)
-        self.units.release()
-        self._marched = {}
-        self._above = moving.model if moving.laws else None
-        return bool(moving.laws)
 
     def residual(self, p: Reals, *, orders: Sequence[int] = ORDERS) -> Reals:
         """Return whitened residuals, model less measured, then the priors' [sigma]; 0 at orders not asked for."""
         parts = []
-        for recording, predicted in zip(self.recordings, self.predict(p, orders=orders), strict=True):
+        for recording, predicted in zip(self.recordings, self.model.predict(p, orders=orders), strict=True):
             for order, measured in recording.measured.items():
                 z = predicted.get(order, measured.z)
                 parts.append(measured.sigmas(z - measured.z).ravel())
         return np.concatenate([*parts, self.parameters.prior_residual(p)])
 
-    def predict(self, p: Reals, *, orders: Sequence[int] = ORDERS) -> list[dict[int, Complex]]:
-        """Return vectors as they should have been measured, per recording: order -> (row + 1, probe) [m]."""
-        moving = self.moving(p)
-        return [
-            self.probes.seen(recording, p, self.motions(recording, p, moving, orders=orders))
-            for recording in self.recordings
-        ]
-
     def jacobian(self, p: Reals, free: Index | None = None) -> Reals:
         """Return d residual / d p, (figure + prior, parameter), or its columns `free` alone."""
         free = np.arange(len(p)) if free is None else free
-        data = columns(self, p, free)
+        data = columns(self.model, p, free)
         return np.concatenate([data, self.parameters.prior_jacobian()[:, free]])
 
     def solve_linear(self, p: Reals, free: Index) -> Reals:
         """Return `p` with unbalance, runout, hum and the amounts of linear effects among `free` at their best."""
-        linear = np.intersect1d(free, self.linear())
+        linear = np.intersect1d(free, self.model.linear())
         J = self.jacobian(p, linear)
         out = p.copy()
         low, high = self.bounds
         out[linear] -= np.linalg.lstsq(J, self.residual(p), rcond=None)[0]
         return np.clip(out, low, high)
-
-    def linear(self) -> Index:
-        """Return the parameters in which everything is linear."""
-        names = self.parameters
-        found = [np.arange(part.start, part.stop) for part in (*names.runouts.values(), names.hums)]
-        if not any(effect.laws(self._rotor.nominal, effect.at_nothing) for effect in self.effects):
-            found.append(np.arange(names.base.unbalance.start, names.base.unbalance.stop))
-            found += [
-                np.arange(part.start, part.stop)
-                for effect, part in zip(self.effects, names.theta, strict=True)
-                if effect.linear and "matrices" not in effect.acts_on
-            ]
-        return np.concatenate(found)
-
-    def moving(self, p: Reals) -> Moving:
-        """Return the rotor of `p` and what moves it."""
-        thetas = [self.parameters.of_effect(p, i) for i in range(len(self.effects))]
-        model = self._model(p, thetas)
-        each = list(zip(self.effects, thetas, strict=True))
-        planes = tuple(Load(pattern=unbalance_pattern(model, {name: 1.0}), law="unbalance") for name in self.planes)
-        return Moving(
-            model=model,
-            planes=planes if model.added.T is None else halved_loads(planes),
-            effects=tuple((effect.recording, load) for effect, theta in each for load in effect.loads(model, theta)),
-            laws=tuple(law for effect, theta in each for law in effect.laws(model, theta)),
-        )
-
-    def model(self, p: Reals) -> RotorModel:
-        """Return the rotor of `p`."""
-        return self._model(p, [self.parameters.of_effect(p, i) for i in range(len(self.effects))])
-
-    def _model(self, p: Reals, thetas: Sequence[Theta]) -> RotorModel:
-        """Return the rotor of `p`, the same object as long as what it depends on is the same."""
-        base = self.parameters.base
-        changes = [
-            (effect, theta) for effect, theta in zip(self.effects, thetas, strict=True) if "matrices" in effect.acts_on
-        ]
-        figures = tuple((effect.label, *theta.values()) for effect, theta in changes)
-        key = (self._rotor, p[base.structural].tobytes(), figures)
-        if key not in self._recent:
-            model = self._rotor(base.structure(p[: len(base)]))
-            for effect, theta in changes:
-                model = effect.changed(model, theta)
-            self._recent[key] = model
-            for old in list(self._recent)[:-RECENT]:
-                del self._recent[old]
-        return self._recent[key]
-
-    def resized(self, p: Reals, i: int) -> bool:
-        """Say whether a step of unknown `i` changes the number of coordinates, as at a pedestal of no lightness."""
-        key = (i, (p[self.parameters.own] == 0).tobytes())
-        if key not in self._resizes:
-            moved = p.copy()
-            moved[i] += STEP
-            self._resizes[key] = self.model(moved).dof != self.model(p).dof
-        return self._resizes[key]
-
-    def directions(self, p: Reals, model: RotorModel, which: Index) -> list[Direction]:
-        """Return the derivatives of the matrices of `model` by `which`: structure of the base, matrices of effects.
-
-        Those by structure are differences too where an effect may scale what the structure is of.
-        """
-        key = (p.tobytes(), which.tobytes())
-        if self._directions[0] != key:  # every recording asks, at every order
-            self._directions = key, self._directed(p, model, which)
-        return self._directions[1]
-
-    def _directed(self, p: Reals, model: RotorModel, which: Index) -> list[Direction]:
-        base = self.parameters.base
-        values, by = base.structure(p[: len(base)]), base.structure_derivatives(p[: len(base)])
-        plain = not any("matrices" in e.acts_on and not e.slight for e in self.effects)
-        found = []
-        for i in which:
-            if i < base.structural.stop and plain:
-                found.append(self._rotor.direction(model, values, by[i]))
-                continue
-            moved = p.copy()
-            moved[i] += STEP
-            found.append(between(model, self.model(moved), STEP))
-        return found
-
-    def amounts(self, recording: Recording, p: Reals, *, halved: bool = False) -> Complex:
-        """Return the unbalance on every plane, trial masses included, (row + 1, plane) kg m, or its real halves."""
-        sought = self.parameters.base.amounts(p[: len(self.parameters.base)])
-        whole = np.stack([sought.get(plane, 0) + trial for plane, trial in self.trials(recording, p).items()], axis=-1)
-        return halved_amounts(whole) if halved else whole
-
-    def trials(self, recording: Recording, p: Reals) -> dict[str, Complex]:
-        """Return the trial masses of every plane, (row + 1,) kg m, turned by the error of the keyphasor's mark."""
-        turned = np.exp(1j * p[self.parameters.keyphasor])
-        nothing = np.zeros(len(recording.rows) + 1, complex)
-        return {plane: turned * recording.trial.get(plane, nothing) for plane in self.planes}
-
-    def motion_of(self, recording: Recording, p: Reals, moving: Moving, *, order: int) -> Complex:
-        """Return the motion along and across every probe, (row + 1, 2 probe), without force laws."""
-        if order > 1 and self.linear_at(order):
-            return self.units.of(recording, p, moving.model, order) @ p[self.parameters.own]
-        mine = moving.loads(recording, order)
-        if order != 1:
-            return recording.columns(self.above(moving), mine, order=order).sum(axis=-1)
-        units = recording.columns(moving.model, [*moving.planes, *mine], order=1)
-        planes = len(moving.planes)
-        amounts = self.amounts(recording, p, halved=moving.halved)
-        z = np.einsum("rpl,rl->rp", units[..., :planes], amounts)
-        return z + units[..., planes:].sum(axis=-1)
-
-    def above(self, moving: Moving) -> RotorModel:
-        """Return the rotor for responses above 1X: under force laws that of the start of a fit, its passing known."""
-        return moving.model if self._above is None or not moving.laws else self._above
-
-    def linear_at(self, order: int) -> bool:
-        """Say whether the effects that could push at that order are all linear."""
-        return all(e.linear for e in self.effects if order in e.orders and "loads" in e.acts_on)
-
-    def motions(
-        self, recording: Recording, p: Reals, moving: Moving, *, orders: Sequence[int] = ORDERS
-    ) -> dict[int, Complex]:
-        """Return the motion along and across every probe, order -> (row + 1, 2 probe)."""
-        wanted = [order for order in recording.orders if order in orders]
-        if not moving.laws:
-            return {order: self.motion_of(recording, p, moving, order=order) for order in wanted}
-        return self._lawful(recording, p, moving, wanted)
-
-    def _lawful(self, recording: Recording, p: Reals, moving: Moving, wanted: Sequence[int]) -> dict[int, Complex]:
-        """Return the motion under force laws, the last few kept: most unknowns of a fit do not change it."""
-        names = self.parameters
-        moves = (*p[names.base.structural], *p[names.base.unbalance], p[names.keyphasor], *p[names.own])
-        key = (recording.number, tuple(wanted), moves)
-        if key not in self._marched:
-            self._marched[key] = self._marched_anew(recording, p, moving, wanted)
-            for old in list(self._marched)[: -RECENT * len(self.recordings)]:
-                del self._marched[old]
-        return self._marched[key]
-
-    def _marched_anew(
-        self, recording: Recording, p: Reals, moving: Moving, wanted: Sequence[int]
-    ) -> dict[int, Complex]:
-        """Return that; one march for every set of trial masses there is in the recording."""
-        first = moving.loads(recording, 1)
-        loads = [*moving.planes, *first]
-        each = self.amounts(recording, p, halved=moving.halved)
-        sets, which = np.unique(each, axis=0, return_inverse=True)
-        marched = [order for order in wanted if order <= MARCHED]
-        found = {order: np.zeros((len(each), len(moving.model.probes)), complex) for order in wanted}
-        for i, amounts in enumerate(sets):
-            amounts = np.append(amounts, np.ones(len(first)))
-            z = recording.with_laws(moving.model, loads, amounts, moving.laws, orders=marched, above=self._above)
-            for order, part in z.items():
-                found[order][which.ravel() == i] = part[which.ravel() == i]
-        for order in wanted:
-            if order > 1:
-                found[order] += self.motion_of(recording, p, moving, order=order)
-        return found

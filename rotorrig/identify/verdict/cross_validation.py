@@ -43,13 +43,13 @@ def held_out(problem: ExtendedProblem, p: Reals) -> Prediction:
     has to do.
     """
     J, r = problem.jacobian(p), problem.residual(p)
-    steps = 1 if problem.moving(p).laws else _STEPS
+    steps = 1 if problem.model.moving(p).laws else _STEPS
     parts = []
     for shown, hidden in _halves(problem.recordings):
         of_shown = problem.on(shown)
         counted = _counted(of_shown)
         fit = _refitted(of_shown, p, counted * r, counted[:, None] * J, steps=steps)
-        parts.append(errors(problem.on(hidden), of_shown.predict(fit)))
+        parts.append(errors(problem.on(hidden), of_shown.model.predict(fit)))
     return summed(parts)
 
 
@@ -92,7 +92,7 @@ def _counted(problem: ExtendedProblem) -> Reals:
 
 def predicted(problem: ExtendedProblem, p: Reals) -> Prediction:
     """Return how well the model at `p` predicts the recordings of `problem`, nothing fitted."""
-    return summed([errors(problem, problem.predict(p))])
+    return summed([errors(problem, problem.model.predict(p))])
 
 
 def errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]]) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ cheapest that tells all of them from the best is proposed, or the one that comes
 from typing import Any
 
 from rotorrig.identify.causes import Candidate, Selection
-from rotorrig.identify.extended_model import ExtendedProblem
+from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem
 from rotorrig.identify.verdict.planned_runs import Plan, plans, recorded
 from rotorrig.identify.verdict.separability import NAMEABLE, separation
 from rotorrig.identify.verdict.verdict import tied_candidates
@@ -40,7 +40,7 @@ def cheapest(selection: Selection) -> dict[str, Any]:
 def _separated(best: Candidate, rival: Candidate, plan: Plan) -> float:
     """Return lambda of a rival in the recordings of a plan; none where nobody knows what these would show."""
     recordings = recorded(best.problem.recordings[0].response, plan)
-    truth = ExtendedProblem(recordings, (*plan.unknown, *best.problem.effects))
+    truth = ExtendedProblem(ExtendedModel(recordings, (*plan.unknown, *best.problem.effects)))
     named = dict(zip(best.problem.parameters.names, best.polished.p, strict=True))
     p = truth.parameters.start(best.polished.p[:0])
     for i, name in enumerate(truth.parameters.names):

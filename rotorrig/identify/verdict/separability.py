@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.extended_model import ExtendedProblem
+from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem
 from rotorrig.identify.least_squares import Solution, Worth, always
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect
@@ -31,8 +31,8 @@ def separation(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect], *, eno
 
     A fit that could not come below `enough` is given up: what is returned is then some figure above it.
     """
-    recordings = [r.instead(z) for r, z in zip(truth.recordings, truth.predict(p), strict=True)]
-    problem = ExtendedProblem(recordings, rival, models=truth.models)
+    recordings = [r.instead(z) for r, z in zip(truth.recordings, truth.model.predict(p), strict=True)]
+    problem = ExtendedProblem(ExtendedModel(recordings, rival, models=truth.model.models))
     own = truth.parameters.prior_residual(p)
     floor = float(own @ own)
     hoped = HOPED_OF_LAWS if problem.curved or truth.curved else HOPED

@@ -65,7 +65,7 @@ def lag(still: Assessed, swept: Assessed) -> Lag:
     The two problems have the same unknowns, so the steady one can be asked for the rotor that the swept one found.
     """
     p = swept.polished.p
-    each = zip(swept.problem.recordings, still.problem.predict(p), swept.problem.predict(p), strict=True)
+    each = zip(swept.problem.recordings, still.problem.model.predict(p), swept.problem.model.predict(p), strict=True)
     return max(
         (
             _lag(recording.response, recording.rows, steady[1][:-1], passing[1][:-1])

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.causes.force_law_starts import held_scores
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit, held_nuisances
 from rotorrig.identify.causes.score_test import Score
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.least_squares.solve import Solution
@@ -24,12 +25,12 @@ def passed(rig: RigConfig) -> OrderTrackedResponse:
 def under(response: OrderTrackedResponse, hidden: NDArray[np.float64], label: str, **theta: float) -> ExtendedProblem:
     """Return the base problem of what the probes would show under a force law."""
     effect = find(response.rig, label)
-    lawful = ExtendedProblem([Recording(response)], [effect])
+    lawful = ExtendedProblem(ExtendedModel([Recording(response)], [effect]))
     p = lawful.parameters.start(hidden)
     values = effect.at_nothing | theta
     p[lawful.parameters.own] = [values[q.name] / q.size for q in effect.parameters]
-    (predicted,) = lawful.predict(p)
-    return ExtendedProblem([lawful.recordings[0].instead(predicted)])
+    (predicted,) = lawful.model.predict(p)
+    return ExtendedProblem(ExtendedModel([lawful.recordings[0].instead(predicted)]))
 
 
 def raced(problem: ExtendedProblem, hidden: NDArray[np.float64], *labels: str) -> tuple[Solution, list[Score]]:
@@ -87,8 +88,8 @@ def test_a_law_far_behind_the_best_is_not_fitted_to_the_end(
 def test_what_is_solved_for_in_every_step_is_not_held(
     passed: OrderTrackedResponse, hidden: NDArray[np.float64]
 ) -> None:
-    names = ExtendedProblem([Recording(passed)]).parameters
-    held = {names.names[i] for i in held_nuisances(ExtendedProblem([Recording(passed)]))}
+    names = ExtendedProblem(ExtendedModel([Recording(passed)])).parameters
+    held = {names.names[i] for i in held_nuisances(ExtendedProblem(ExtendedModel([Recording(passed)])))}
     assert any(name.startswith("gain") for name in held)
     assert not any(name.startswith(("runout", "hum", "kxx", "unbalance")) for name in held)
 

@@ -6,6 +6,7 @@ import pytest
 from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.causes.score_jacobian import score_columns
 from rotorrig.identify.causes.score_test import curved_scores, scores
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -30,7 +31,7 @@ def test_a_score_is_how_far_chi2_falls_when_the_effect_is_fitted(
     effect = find(rig, label)
     little = {q.name: 0.1 * q.size for q in effect.parameters}
     response = swept_response(rig, rng=np.random.default_rng(4), hidden=[(effect, little)], **FAST)
-    problem = ExtendedProblem([Recording(response)])
+    problem = ExtendedProblem(ExtendedModel([Recording(response)]))
     base = fitted(problem, hidden)
     (score,) = scores(problem, base.p, [effect])
     larger = problem.extended([effect])
@@ -42,7 +43,7 @@ def test_the_hidden_effect_scores_best(rig: RigConfig, hidden: np.ndarray) -> No
     effect = find(rig, "skew_stiffness")
     theta = {q.name: 0.3 * q.size for q in effect.parameters}
     response = swept_response(rig, rng=np.random.default_rng(5), hidden=[(effect, theta)], **FAST)
-    problem = ExtendedProblem([Recording(response)])
+    problem = ExtendedProblem(ExtendedModel([Recording(response)]))
     base = fitted(problem, hidden)
     found = scores(problem, base.p, candidates(problem.recordings))
     assert found[0].effect.name == "skew_stiffness"
@@ -51,7 +52,7 @@ def test_the_hidden_effect_scores_best(rig: RigConfig, hidden: np.ndarray) -> No
 
 def test_what_the_base_can_follow_scores_nothing(rig: RigConfig, hidden: np.ndarray) -> None:
     response = swept_response(rig, rng=np.random.default_rng(6), **FAST)
-    problem = ExtendedProblem([Recording(response)], [find(rig, "bow")])
+    problem = ExtendedProblem(ExtendedModel([Recording(response)], [find(rig, "bow")]))
     base = fitted(problem, hidden)
     (score,) = scores(problem, base.p, [find(rig, "bow")])
     assert score.lam == pytest.approx(0.0, abs=1e-3)
@@ -63,7 +64,7 @@ def test_what_shows_grows_with_the_noise_it_is_seen_through(rig: RigConfig, hidd
     visible = []
     for ramp in (400.0, 200.0):
         response = swept_response(rig, speeds=FAST["speeds"], ramp=ramp)
-        problem = ExtendedProblem([Recording(response)])
+        problem = ExtendedProblem(ExtendedModel([Recording(response)]))
         (score,) = scores(problem, fitted(problem, hidden).p, [find(rig, "unbalance_plane, at 160 mm")])
         assert score.lam < 0.1
         visible.append(score.visible)
@@ -73,7 +74,7 @@ def test_what_shows_grows_with_the_noise_it_is_seen_through(rig: RigConfig, hidd
 def test_the_columns_of_all_candidates_at_once_are_those_of_each_alone(rig: RigConfig, hidden: np.ndarray) -> None:
     """What one sweep for all finds, the jacobian of a problem with that effect alone finds too."""
     recording = Recording(swept_response(rig, orders=(1, 2, 3), speeds=(900, 2600), ramp=600))
-    problem = ExtendedProblem([recording])
+    problem = ExtendedProblem(ExtendedModel([recording]))
     p = problem.parameters.start(hidden)
     labels = ["bow", "coupling", "delay, probe 1x", "stiffness_over_speed", "shaft_asymmetry"]
     effects = [find(rig, label) for label in labels]
@@ -87,13 +88,15 @@ def test_the_columns_of_all_candidates_at_once_are_those_of_each_alone(rig: RigC
 
 def test_an_effect_without_a_first_order_is_begun_at_its_best_start(rig: RigConfig, hidden: np.ndarray) -> None:
     effect = find(rig, "cubic_spring")
-    problem = ExtendedProblem([Recording(swept_response(rig, orders=(1,), speeds=(900, 2600), ramp=600))])
+    problem = ExtendedProblem(
+        ExtendedModel([Recording(swept_response(rig, orders=(1,), speeds=(900, 2600), ramp=600))])
+    )
     softening = problem.extended([effect])
     p = softening.parameters.start(hidden)
     (q,) = effect.parameters
     p[-1] = q.starts[1] / q.size
-    (predicted,) = softening.predict(p)
-    there = ExtendedProblem([problem.recordings[0].instead(predicted)])
+    (predicted,) = softening.model.predict(p)
+    there = ExtendedProblem(ExtendedModel([problem.recordings[0].instead(predicted)]))
     (score,) = curved_scores(there, there.parameters.start(hidden), [effect])
     assert score.begin is not None
     assert score.begin[-1] * q.size == pytest.approx(q.starts[1])
@@ -106,12 +109,14 @@ def test_an_unknown_that_is_never_less_than_nothing_scores_only_what_more_of_it_
 ) -> None:
     loss = find(rig, "hysteresis")
     response = swept_response(rig, hidden=[(loss, {"eta": 0.01})], **FAST)
-    problem = ExtendedProblem([Recording(response)])
+    problem = ExtendedProblem(ExtendedModel([Recording(response)]))
     p = problem.parameters.start(hidden)
-    z = problem.predict(p)[0]
+    z = problem.model.predict(p)[0]
     lost = {order: measured.z - z[order] for order, measured in problem.recordings[0].measured.items()}
     for sign, explained in ((1, True), (-1, False)):
-        there = ExtendedProblem([problem.recordings[0].instead({n: z[n] + sign * d for n, d in lost.items()})])
+        there = ExtendedProblem(
+            ExtendedModel([problem.recordings[0].instead({n: z[n] + sign * d for n, d in lost.items()})])
+        )
         (score,) = scores(there, p, [loss])
         assert (score.lam > 0) == explained
         assert (score.step[0] > 0) == explained
@@ -124,7 +129,7 @@ def test_an_effect_with_several_beginnings_is_scored_once_where_it_suits_best(
     mouth = np.radians(97.0)
     hung = [(crack, {"softness": 1e-4, "mouth": mouth, "place": 0.3})]
     response = swept_response(rig, orders=(1, 2, 3), hidden=hung, speeds=(500.0, 1600.0), ramp=300.0)
-    problem = ExtendedProblem([Recording(response)])
+    problem = ExtendedProblem(ExtendedModel([Recording(response)]))
     (score,) = scores(problem, problem.parameters.start(hidden), [crack])
     assert score.effect.label == "crack"
     assert score.effect.at_nothing["mouth"] == pytest.approx(np.radians(90.0))

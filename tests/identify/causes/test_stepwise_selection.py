@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.causes.candidate_fit import NEAR, Candidate, plausible
 from rotorrig.identify.causes.selection_step import DETECTED, Stage, step
 from rotorrig.identify.causes.stepwise_selection import ENOUGH, MODEL_ERROR, Selection, _again, called_for, select
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.least_squares.levenberg_marquardt import Stop
@@ -35,7 +36,7 @@ Theta = dict[str, float]
 def selected(
     response: OrderTrackedResponse, hidden: NDArray[np.float64], labels: tuple[str, ...] = TRIED, *, wrong: bool = True
 ) -> Selection:
-    problem = ExtendedProblem([Recording(response)])
+    problem = ExtendedProblem(ExtendedModel([Recording(response)]))
     base = problem.solve(problem.parameters.start(hidden))
     return select(problem, base, [find(response.rig, label) for label in labels], wrong=wrong)
 
@@ -82,7 +83,7 @@ def test_parts_of_one_cause_are_replaced_by_the_whole(rig: RigConfig, hidden: ND
     whole = effect_of(rig, "probe_angle, plane 1", 2.0)
     response = swept_response(rig, rng=np.random.default_rng(12), hidden=[whole])
     parts = [find(rig, f"probe_angle, probe {name}") for name in ("1x", "1y")]
-    problem = ExtendedProblem([Recording(response)], parts)
+    problem = ExtendedProblem(ExtendedModel([Recording(response)], parts))
     polished = problem.solve(problem.parameters.start(hidden))
 
     def search(problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> Stage:
@@ -186,7 +187,7 @@ def test_nothing_to_try_selects_nothing(healthy: OrderTrackedResponse, hidden: N
 
 def test_progress_only_grows_within_each_cause(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
     response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "skew_stiffness")])
-    problem = ExtendedProblem([Recording(response)])
+    problem = ExtendedProblem(ExtendedModel([Recording(response)]))
     base = problem.solve(problem.parameters.start(hidden))
     told: dict[str, list[float]] = {}
     select(

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.causes.candidates import candidates
-from rotorrig.identify.extended_model.problem import ExtendedProblem, Models
+from rotorrig.identify.extended_model.model import ExtendedModel, Models
+from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import load
@@ -44,9 +45,9 @@ def typical(problem: ExtendedProblem, hidden: np.ndarray) -> np.ndarray:
 def test_the_jacobian_is_the_derivative_of_the_residual(
     kind: str, short: OrderTrackedResponse, hidden: np.ndarray, every: dict[str, Effect]
 ) -> None:
-    problem = ExtendedProblem([Recording(short)], [every[kind]], models=MODELS)
+    problem = ExtendedProblem(ExtendedModel([Recording(short)], [every[kind]], models=MODELS))
     names, p = problem.parameters, typical(problem, hidden)
-    follows_a_law = bool(problem.moving(p).laws)
+    follows_a_law = bool(problem.model.moving(p).laws)
     problem.residual(p)  # holds the rotor of the orders above 1X, as a solution does
     own = [i for i in range(names.own.start, len(p)) if i not in names.frozen]
     base = [names.names.index(name) for name in BASE]
@@ -62,13 +63,13 @@ def test_the_jacobian_is_the_derivative_of_the_residual(
 
 
 def test_a_hum_is_shown_by_the_gain_of_every_probe(short: OrderTrackedResponse, hidden: np.ndarray) -> None:
-    problem = ExtendedProblem([Recording(short)], models=MODELS)
+    problem = ExtendedProblem(ExtendedModel([Recording(short)], models=MODELS))
     names, p = problem.parameters, problem.parameters.start(hidden)
     p[names.hums.start] = 2e-6
     p[names.names.index("gain 2x")] = 0.1
     without = p.copy()
     without[names.hums] = 0.0
-    hum = {n: z - problem.predict(without)[0][n] for n, z in problem.predict(p)[0].items()}
+    hum = {n: z - problem.model.predict(without)[0][n] for n, z in problem.model.predict(p)[0].items()}
     assert np.abs(hum[2]).max() > 0.1e-6
     for z in hum.values():
         assert z[:, 2] == pytest.approx(1.1 * z[:, 0], abs=1e-15)
@@ -81,7 +82,9 @@ def test_a_hum_is_shown_by_the_gain_of_every_probe(short: OrderTrackedResponse, 
 def test_some_columns_are_those_of_the_whole(
     short: OrderTrackedResponse, hidden: np.ndarray, every: dict[str, Effect]
 ) -> None:
-    problem = ExtendedProblem([Recording(short)], [every["shaft_asymmetry"], every["delay"]], models=MODELS)
+    problem = ExtendedProblem(
+        ExtendedModel([Recording(short)], [every["shaft_asymmetry"], every["delay"]], models=MODELS)
+    )
     p = problem.parameters.start(hidden)
     p[problem.parameters.own] = 0.5
     some = np.array([1, 6, problem.parameters.keyphasor, len(p) - 3, len(p) - 1])

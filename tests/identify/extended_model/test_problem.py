@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.base_model.problem import Problem
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.parameters import KEYPHASOR
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -27,7 +28,7 @@ def at(problem: ExtendedProblem, hidden: np.ndarray, **theta: float) -> np.ndarr
 
 
 def test_without_effects_the_residual_at_1x_is_that_of_a_fit(bare: Recording, hidden: np.ndarray) -> None:
-    problem = ExtendedProblem([bare])
+    problem = ExtendedProblem(ExtendedModel([bare]))
     fit = Problem(bare.response, bare.measured[1])
     rng = np.random.default_rng(3)
     p = problem.parameters.start(hidden)
@@ -61,10 +62,10 @@ def test_a_recording_with_an_effect_is_predicted_by_the_model_with_it(
     effect = find(rig, label)
     theta = theta or {q.name: q.nothing + q.size for q in effect.parameters}
     response = swept_response(rig, hidden=[(effect, theta)], orders=(1, 2, 3), speeds=(900, 2600), ramp=600)
-    without, problem = (ExtendedProblem([Recording(response)], effects) for effects in ((), (effect,)))
+    without, problem = (ExtendedProblem(ExtendedModel([Recording(response)], effects)) for effects in ((), (effect,)))
     p = at(problem, hidden, **{name.replace(" ", "_"): value for name, value in theta.items()})
     assert np.sum(without.residual(at(without, hidden)) ** 2) > 25
-    (found,), (recording,) = problem.predict(p), problem.recordings
+    (found,), (recording,) = problem.model.predict(p), problem.recordings
     for order, measured in recording.measured.items():
         np.testing.assert_allclose(found[order], measured.z, rtol=0, atol=NEAR)
 
@@ -74,27 +75,27 @@ def test_a_trial_mass_turned_by_the_mark_is_another_trial_mass(rig: RigConfig, h
     made = {"orders": (1,), "speeds": (900, 2600), "ramp": 600}
     told = swept_response(rig, trial=8e-6, **made)
     given = Recording(swept_response(rig, trial=8e-6 * np.exp(1j * turn), **made))
-    problem = ExtendedProblem([Recording(told)])
+    problem = ExtendedProblem(ExtendedModel([Recording(told)]))
     p = at(problem, hidden)
     p[problem.parameters.names.index(KEYPHASOR)] = turn
-    np.testing.assert_allclose(problem.predict(p)[0][1], given.measured[1].z, atol=NEAR)
+    np.testing.assert_allclose(problem.model.predict(p)[0][1], given.measured[1].z, atol=NEAR)
 
 
 def test_an_effect_of_one_recording_leaves_the_others_alone(short: OrderTrackedResponse, hidden: np.ndarray) -> None:
     recordings = [Recording(short, number=i) for i in range(2)]
     step = find(short.rig, "unbalance_step")
     only = type(step)(plane="disk", parameters=step.parameters, recording=1)
-    problem = ExtendedProblem(recordings, [only])
+    problem = ExtendedProblem(ExtendedModel(recordings, [only]))
     p = problem.parameters.start(hidden)
     p[problem.parameters.own] = 1.0, 0.0, -1e6  # a size of step, long before
-    first, second = problem.predict(p)
-    base = ExtendedProblem(recordings)
-    np.testing.assert_allclose(first[1], base.predict(base.parameters.start(hidden))[0][1], rtol=1e-9, atol=1e-15)
+    first, second = problem.model.predict(p)
+    base = ExtendedProblem(ExtendedModel(recordings))
+    np.testing.assert_allclose(first[1], base.model.predict(base.parameters.start(hidden))[0][1], rtol=1e-9, atol=1e-15)
     assert np.abs(second[1] - first[1]).max() > 10 * SIGMA
 
 
 def test_the_best_amounts_leave_nothing_of_what_they_can_explain(bare: Recording, hidden: np.ndarray) -> None:
-    problem = ExtendedProblem([bare])
+    problem = ExtendedProblem(ExtendedModel([bare]))
     p = at(problem, hidden)
     p[problem.parameters.base.unbalance] = 0
     found = problem.solve_linear(p, np.arange(len(p)))
@@ -102,7 +103,7 @@ def test_the_best_amounts_leave_nothing_of_what_they_can_explain(bare: Recording
 
 
 def test_the_fit_of_a_quiet_recording_finds_what_made_it(bare: Recording, hidden: np.ndarray) -> None:
-    problem = ExtendedProblem([bare])
+    problem = ExtendedProblem(ExtendedModel([bare]))
     names = problem.parameters.base
     start = problem.parameters.start(hidden)
     start[names.sought] += 0.05
@@ -112,14 +113,14 @@ def test_the_fit_of_a_quiet_recording_finds_what_made_it(bare: Recording, hidden
 
 
 def test_what_is_held_stays_and_has_no_variance(bare: Recording, hidden: np.ndarray) -> None:
-    problem = ExtendedProblem([bare])
+    problem = ExtendedProblem(ExtendedModel([bare]))
     polished = problem.solve(problem.parameters.start(hidden), fixed={0: float(hidden[0]) + 0.1}, max_steps=3)
     assert polished.p[0] == hidden[0] + 0.1
     assert polished.sigma[0] == 0
 
 
 def test_the_size_counts_figures_and_priors(bare: Recording) -> None:
-    problem = ExtendedProblem([bare])
+    problem = ExtendedProblem(ExtendedModel([bare]))
     rows, probes = len(bare.rows) + 1, 4
     assert problem.size == 2 * rows * probes + len(problem.parameters.priors)
     assert len(problem.residual(problem.parameters.start(np.zeros(0)))) == problem.size
@@ -128,8 +129,8 @@ def test_the_size_counts_figures_and_priors(bare: Recording) -> None:
 def test_effects_that_are_linear_are_known_as_such(bare: Recording) -> None:
     def own(label: str) -> bool:
         effect: Effect = find(bare.response.rig, label)
-        problem = ExtendedProblem([bare], [effect])
-        return problem.parameters.own.start in problem.linear()
+        problem = ExtendedProblem(ExtendedModel([bare], [effect]))
+        return problem.parameters.own.start in problem.model.linear()
 
     assert own("bow")
     assert own("couple")
@@ -145,7 +146,7 @@ def test_an_effect_may_need_a_place_that_the_rig_does_not_name(rig: RigConfig, h
     rub = find(moved, "rub, at mid-span")
     assert rub.places
     recording = Recording(swept_response(moved, orders=(1,), speeds=(900, 2000), ramp=600))
-    base, problem = ExtendedProblem([recording]), ExtendedProblem([recording], [rub])
-    (far_off,) = problem.predict(at(problem, hidden, gap=1e-3, stiffness=1e5))
-    (without,) = base.predict(at(base, hidden))
+    base, problem = ExtendedProblem(ExtendedModel([recording])), ExtendedProblem(ExtendedModel([recording], [rub]))
+    (far_off,) = problem.model.predict(at(problem, hidden, gap=1e-3, stiffness=1e5))
+    (without,) = base.model.predict(at(base, hidden))
     np.testing.assert_allclose(far_off[1], without[1], rtol=0, atol=NEAR)

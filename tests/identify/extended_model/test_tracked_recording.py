@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse
@@ -38,11 +39,11 @@ def test_hidden_rows_have_no_say_in_the_residual(short: OrderTrackedResponse, hi
     for z in changed.values():
         z[:-1][~keep] += 1e-3
     before, after = (
-        ExtendedProblem([r.only(keep)]) for r in (recording, recording.instead(changed))
+        ExtendedProblem(ExtendedModel([r.only(keep)])) for r in (recording, recording.instead(changed))
     )  # the same but for rows that do not count
     p = before.parameters.start(hidden)
     np.testing.assert_array_equal(before.residual(p), after.residual(p))
-    assert before.size < ExtendedProblem([recording]).size
+    assert before.size < ExtendedProblem(ExtendedModel([recording])).size
 
 
 def test_vectors_given_instead_keep_the_noise_of_those_measured(short: OrderTrackedResponse) -> None:

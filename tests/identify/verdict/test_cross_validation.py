@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.cross_validation import BLOCK, BLOCKS, held_out, predicted
@@ -26,7 +27,7 @@ class Watched(ExtendedProblem):
 
 
 def watched(recordings: list[Recording]) -> Watched:
-    problem = Watched(recordings)
+    problem = Watched(ExtendedModel(recordings))
     problem.shown = []
     return problem
 
@@ -64,7 +65,7 @@ def test_neighbours_which_a_fit_could_copy_are_left_out_together(
 def test_the_right_model_predicts_a_healthy_rig_as_well_as_the_noise_allows(
     healthy: OrderTrackedResponse, hidden: np.ndarray
 ) -> None:
-    problem = ExtendedProblem([Recording(healthy)])
+    problem = ExtendedProblem(ExtendedModel([Recording(healthy)]))
     found = held_out(problem, problem.parameters.start(hidden))
     assert 0.9 * DRAWN * SIGMA * np.sqrt(2) < found.error < 1.2 * found.floor
 
@@ -72,7 +73,7 @@ def test_the_right_model_predicts_a_healthy_rig_as_well_as_the_noise_allows(
 def test_a_step_to_where_the_rotor_has_no_motion_is_not_taken(
     healthy: OrderTrackedResponse, hidden: np.ndarray, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    problem = ExtendedProblem([Recording(healthy)])
+    problem = ExtendedProblem(ExtendedModel([Recording(healthy)]))
     p = problem.parameters.start(hidden)
     fitted, not_fitted = held_out(problem, p).error, predicted(problem, p).error
     residual = ExtendedProblem.residual
@@ -89,10 +90,10 @@ def test_a_step_to_where_the_rotor_has_no_motion_is_not_taken(
 
 def test_the_error_of_a_known_offset_is_that_offset(rig: RigConfig, hidden: np.ndarray) -> None:
     recording = Recording(swept_response(rig))
-    problem = ExtendedProblem([recording])
+    problem = ExtendedProblem(ExtendedModel([recording]))
     p = problem.parameters.start(hidden)
     p[problem.parameters.base.unbalance] = U.real, U.imag
-    (exact,) = problem.predict(p)
+    (exact,) = problem.model.predict(p)
     moved = {n: z + 2e-6j for n, z in exact.items()}
     found = predicted(problem.on([recording.instead(moved)]), p)
     assert found.error == pytest.approx(2e-6)
@@ -107,7 +108,7 @@ def test_the_halves_are_fitted_as_well_as_if_carried_to_the_end(
     effect = find(rig, "skew_stiffness")
     theta = {q.name: 0.5 * q.size for q in effect.parameters}
     response = swept_response(rig, rng=np.random.default_rng(21), hidden=[(effect, theta)])
-    problem = ExtendedProblem([Recording(response)]).extended([effect] if known else [])
+    problem = ExtendedProblem(ExtendedModel([Recording(response)])).extended([effect] if known else [])
     fit = problem.solve(problem.parameters.start(hidden))
     recording = problem.recordings[0]
     block = np.arange(len(recording.rows)) // min(BLOCK, len(recording.rows) // BLOCKS)
@@ -126,7 +127,7 @@ def test_rows_that_are_not_usable_do_not_count(healthy: OrderTrackedResponse, hi
     z[10:20, 2] = np.nan
     z[30, 1] = 1e-2
     usable[10:20, 2] = usable[30, 1] = False
-    problem = ExtendedProblem([Recording(replace(healthy, z=z, usable=usable))])
+    problem = ExtendedProblem(ExtendedModel([Recording(replace(healthy, z=z, usable=usable))]))
     found = held_out(problem, problem.parameters.start(hidden))
     assert 0.9 * DRAWN * SIGMA * np.sqrt(2) < found.error < 1.2 * found.floor
 
@@ -138,7 +139,7 @@ def test_the_true_effect_predicts_better_than_none(rig: RigConfig, hidden: np.nd
     )
     errors = []
     for effects in ([], [effect]):
-        problem = ExtendedProblem([Recording(response)], effects)
+        problem = ExtendedProblem(ExtendedModel([Recording(response)], effects))
         fit = problem.solve(problem.parameters.start(hidden))
         errors.append(held_out(problem, fit.p).error)
     assert errors[1] < 0.7 * errors[0]

@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.causes.stepwise_selection import Selection, select
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.next_run import cheapest
@@ -30,7 +31,7 @@ def selected(
     more: Sequence[Recording] = (),
     nuisances: Sequence[Effect] = (),
 ) -> Selection:
-    problem = ExtendedProblem([Recording(response), *more], nuisances)
+    problem = ExtendedProblem(ExtendedModel([Recording(response), *more], nuisances))
     start = problem.parameters.start(np.zeros(0))
     start[problem.parameters.base.sought] = hidden[problem.parameters.base.sought]
     base = problem.solve(problem.solve_linear(start, np.arange(len(start))))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.separability import NAMEABLE, fitted, separation
@@ -23,7 +24,7 @@ def with_cause(
     fast: OrderTrackedResponse, hidden: np.ndarray, label: str, amount: float
 ) -> tuple[ExtendedProblem, np.ndarray]:
     """A problem with that effect, and its unknowns with the first of the effect at `amount` sizes."""
-    problem = ExtendedProblem([Recording(fast)], [find(fast.rig, label)])
+    problem = ExtendedProblem(ExtendedModel([Recording(fast)], [find(fast.rig, label)]))
     p = problem.parameters.start(hidden)
     p[problem.parameters.base.unbalance] = U.real, U.imag
     p[problem.parameters.own.start] += amount
@@ -73,13 +74,13 @@ def test_nothing_measured_has_a_say(rig: RigConfig, fast: OrderTrackedResponse, 
 def test_of_several_starts_the_best_is_taken(fast: OrderTrackedResponse, hidden: np.ndarray) -> None:
     """A pedestal's resonance is found from the start next to it."""
     pedestal = find(fast.rig, "pedestal, x")
-    problem = ExtendedProblem([Recording(fast)], [pedestal])
+    problem = ExtendedProblem(ExtendedModel([Recording(fast)], [pedestal]))
     p = problem.parameters.start(hidden)
     p[problem.parameters.base.unbalance] = U.real, U.imag
     sizes = [q.size for q in pedestal.parameters]
     p[problem.parameters.own] = np.array([0.1, 34 * 2 * np.pi, 0.03]) / sizes
-    (predicted,) = problem.predict(p)
-    there = ExtendedProblem([problem.recordings[0].instead(predicted)], [pedestal])
+    (predicted,) = problem.model.predict(p)
+    there = ExtendedProblem(ExtendedModel([problem.recordings[0].instead(predicted)], [pedestal]))
     found = fitted(there, there.parameters.start(hidden)[: there.parameters.own.start])
     assert found.p[-2] * sizes[1] == pytest.approx(34 * 2 * np.pi, rel=0.02)
 

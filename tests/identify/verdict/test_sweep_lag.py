@@ -34,7 +34,7 @@ def test_the_peak_is_late_by_the_ramp_times_the_group_delay(
 ) -> None:
     still, swept = fits
     found = lag(still, swept)
-    z = still.problem.predict(swept.polished.p)[0][1][:-1, slow.probes.index(found.probe)]
+    z = still.problem.model.predict(swept.polished.p)[0][1][:-1, slow.probes.index(found.probe)]
     up = np.flatnonzero(slow.run == 0)
     delay = -np.gradient(np.unwrap(np.angle(z[up])), slow.omega[up])
     expected = RAMP / RPM * delay[np.abs(z[up]).argmax()]

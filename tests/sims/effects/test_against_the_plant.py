@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from benchmarks.parts.blind.run import record
 from rotorrig.identify import joint_fit
-from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.settings import Tracking
@@ -46,9 +46,9 @@ def off(base: joint_fit.Assessed, fault: FaultSpec, label: str, theta: Mapping[s
     rig = base.problem.recordings[0].response.rig
     effect = find(rig, label)
     recording = measured(rig, fault)
-    problem = ExtendedProblem([recording], (*base.problem.effects, effect))
+    model = ExtendedModel([recording], (*base.problem.effects, effect))
     p = np.append(base.polished.p, [theta[q.name] / q.size for q in effect.parameters])
-    predicted, z = problem.predict(p, orders=(1,))[0][1], recording.measured[1].z  # NaN where nothing was measured
+    predicted, z = model.predict(p, orders=(1,))[0][1], recording.measured[1].z  # NaN where nothing was measured
     return np.nan_to_num(np.abs(predicted - z) / np.nanmax(np.abs(z)))
 
 
