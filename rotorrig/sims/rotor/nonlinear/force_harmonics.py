@@ -1,14 +1,15 @@
-"""The compiled part of harmonic_balance.py: mean and harmonics of a force on a periodic motion, and their derivatives.
+"""Kernels of harmonic_balance.py: mean and harmonics of a force on a periodic motion, and their derivatives.
 
 A place moves as x = mean + Re(Q e^{j psi}) and its overtones up to the third; its force is evaluated at POINTS angles
 and its mean and harmonics taken (alternating frequency and time: Cameron, Griffin, J. Appl. Mech. 56 (1989) 149).
 The kernels are loops throughout: numba takes ten times as long to compile expressions of whole arrays, and on so few
 numbers they are slower too. numba's cache of a function does not see changes to what it calls in another file: after
-a change here, delete the *.nbi and *.nbc beside what calls it (harmonic_balance.py, march.py, steady_response.py).
+a change here, delete the *.nbi and *.nbc beside what calls it (harmonic_balance.py, law_stepping.py,
+steady_response.py).
 
 Motions u and forces F are (part,) = (7 place,), place being x and y of every law in turn: all means, then of one
-harmonic after the other all real parts and all imaginary ones. Where no law is found with its overtones, they are
-(3 place,).
+harmonic after the other all real parts and all imaginary ones. Where no law is evaluated with its overtones,
+they are (3 place,).
 """
 
 from collections.abc import Callable
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 
 Reals = NDArray[np.float64]
 
-OVERTONES = (2, 3)  # of the motion: what the force's own move, and what that makes of the force
+OVERTONES = (2, 3)  # of the motion that the force's own overtones move, and that act back on the force
 POINTS = 32  # a turn
 STEP = 1e-6  # of the motion, of the differences
 TINY = 1e-15  # m
@@ -31,36 +32,36 @@ COSINE, SINE = np.cos(_TURNED), np.sin(_TURNED)  # (n, point) of n psi, up to th
 @njit(cache=True)
 def every_harmonics(functions: tuple[Callable, ...], constants: Reals, omega: Reals, u: Reals) -> Reals:
     """Return mean and harmonics of the forces on the motions u at speeds (n,), both (n, part)."""
-    found = np.empty(u.shape)
+    out = np.empty(u.shape)
     for k in range(len(u)):
-        harmonics(functions, constants, omega[k], u[k], found[k])
-    return found
+        harmonics(functions, constants, omega[k], u[k], out[k])
+    return out
 
 
 @njit(cache=True, fastmath=REORDERED)
 def harmonics(functions: tuple[Callable, ...], constants: Reals, omega: float, u: Reals, F: Reals) -> None:
     """Put the mean and the harmonics of the force on a motion u into F."""
     count = 2 * len(constants)
-    path, push = np.empty((4, POINTS)), np.empty((2, POINTS))
+    path, force = np.empty((4, POINTS)), np.empty((2, POINTS))
     for law in range(len(constants)):
-        _path(u, count, law, omega, path)
-        _push(functions[law], constants[law], path, push)
+        _put_path(u, count, law, omega, path)
+        _put_forces(functions[law], constants[law], path, force)
         for axis in range(2):
             mean = 0.0
             for p in range(POINTS):
-                mean += push[axis, p]
+                mean += force[axis, p]
             F[2 * law + axis] = mean / POINTS
             for h in range(1, len(u) // count // 2 + 1):
                 re, im = 0.0, 0.0
                 for p in range(POINTS):
-                    re += push[axis, p] * COSINE[h, p]
-                    im -= push[axis, p] * SINE[h, p]
+                    re += force[axis, p] * COSINE[h, p]
+                    im -= force[axis, p] * SINE[h, p]
                 F[(2 * h - 1) * count + 2 * law + axis] = 2 * re / POINTS
                 F[2 * h * count + 2 * law + axis] = 2 * im / POINTS
 
 
 @njit(cache=True, fastmath=REORDERED)
-def _path(u: Reals, count: int, law: int, omega: float, path: Reals) -> None:
+def _put_path(u: Reals, count: int, law: int, omega: float, path: Reals) -> None:
     """Put x, y and their velocities, Re(j h Omega Q e^{j h psi}) of harmonic h, at every point into (4, point)."""
     for axis in range(2):
         for p in range(POINTS):
@@ -73,20 +74,20 @@ def _path(u: Reals, count: int, law: int, omega: float, path: Reals) -> None:
 
 
 @njit(cache=True)
-def _push(function: Callable, constants: Reals, path: Reals, push: Reals) -> None:
-    """Put the force at every point of a turn into `push` (2, point)."""
+def _put_forces(function: Callable, constants: Reals, path: Reals, force: Reals) -> None:
+    """Put the force at every point of a turn into `force` (2, point)."""
     for p in range(POINTS):
         constants[-2], constants[-1] = COSINE[1, p], SINE[1, p]
-        push[0, p], push[1, p] = function(path[0, p], path[1, p], path[2, p], path[3, p], constants)
+        force[0, p], force[1, p] = function(path[0, p], path[1, p], path[2, p], path[3, p], constants)
 
 
 @njit(cache=True)
 def every_slopes(functions: tuple[Callable, ...], constants: Reals, omega: Reals, u: Reals) -> Reals:
     """Return dF / du of these forces, (n, part, part)."""
-    found = np.zeros((*u.shape, u.shape[1]))
+    out = np.zeros((*u.shape, u.shape[1]))
     for k in range(len(u)):
-        slopes_of(functions, constants, omega[k], u[k], found[k])
-    return found
+        slopes_of(functions, constants, omega[k], u[k], out[k])
+    return out
 
 
 @njit(cache=True)
@@ -97,16 +98,16 @@ def slopes_of(functions: tuple[Callable, ...], constants: Reals, omega: float, u
     cosine, sine = np.empty((2, 4, 2, len(COSINE)))
     step = STEP * largest(u) + TINY
     for law in range(len(constants)):
-        _path(u, count, law, omega, path)
-        _differences(functions[law], constants[law], omega, path, step, by)
-        _spectrum(by, cosine, sine)
+        _put_path(u, count, law, omega, path)
+        _put_differences(functions[law], constants[law], omega, path, step, by)
+        _put_spectrum(by, cosine, sine)
         for b in range(2):
             for a in range(2):
                 _add_slopes(cosine, sine, b, a, 2 * law + a, 2 * law + b, count, slope)
 
 
 @njit(cache=True)
-def _differences(function: Callable, constants: Reals, omega: float, path: Reals, step: float, by: Reals) -> None:
+def _put_differences(function: Callable, constants: Reals, omega: float, path: Reals, step: float, by: Reals) -> None:
     """Put d(fx, fy) by x, y and their velocities over Omega at every point of a turn into `by` (4, 2, point)."""
     for p in range(POINTS):
         constants[-2], constants[-1] = COSINE[1, p], SINE[1, p]
@@ -123,7 +124,7 @@ def _differences(function: Callable, constants: Reals, omega: float, path: Reals
 
 
 @njit(cache=True, fastmath=REORDERED)
-def _spectrum(by: Reals, cosine: Reals, sine: Reals) -> None:
+def _put_spectrum(by: Reals, cosine: Reals, sine: Reals) -> None:
     """Put mean(by cos(n psi)) and mean(by sin(n psi)) of (4, 2, point) into `cosine` and `sine` (4, 2, n)."""
     for i in range(4):
         for a in range(2):
@@ -137,7 +138,7 @@ def _spectrum(by: Reals, cosine: Reals, sine: Reals) -> None:
 
 @njit(cache=True)
 def _add_slopes(cosine: Reals, sine: Reals, b: int, a: int, row: int, column: int, count: int, slope: Reals) -> None:
-    """Put what the parts of a motion along axis b make of those of a force along axis a into `slope` (part, part).
+    """Put the derivatives of a force's parts along axis a by a motion's along axis b into `slope` (part, part).
 
     `cosine` and `sine` (4, 2, n) are the means of f_x cos(n psi) and f_x sin(n psi), and of f_v likewise, where df =
     f_x dx + f_v dv / Omega; dx is cos(h psi) for the real part of harmonic h and -sin(h psi) for the imaginary one.

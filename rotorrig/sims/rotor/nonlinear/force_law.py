@@ -1,4 +1,4 @@
-"""A force at one place of the shaft that depends on its motion there, in whatever way: a stop, a rub, dry friction.
+"""Force law: a force at one place of the shaft that depends nonlinearly on the motion there: a stop, a rub, friction.
 
 The force is a small numba function of the place's position and velocity, so that what evaluates it a million times is
 compiled once for all of them: it takes a pointer to the function.
@@ -29,8 +29,8 @@ class ForceLaw:
     the force shifts it from there. A law that turns with the shaft finds the cosine and sine of the shaft's angle, from
     the keyphasor's mark, in the last two of the constants it is handed; two of its own stand there for angle zero.
 
-    With `overtones` the motion it is found on has those that it makes itself, which takes twice the time. A law that
-    goes with loads of 2X and 3X is without: what these do is not in that motion either.
+    With `overtones` the motion it is evaluated on has those that it causes itself, which takes twice the time. A law
+    that goes with loads of 2X and 3X is without: what these do is not in that motion either.
     """
 
     rows: NDArray[np.float64]  # (2, dof) read x and y of the place, or of its motion relative to another

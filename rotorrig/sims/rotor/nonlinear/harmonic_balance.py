@@ -1,4 +1,4 @@
-"""The harmonics of a force law on a periodic motion, and the motion that goes with them.
+"""Harmonic balance: the harmonics of a force law on a periodic motion, and the motion in balance with them.
 
 A place moves as x = mean + Re(Q e^{j psi}) and its overtones; force_harmonics.py gives mean and harmonics of the force
 on that motion. What the force does to the place is linear: u = known + A F(u), solved by Broyden's method (Math. Comp.
@@ -6,7 +6,7 @@ on that motion. What the force does to the place is linear: u = known + A F(u), 
 little from one turn or speed to the next.
 
 u and F are (part,) = (7 place,), place being x and y of every law in turn: all means, then of one harmonic after the
-other all real parts and all imaginary ones. Where no law is found with its overtones, they are (3 place,).
+other all real parts and all imaginary ones. Where no law is evaluated with its overtones, they are (3 place,).
 """
 
 import warnings
@@ -43,8 +43,8 @@ COMPLEX = {n: types.Array(types.complex128, n, "C") for n in (2, 3, 4)}
 _ON_MOTIONS = (REALS[2], REALS[1], REALS[2])  # the types of constants, speeds and motions
 
 
-def pointers(laws: Sequence[ForceLaw]) -> tuple[tuple[Any, ...], Reals]:
-    """Return the laws' functions, a multiple of `LAWS` of them, and their constants, (law, n).
+def pack_laws(laws: Sequence[ForceLaw]) -> tuple[tuple[Any, ...], Reals]:
+    """Pack the laws for a kernel: their functions, a multiple of `LAWS` of them, and their constants, (law, n).
 
     The constants are padded to one length, and two behind them are left for the shaft's angle.
     """
@@ -55,7 +55,7 @@ def pointers(laws: Sequence[ForceLaw]) -> tuple[tuple[Any, ...], Reals]:
     return (*(law.force for law in laws), *unused), constants
 
 
-def called(kernel: Any, arguments: Sequence[Any], functions: tuple[Any, ...], *values: Any) -> Any:
+def call_kernel(kernel: Any, arguments: Sequence[Any], functions: tuple[Any, ...], *values: Any) -> Any:
     """Call a kernel, compiled once for pointers to functions and `arguments` of those types."""
     _compile(kernel, len(functions), *arguments)
     with warnings.catch_warnings():  # that pointers to functions are new to numba
@@ -70,22 +70,22 @@ def _compile(kernel: Any, functions: int, *arguments: Any) -> None:
 
 def forces(laws: Sequence[ForceLaw], omega: Reals, u: Reals) -> Reals:
     """Return mean and harmonics of the forces of laws on the motions u at speeds (n,), both (n, part) N."""
-    functions, constants = pointers(laws)
-    found: Reals = called(every_harmonics, _ON_MOTIONS, functions, constants, omega, u)
-    return found
+    functions, constants = pack_laws(laws)
+    result: Reals = call_kernel(every_harmonics, _ON_MOTIONS, functions, constants, omega, u)
+    return result
 
 
 def slopes(laws: Sequence[ForceLaw], omega: Reals, u: Reals) -> Reals:
     """Return dF / du of these forces, (n, part, part)."""
-    functions, constants = pointers(laws)
-    found: Reals = called(every_slopes, _ON_MOTIONS, functions, constants, omega, u)
-    return found
+    functions, constants = pack_laws(laws)
+    result: Reals = call_kernel(every_slopes, _ON_MOTIONS, functions, constants, omega, u)
+    return result
 
 
 def overtones(laws: Sequence[ForceLaw], omega: Reals, u: Reals, F: Reals, order: int) -> Complex:
     """Return a harmonic of the forces F on motions u, (n, place): 2 mean(f e^{-j order psi}); of order 0 the mean.
 
-    Where the motions have no overtones, those of the force are found here.
+    Where the motions have no overtones, those of the force are computed here.
     """
     places = 2 * len(laws)
     if (2 * order + 1) * places > F.shape[1]:
@@ -101,7 +101,7 @@ def phasor(u: Reals, places: int, order: int = 1) -> Complex:
 
 
 @njit(cache=True)
-def settle(
+def solve_balance(
     functions: tuple[Callable, ...],
     constants: Reals,
     omega: float,
@@ -115,44 +115,44 @@ def settle(
     """Solve u = known + A F(u) from the u given, in place; return whether it has been solved.
 
     A (harmonic, place, place) is what each harmonic does, `mean` (place, place) what the mean does. `inverse` is a
-    guess of the inverse Jacobian of u - known - A F(u), and left as the last one found.
+    guess of the inverse Jacobian of u - known - A F(u), and left as the latest estimate.
     """
     size = len(u)
     r, new_r, new_u, new_F, step, change = np.empty((6, size))
     fresh = False
-    left = _residual(functions, constants, omega, known, A, mean, u, F, r)
+    error = _residual(functions, constants, omega, known, A, mean, u, F, r)
     for _ in range(MOST_STEPS):
-        if left <= ACCURACY * largest(u):
+        if error <= ACCURACY * largest(u):
             return True
         _newton(inverse, r, step)
         for i in range(size):
             new_u[i] = u[i] + step[i]
-        new_left = _residual(functions, constants, omega, known, A, mean, new_u, new_F, new_r)
-        if not new_left < SLOW * left:
+        new_error = _residual(functions, constants, omega, known, A, mean, new_u, new_F, new_r)
+        if not new_error < SLOW * error:
             if not fresh:
                 _jacobian(functions, constants, omega, A, mean, u, inverse)
                 fresh = True
                 continue
             part = 1.0
-            while not new_left < left and part > 1e-3:
+            while not new_error < error and part > 1e-3:
                 part /= 2
                 for i in range(size):
                     new_u[i] = u[i] + part * step[i]
-                new_left = _residual(functions, constants, omega, known, A, mean, new_u, new_F, new_r)
+                new_error = _residual(functions, constants, omega, known, A, mean, new_u, new_F, new_r)
             fresh = False
         for i in range(size):
             step[i], change[i] = new_u[i] - u[i], new_r[i] - r[i]
             u[i], F[i], r[i] = new_u[i], new_F[i], new_r[i]
-        _learn(inverse, step, change)
-        left = new_left
+        _update_inverse(inverse, step, change)
+        error = new_error
     return False
 
 
 @njit(cache=True)
-def foresee(known: Reals, A: Complex, mean: Reals, u: Reals, F: Reals, inverse: Reals) -> None:
-    """Let a guess of u and F follow what is known: a step of `settle` for which the force is not evaluated."""
+def predict(known: Reals, A: Complex, mean: Reals, u: Reals, F: Reals, inverse: Reals) -> None:
+    """Predict u from its guess and that of F: a Newton step to what is known, without evaluating the force."""
     r, step = np.empty((2, len(u)))
-    _left(known, A, mean, u, F, r)
+    _put_error(known, A, mean, u, F, r)
     _newton(inverse, r, step)
     for i in range(len(u)):
         u[i] += step[i]
@@ -182,12 +182,12 @@ def _residual(
 ) -> float:
     """Put F(u) into F and u - known - A F into r; return the largest component of r."""
     harmonics(functions, constants, omega, u, F)
-    _left(known, A, mean, u, F, r)
+    _put_error(known, A, mean, u, F, r)
     return largest(r)
 
 
 @njit(cache=True)
-def _left(known: Reals, A: Complex, mean: Reals, u: Reals, F: Reals, r: Reals) -> None:
+def _put_error(known: Reals, A: Complex, mean: Reals, u: Reals, F: Reals, r: Reals) -> None:
     """Put u - known - A F into r."""
     harmonics, count = A.shape[:2]
     for i in range(len(F)):
@@ -224,8 +224,8 @@ def _jacobian(
 
 
 @njit(cache=True, fastmath=REORDERED)
-def _learn(inverse: Reals, step: Reals, change: Reals) -> None:
-    """Let the inverse Jacobian take `change` to `step`: Broyden's update, by Sherman and Morrison."""
+def _update_inverse(inverse: Reals, step: Reals, change: Reals) -> None:
+    """Update the inverse Jacobian so that it takes `change` to `step`: Broyden's update, by Sherman and Morrison."""
     size = len(step)
     taken, back = np.zeros((2, size))
     weight, squared = 0.0, 0.0

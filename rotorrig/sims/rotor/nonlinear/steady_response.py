@@ -1,4 +1,4 @@
-"""The steady response with force laws, for tables without times: at every speed from the motion at the one before.
+"""Steady response with force laws, for tables without times: at every speed from the motion at the one before.
 
 So the order of the speeds decides which branch is followed where there are several: rising for a run-up, falling for a
 coast-down; past a fold it jumps to the other.
@@ -14,27 +14,27 @@ from numpy.typing import ArrayLike, NDArray
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RPM
 from rotorrig.sims.rotor.model import Load, RotorModel, matrices
-from rotorrig.sims.rotor.nonlinear.changes import (
-    LawChange,
-    LawDerivatives,
-    by_changed,
-    changing_laws,
-    overtone_derivatives,
-    settled,
-)
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import (
     COMPLEX,
     REALS,
-    called,
+    call_kernel,
     forces,
     overtones,
+    pack_laws,
     phasor,
-    pointers,
-    settle,
     slopes,
+    solve_balance,
 )
-from rotorrig.sims.rotor.nonlinear.swept_motion import by_overtones, read_by
+from rotorrig.sims.rotor.nonlinear.law_changes import (
+    LawChange,
+    LawDerivatives,
+    columns_of_laws,
+    differentiate_forces,
+    overtone_derivatives,
+    solve_tangent,
+)
+from rotorrig.sims.rotor.nonlinear.swept_motion import overtone_compliance, place_rows
 from rotorrig.sims.rotor.steady import load_columns, steady_derivatives
 
 Reals = NDArray[np.float64]
@@ -55,11 +55,11 @@ def steady_with_law(
 ) -> Complex:
     """Return the steady response at the speeds [rad/s], in the order given, (speed, probe, order) m.
 
-    The arguments and what is returned are as in swept_law.swept_with_law. Raises as harmonic.load_columns, DataError at
-    a speed where the force is not found.
+    Arguments and result as in swept_with_law. Raises as load_columns, DataError at a speed where the force does not
+    converge.
     """
     omega, amounts = np.atleast_1d(np.asarray(omega, dtype=float)), np.asarray(amounts, dtype=complex)
-    at = read_by(laws)
+    at = place_rows(laws)
     u = _motions(model, omega, loads, amounts, laws)
     F = forces(laws, omega, u)
     found = []
@@ -82,31 +82,33 @@ def steady_law_derivatives(
 ) -> LawDerivatives:
     """Return the steady response of 1X under loads of order 1 and the laws, and its derivatives by `changes`.
 
-    Arguments and errors as those of steady_with_law, what is returned as of swept_law_derivatives.
+    Arguments and errors as those of steady_with_law, result as of swept_law_derivatives.
     """
     omega, amounts = np.atleast_1d(np.asarray(omega, dtype=float)), np.asarray(amounts, dtype=complex)
-    at, n = read_by(laws), len(model.probes)
+    at, n = place_rows(laws), len(model.probes)
     u = _motions(model, omega, loads, amounts, laws)
     F = forces(laws, omega, u)
     directions = [c.direction for c in changes if c.direction is not None]
-    columns = steady_derivatives(_seeing(model, at), omega, loads=[*loads, *_units(at, 1)], directions=directions)
+    columns = steady_derivatives(
+        _with_place_probes(model, at), omega, loads=[*loads, *_unit_loads(at, 1)], directions=directions
+    )
     weights = np.concatenate([np.broadcast_to(amounts, (len(omega), len(amounts))), phasor(F, len(at))], axis=1)
     z, by_direction = columns.z, iter(columns.by)
     direct = np.zeros((*z.shape[:2], len(changes)), dtype=complex)  # as long as the forces stay
     du, dF = np.zeros((2, *u.shape, len(changes)))
-    lean = _lean(model, at)
+    flexibility = _static_flexibility(model, at)
     for i, change in enumerate(changes):
         if change.direction is not None:
             direct[..., i] += np.einsum("spl,sl->sp", next(by_direction), weights)
-            du[:, : len(at), i] -= F[:, : len(at)] @ (lean.T @ np.real(change.direction.K) @ lean).T
+            du[:, : len(at), i] -= F[:, : len(at)] @ (flexibility.T @ np.real(change.direction.K) @ flexibility).T
         if change.amounts is not None:
             direct[..., i] += z[..., : len(loads)] @ change.amounts
-    lawful = changing_laws(changes)
-    dF[..., lawful], rest = by_changed(laws, [changes[i] for i in lawful], omega, u, F)
-    du[:, : len(at), lawful] += rest
+    law_columns = columns_of_laws(changes)
+    dF[..., law_columns], static = differentiate_forces(laws, [changes[i] for i in law_columns], omega, u, F)
+    du[:, : len(at), law_columns] += static
     du[:, len(at) : 3 * len(at)] += np.concatenate([direct[:, n:].real, direct[:, n:].imag], axis=1)
-    A = np.concatenate([z[:, None, n:, len(loads) :], by_overtones(model, omega, laws)], axis=1)
-    du, dF = settled(A, at @ lean, slopes(laws, omega, u), du, dF)
+    A = np.concatenate([z[:, None, n:, len(loads) :], overtone_compliance(model, omega, laws)], axis=1)
+    du, dF = solve_tangent(A, at @ flexibility, slopes(laws, omega, u), du, dF)
     by = {n: overtone_derivatives(model, laws, changes, omega, u, du, dF, order=n) for n in orders if n > 1}
     by[1] = direct[:, :n] + z[:, :n, len(loads) :] @ phasor(dF, len(at))
     return LawDerivatives(np.einsum("spl,sl->sp", z[:, :n], weights), by)
@@ -115,13 +117,13 @@ def steady_law_derivatives(
 def _motions(
     model: RotorModel, omega: Reals, loads: Sequence[Load], amounts: Complex, laws: Sequence[ForceLaw]
 ) -> Reals:
-    """Return the places' motion at every speed, (speed, part). Raises DataError where the force is not found."""
-    at, probes = read_by(laws), len(model.probes)
-    functions, constants = pointers(laws)
-    linear, by_force = _linear(_seeing(model, at), omega, loads, amounts, at, 1)
-    A = np.concatenate([by_force[:, None, probes:], by_overtones(model, omega, laws)], axis=1)
-    u, solved = called(
-        _continued,
+    """Solve for the places' motion at every speed, (speed, part). Raises DataError where it does not converge."""
+    at, probes = place_rows(laws), len(model.probes)
+    functions, constants = pack_laws(laws)
+    linear, by_force = _linear(_with_place_probes(model, at), omega, loads, amounts, at, 1)
+    A = np.concatenate([by_force[:, None, probes:], overtone_compliance(model, omega, laws)], axis=1)
+    u, solved = call_kernel(
+        _continue_over_speed,
         CONTINUE,
         functions,
         constants,
@@ -129,7 +131,7 @@ def _motions(
         omega,
         np.ascontiguousarray(linear[:, probes:]),
         A,
-        at @ _lean(model, at),
+        at @ _static_flexibility(model, at),
     )
     if not solved.all():
         where = omega[np.argmin(solved)] * RPM
@@ -138,17 +140,17 @@ def _motions(
     return found
 
 
-def _seeing(model: RotorModel, at: Reals) -> RotorModel:
+def _with_place_probes(model: RotorModel, at: Reals) -> RotorModel:
     """Return the model with the places' rows after its probes."""
     return replace(model, probes=np.concatenate([model.probes, at]))
 
 
-def _lean(model: RotorModel, at: Reals) -> Reals:
+def _static_flexibility(model: RotorModel, at: Reals) -> Reals:
     """Return the static deflection under a unit of force at every place, (dof, place) m/N."""
     return np.linalg.solve(matrices(model).K, at.T).astype(float)
 
 
-def _units(at: Reals, order: int) -> list[Load]:
+def _unit_loads(at: Reals, order: int) -> list[Load]:
     return [Load(row.astype(complex), "constant", order) for row in at]
 
 
@@ -157,13 +159,13 @@ def _linear(
 ) -> tuple[Complex, Complex]:
     """Return the response to the loads of that order, (speed, probe), and to 1 N at each row, (.., probe, row)."""
     same = [i for i, load in enumerate(loads) if load.order == order]
-    every = [*(loads[i] for i in same), *_units(at, order)]
+    every = [*(loads[i] for i in same), *_unit_loads(at, order)]
     columns = load_columns(model, omega, every)
     return columns[..., : len(same)] @ amounts[same], columns[..., len(same) :]
 
 
 @njit(cache=True)
-def _continued(
+def _continue_over_speed(
     functions: tuple[Callable, ...],
     constants: Reals,
     static: Reals,
@@ -172,7 +174,7 @@ def _continued(
     A: Complex,
     mean: Reals,
 ) -> tuple[Reals, NDArray[np.bool_]]:
-    """Return the places' motion at every speed, (speed, part), and where it was found, (speed,)."""
+    """Solve for the places' motion at every speed, (speed, part), from that before it; and where it converged."""
     speeds, places = known.shape
     size = (1 + 2 * A.shape[1]) * places
     u, solved = np.zeros((speeds, size)), np.zeros(speeds, dtype=np.bool_)
@@ -183,12 +185,12 @@ def _continued(
             right[places + i], right[2 * places + i] = known[k, i].real, known[k, i].imag
         for i in range(size):
             u[k, i] = u[k - 1, i] if k else right[i]
-        solved[k] = settle(functions, constants, omega[k], right, A[k], mean, u[k], F, inverse)
+        solved[k] = solve_balance(functions, constants, omega[k], right, A[k], mean, u[k], F, inverse)
         for part in ELSEWHERE:
             if solved[k]:
                 break
             inverse[:] = np.eye(size)
             for i in range(size):
                 u[k, i] = right[i] * (1.0 if i < places else part)
-            solved[k] = settle(functions, constants, omega[k], right, A[k], mean, u[k], F, inverse)
+            solved[k] = solve_balance(functions, constants, omega[k], right, A[k], mean, u[k], F, inverse)
     return u, solved

@@ -1,7 +1,7 @@
-"""The derivatives of a swept response under force laws, by whatever changes the rotor, its loads or the laws.
+"""Derivatives of a swept response under force laws, by changes of the rotor, its loads or the laws.
 
-At 1X they are those of the march itself, the force being found anew under every change. Above, the change of the
-force's harmonic is taken to act as in steady motion at the speed in the middle of a row.
+At 1X they are those of the time stepping itself, the force solved for anew under every change. Above, the change of
+the force's harmonic is taken to act as in steady motion at the speed in the middle of a row.
 """
 
 from collections.abc import Sequence
@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.sims.rotor.model import Load, RotorModel
-from rotorrig.sims.rotor.nonlinear.changes import LawChange, LawDerivatives, overtone_derivatives, settled
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import slopes
-from rotorrig.sims.rotor.nonlinear.march_tangent import tangent
-from rotorrig.sims.rotor.nonlinear.swept_forcing import Forcing, forcing
-from rotorrig.sims.rotor.nonlinear.swept_motion import LawPassage, Marched, at_once
-from rotorrig.sims.rotor.swept import TrackedRows, projected
+from rotorrig.sims.rotor.nonlinear.law_changes import LawChange, LawDerivatives, overtone_derivatives, solve_tangent
+from rotorrig.sims.rotor.nonlinear.law_stepping_tangent import step_tangent
+from rotorrig.sims.rotor.nonlinear.swept_motion import LawMotion, LawSweep, quasistatic_average
+from rotorrig.sims.rotor.nonlinear.tangent_forcing import TangentForcing, compute_forcing
+from rotorrig.sims.rotor.swept import TrackedRows, project_to_probes
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -36,52 +36,52 @@ def swept_law_derivatives(
 
     Those at orders 2 and 3 are of the laws' forces alone. Arguments and errors as those of swept_with_law.
     """
-    places = LawPassage(model, rows, loads, np.asarray(amounts, dtype=complex), laws)
-    found = places.marched()
-    driving = forcing(places, found, changes)
-    slope = slopes(laws, rows.turns.omega, found.u)
-    a, rate, dF, compliance = tangent(
-        places.envelope.operator,
-        places.envelope.steps,
-        places.envelope.turned,
-        places.push,
-        places.seen,
-        places.flexibility,
-        places.mean,
-        found.above,
-        found.u,
-        found.F,
+    sweep = LawSweep(model, rows, loads, np.asarray(amounts, dtype=complex), laws)
+    motion = sweep.solve()
+    forcing = compute_forcing(sweep, motion, changes)
+    slope = slopes(laws, rows.turns.omega, motion.u)
+    a, rate, dF, compliance = step_tangent(
+        sweep.envelope.operator,
+        sweep.envelope.steps,
+        sweep.envelope.phases,
+        sweep.participation,
+        sweep.shapes,
+        sweep.flexibility,
+        sweep.mean,
+        motion.overtones,
+        motion.u,
+        motion.F,
         slope,
-        driving.force,
-        driving.force_mid,
-        driving.motion,
-        driving.reaction,
-        driving.lawful,
+        forcing.force,
+        forcing.force_mid,
+        forcing.motion,
+        forcing.law_force,
+        forcing.law_columns,
     )
-    others = places.modes.others[:, : places.probes]
-    by = projected(places.modes.shape[..., : places.probes], rows.averages(a, rate, powers=len(others)))
-    by = by + at_once(rows, others[..., places.loads :], dF) + driving.at_rows
+    others = sweep.modes.others[:, : sweep.probes]
+    by = project_to_probes(sweep.modes.shape[..., : sweep.probes], rows.averages(a, rate, powers=len(others)))
+    by = by + quasistatic_average(rows, others[..., sweep.loads :], dF) + forcing.at_probes
     higher = [order for order in orders if order > 1]
-    above = _above(places, found, driving, slope, compliance, changes, higher) if higher else {}
-    return LawDerivatives(places.seen_by_rows(found), {1: by} | above)
+    overtones = _overtone_derivatives(sweep, motion, forcing, slope, compliance, changes, higher) if higher else {}
+    return LawDerivatives(sweep.at_probes(motion), {1: by} | overtones)
 
 
-def _above(
-    places: LawPassage,
-    found: Marched,
-    driving: Forcing,
+def _overtone_derivatives(
+    sweep: LawSweep,
+    motion: LawMotion,
+    forcing: TangentForcing,
     slope: Reals,
     compliance: Complex,
     changes: Sequence[LawChange],
     orders: Sequence[int],
 ) -> dict[int, Complex]:
     """Return the derivatives of the response at orders above 1, (row, probe, change) each."""
-    rows = places.rows
-    middle = rows.seen[:, rows.seen.shape[1] // 2]
-    omega, u = rows.turns.omega[middle], found.u[middle]
-    known, reaction = np.zeros((2, *u.shape, len(changes)))
-    known[:, : driving.motion.shape[1]] = driving.motion[middle]
-    reaction[..., driving.lawful] = driving.reaction[middle]
-    A = np.concatenate([compliance[middle, None], found.above[middle]], axis=1)
-    du, dF = settled(A, places.mean, slope[middle], known, reaction)
-    return {n: overtone_derivatives(places.model, places.laws, changes, omega, u, du, dF, order=n) for n in orders}
+    rows = sweep.rows
+    middle = rows.turn_index[:, rows.turn_index.shape[1] // 2]
+    omega, u = rows.turns.omega[middle], motion.u[middle]
+    known, law_force = np.zeros((2, *u.shape, len(changes)))
+    known[:, : forcing.motion.shape[1]] = forcing.motion[middle]
+    law_force[..., forcing.law_columns] = forcing.law_force[middle]
+    A = np.concatenate([compliance[middle, None], motion.overtones[middle]], axis=1)
+    du, dF = solve_tangent(A, sweep.mean, slope[middle], known, law_force)
+    return {n: overtone_derivatives(sweep.model, sweep.laws, changes, omega, u, du, dF, order=n) for n in orders}

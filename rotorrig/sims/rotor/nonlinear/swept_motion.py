@@ -1,8 +1,8 @@
-"""A rotor with force laws on its way through the speeds of some rows: what moves the places of the laws, and how far.
+"""Motion of the force laws' places over one sweep, and the forces on them.
 
-The passed modes are marched with the first harmonic of the force and its mean, found anew at every turn, so the branch
+The passed modes are stepped with the first harmonic of the force and its mean, solved for at every turn, so the branch
 taken through a fold, up or down, is that of the time before. The overtones of the force move its place as in steady
-motion, and that is part of the motion it is found on.
+motion, and that is part of the motion it is evaluated on.
 """
 
 from collections.abc import Sequence
@@ -17,10 +17,18 @@ from rotorrig.rig import DataError
 from rotorrig.sims.rotor.model import Load, RotorModel, matrices, patterns
 from rotorrig.sims.rotor.nonlinear.force_harmonics import OVERTONES
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
-from rotorrig.sims.rotor.nonlinear.harmonic_balance import called, phasor, pointers
-from rotorrig.sims.rotor.nonlinear.march import MARCH, march
+from rotorrig.sims.rotor.nonlinear.harmonic_balance import call_kernel, pack_laws, phasor
+from rotorrig.sims.rotor.nonlinear.law_stepping import STEPPING, step_with_laws
 from rotorrig.sims.rotor.steady import load_columns
-from rotorrig.sims.rotor.swept import Spectra, TrackedRows, drive, passage, passing, polynomial, projected
+from rotorrig.sims.rotor.swept import (
+    Spectra,
+    TrackedRows,
+    fit_passed_modes,
+    polynomial,
+    project_to_probes,
+    sample_excitation,
+    solve_sweep,
+)
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -30,51 +38,51 @@ SPEEDS = 128  # a sweep is divided into for the overtones: 25 rpm each on an RK4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Marched:
-    """The motion found."""
+class LawMotion:
+    """Solved motion of modes and places, with the forces on the places."""
 
     a: Complex  # (turn, mode) of the passed modes
     rate: Complex  # (turn, mode) 1/s
     u: Reals  # (turn, part) of the laws' places, as in harmonic_balance.py
     F: Reals  # (turn, part) N, the force on them
-    above: Complex  # (turn, overtone, place, place) m/N, how far a unit of the force's overtones moves them
+    overtones: Complex  # (turn, overtone, place, place) m/N, how far a unit of the force's overtones moves them
 
 
-class LawPassage:
-    """What moves the places of the laws, x and y of each, under loads of order 1 times their amounts (load,)."""
+class LawSweep:
+    """One sweep with force laws, under loads of order 1 times their amounts (load,); a place is x or y of a law."""
 
     def __init__(
         self, model: RotorModel, rows: TrackedRows, loads: Sequence[Load], amounts: Complex, laws: Sequence[ForceLaw]
     ) -> None:
-        """Work out the passing of the model and what loads and places do to it. Raises as swept_response."""
-        self.at = read_by(laws)
-        passed = passing(model, rows)
-        self._marches = passed.marches
+        """Solve the linear model for loads and unit forces at the places. Raises as swept_response."""
+        self.at = place_rows(laws)
+        passed = solve_sweep(model, rows)
+        self._motions = passed.motions
         self._every = tuple(loads)
         self.model, self.rows, self.amounts, self.laws = model, rows, amounts, laws
         self.probes, self.loads = len(model.probes), len(loads)
         self.spectra: Spectra = replace(passed.spectra, probes=np.concatenate([model.probes, self.at]))
         self.pattern = np.concatenate([patterns(model, loads, order=1), self.at.T], axis=1)  # (dof, load and place)
-        self.modes = passage(self.spectra, self.pattern)
-        self.drive = drive(loads, rows)
+        self.modes = fit_passed_modes(self.spectra, self.pattern)
+        self.excitation = sample_excitation(loads, rows)
         self.envelope = passed.envelope
         self.mean = self.at @ np.linalg.solve(matrices(model).K, self.at.T)  # (place, place) m/N
 
-    def marched(self) -> Marched:
-        """Return the motion; the last one is kept: a fit asks for a response, then for its derivatives.
+    def solve(self) -> LawMotion:
+        """Solve for the motion; the last one is kept: a fit asks for a response, then for its derivatives.
 
-        Raises DataError if the force is not found at too many turns.
+        Raises DataError if the force does not converge at too many turns.
         """
-        key = self._moved_by()
-        for known, found in self._marches:
+        key = self._key()
+        for known, motion in self._motions:
             if known == key:
-                kept: Marched = found
+                kept: LawMotion = motion
                 return kept
-        self._marches[:] = [(key, self._march())]
-        return self.marched()
+        self._motions[:] = [(key, self._step())]
+        return self.solve()
 
-    def _moved_by(self) -> tuple[object, ...]:
-        """Return what tells the loads in total, and the laws, from others of the same rotor."""
+    def _key(self) -> tuple[object, ...]:
+        """Return the key of the loads in total, and of the laws, among others of the same rotor."""
         acting = [
             (load.law, load.since, (pattern * amount).tobytes())
             for load, pattern, amount in zip(self._every, self.pattern.T, self.amounts, strict=False)
@@ -86,92 +94,100 @@ class LawPassage:
         ]
         return (*acting, *laws)
 
-    def _march(self) -> Marched:
-        functions, constants = pointers(self.laws)
-        above = self._above()
+    def _step(self) -> LawMotion:
+        functions, constants = pack_laws(self.laws)
+        overtones = self._overtone_compliance()
         most = int(MOST_UNSOLVED * len(self.rows.turns.t))
-        a, rate, u, F, failed = called(
-            march,
-            MARCH,
+        a, rate, u, F, failed = call_kernel(
+            step_with_laws,
+            STEPPING,
             functions,
             constants,
             np.concatenate([law.static for law in self.laws]).astype(float),
             self.rows.turns.omega,
             self.envelope.operator,
             self.envelope.steps,
-            self.envelope.turned,
-            *(f @ self.amounts for f in self.envelope.forces(self.modes.g[..., : self.loads], self.drive)),
-            self.push,
-            self.seen,
-            self.base @ self.amounts,
+            self.envelope.phases,
+            *(f @ self.amounts for f in self.envelope.forces(self.modes.g[..., : self.loads], self.excitation)),
+            self.participation,
+            self.shapes,
+            self.by_loads @ self.amounts,
             self.flexibility,
             self.mean,
-            above,
+            overtones,
             most,
         )
         if failed > most:
             raise DataError(
                 f"law: its force is not found at over {most} of {len(a)} turns, want a smoother or weaker one"
             )
-        return Marched(a=a, rate=rate, u=u, F=F, above=above)
+        return LawMotion(a=a, rate=rate, u=u, F=F, overtones=overtones)
 
-    def _above(self) -> Complex:
+    def _overtone_compliance(self) -> Complex:
         omega = self.rows.turns.omega
         speeds = np.linspace(omega.min(), omega.max(), SPEEDS)
-        return np.ascontiguousarray(CubicSpline(speeds, by_overtones(self.model, speeds, self.laws))(omega))
+        return np.ascontiguousarray(CubicSpline(speeds, overtone_compliance(self.model, speeds, self.laws))(omega))
 
-    def seen_by_rows(self, found: Marched) -> Complex:
-        """Return what the rows show of order 1, (row, probe)."""
+    def at_probes(self, motion: LawMotion) -> Complex:
+        """Return the response of order 1 at the probes, (row, probe)."""
         others = self.modes.others[:, : self.probes]
-        average = self.rows.averages(found.a[..., None], found.rate[..., None], powers=len(others))
-        z = projected(self.modes.shape[..., : self.probes], average)[..., 0]
-        z += self.drive.averaged(others[..., : self.loads]) @ self.amounts
-        return z + at_once(self.rows, others[..., self.loads :], phasor(found.F, len(self.at))[..., None])[..., 0]
+        average = self.rows.averages(motion.a[..., None], motion.rate[..., None], powers=len(others))
+        z = project_to_probes(self.modes.shape[..., : self.probes], average)[..., 0]
+        z += self.excitation.average(others[..., : self.loads]) @ self.amounts
+        return (
+            z
+            + quasistatic_average(self.rows, others[..., self.loads :], phasor(motion.F, len(self.at))[..., None])[
+                ..., 0
+            ]
+        )
 
     @cached_property
-    def push(self) -> Complex:
-        """What a unit of force at a place does to the modes, (turn, mode, place)."""
+    def participation(self) -> Complex:
+        """Participation of a force at a place in the modes, (turn, mode, place)."""
         return polynomial(self.rows.power, self.modes.g[..., self.loads :])
 
     @cached_property
-    def seen(self) -> Complex:
-        """What the places see of the modes, (turn, place, mode)."""
+    def shapes(self) -> Complex:
+        """Mode shapes at the places, (turn, place, mode)."""
         return polynomial(self.rows.power, self.modes.shape[..., self.probes :].swapaxes(1, 2))
 
     @cached_property
     def flexibility(self) -> Complex:
-        """By how much the others let a unit of force move the places, (turn, place, place)."""
+        """Flexibility of the places through the others, (turn, place, place) m/N."""
         return polynomial(self.rows.power, self.modes.others[:, self.probes :, self.loads :])
 
     @cached_property
-    def base(self) -> Complex:
-        """By how much the others let a unit of every load move the places, (turn, place, load)."""
+    def by_loads(self) -> Complex:
+        """Motion of the places through the others under a unit of every load, (turn, place, load)."""
         others = polynomial(self.rows.power, self.modes.others[:, self.probes :, : self.loads])
-        return others * self.drive.at[:, None, self.drive.which]
+        return others * self.excitation.at[:, None, self.excitation.which]
 
 
-def at_once(rows: TrackedRows, others: Complex, F: Complex) -> Complex:
-    """Return the averages of polynomials (power, probe, place) times F (turn, place, column), (row, probe, column)."""
+def quasistatic_average(rows: TrackedRows, others: Complex, F: Complex) -> Complex:
+    """Return averages of what follows a force at once: polynomials (power, probe, place) times F (turn, place, column).
+
+    (row, probe, column)
+    """
     slope = np.gradient(F, rows.turns.t, axis=0)
     average = rows.averages(F, slope, powers=len(others))  # (row, power, place, column)
-    return projected(others.swapaxes(1, 2), average)
+    return project_to_probes(others.swapaxes(1, 2), average)
 
 
-def read_by(laws: Sequence[ForceLaw]) -> Reals:
-    """Return what reads x and y of every law's place, (place, dof)."""
+def place_rows(laws: Sequence[ForceLaw]) -> Reals:
+    """Return the rows that read x and y of every law's place, (place, dof)."""
     return np.concatenate([law.rows for law in laws])
 
 
-def by_overtones(model: RotorModel, omega: Reals, laws: Sequence[ForceLaw]) -> Complex:
+def overtone_compliance(model: RotorModel, omega: Reals, laws: Sequence[ForceLaw]) -> Complex:
     """Return the steady motion of the places under a unit of every overtone, (speed, overtone, place, place) m/N.
 
     Nothing of laws without overtones, and no overtone at all where there are none but those.
     """
-    at = read_by(laws)
+    at = place_rows(laws)
     having = np.repeat([law.overtones for law in laws], 2)
     if not having.any():
         return np.zeros((len(omega), 0, len(at), len(at)), dtype=complex)
     seen = replace(model, probes=at)
     units = [[Load(row.astype(complex), "constant", order) for row in at] for order in OVERTONES]
-    found = np.stack([load_columns(seen, omega, loads) for loads in units], axis=1)
-    return found * np.outer(having, having)
+    motion = np.stack([load_columns(seen, omega, loads) for loads in units], axis=1)
+    return motion * np.outer(having, having)

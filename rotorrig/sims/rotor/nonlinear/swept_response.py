@@ -1,6 +1,6 @@
-"""The swept response with forces that depend on the motion nonlinearly: a stop, a rub, dry friction, a cubic spring.
+"""Swept response with forces that depend on the motion nonlinearly: a stop, a rub, dry friction, a cubic spring.
 
-The passed modes are marched with the first harmonic of the force and its mean, found anew at every turn, so the branch
+The passed modes are stepped with the first harmonic of the force and its mean, solved for at every turn, so the branch
 taken through a fold, up or down, is that of the time before. Its overtones have their linear response; what the second
 and third do to the motion at the place acts back on it, as in steady motion.
 
@@ -18,8 +18,15 @@ from scipy.interpolate import CubicSpline
 from rotorrig.sims.rotor.model import Load, RotorModel, matrices
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import overtones
-from rotorrig.sims.rotor.nonlinear.swept_motion import LawPassage, at_once, read_by
-from rotorrig.sims.rotor.swept import TrackedRows, passage, passing, polynomial, projected, swept_columns
+from rotorrig.sims.rotor.nonlinear.swept_motion import LawSweep, place_rows, quasistatic_average
+from rotorrig.sims.rotor.swept import (
+    TrackedRows,
+    fit_passed_modes,
+    polynomial,
+    project_to_probes,
+    solve_sweep,
+    swept_columns,
+)
 
 Complex = NDArray[np.complex128]
 
@@ -34,42 +41,46 @@ def swept_with_law(
     orders: Sequence[int] = (1,),
     above: RotorModel | None = None,
 ) -> Complex:
-    """Return what the rows show under the loads times their amounts (load,) and the laws, (row, probe, order) m.
+    """Return the response of the rows to the loads times their amounts (load,) and the laws, (row, probe, order) m.
 
     `orders` are 0 and above: of order 0 it is the shift of the mean by the mean force, real. Loads of other orders than
     1 have their linear response. `above` is another model for the orders above 1, of much the same rotor: kept while
-    `model` changes, it saves its passing. Raises as swept_response, DataError if the force is not found at too many
-    turns.
+    `model` changes, it saves solving that. Raises as swept_response, DataError if the force does not converge at too
+    many turns.
     """
     amounts = np.asarray(amounts, dtype=complex)
     first = [i for i, load in enumerate(loads) if load.order == 1]
-    places = LawPassage(model, rows, [loads[i] for i in first], amounts[first], laws)
-    marched = places.marched()
-    found = []
+    sweep = LawSweep(model, rows, [loads[i] for i in first], amounts[first], laws)
+    motion = sweep.solve()
+    by_order = []
     for order in orders:
         if order == 1:
-            found.append(places.seen_by_rows(marched))
+            by_order.append(sweep.at_probes(motion))
             continue
         rotor = model if above is None or order == 0 else above
         same = [i for i, load in enumerate(loads) if load.order == order]
         linear = swept_columns(rotor, rows, loads=[loads[i] for i in same], order=order) @ amounts[same] if same else 0
-        F = overtones(laws, rows.turns.omega, marched.u, marched.F, order)
-        found.append(linear + _forced(rotor, rows, laws, F, order))
-    return np.stack(found, axis=-1)
+        F = overtones(laws, rows.turns.omega, motion.u, motion.F, order)
+        by_order.append(linear + _overtone_response(rotor, rows, laws, F, order))
+    return np.stack(by_order, axis=-1)
 
 
-def _forced(model: RotorModel, rows: TrackedRows, laws: Sequence[ForceLaw], F: Complex, order: int) -> Complex:
+def _overtone_response(
+    model: RotorModel, rows: TrackedRows, laws: Sequence[ForceLaw], F: Complex, order: int
+) -> Complex:
     """Return the response to known forces at the laws' places, F (turn, place) of that order, (row, probe)."""
-    at = read_by(laws)
+    at = place_rows(laws)
     if order == 0:
         flexibility = model.probes @ np.linalg.solve(matrices(model).K, at.T)
-        return at_once(rows, flexibility[None].astype(complex), F[..., None])[..., 0]
+        return quasistatic_average(rows, flexibility[None].astype(complex), F[..., None])[..., 0]
     over_time, rows = CubicSpline(rows.turns.t, F), rows.of_order(order)
-    passed = passing(model, rows)
-    modes = passage(passed.spectra, at.T.astype(complex))
+    passed = solve_sweep(model, rows)
+    modes = fit_passed_modes(passed.spectra, at.T.astype(complex))
     t = rows.turns.t
     there, halfway = over_time(t), over_time((t[1:] + t[:-1]) / 2)
     force = polynomial(rows.power, modes.g) @ there[..., None]
     force_mid = polynomial(rows.power_mid, modes.g) @ halfway[..., None]
-    motion = passed.envelope.driven(force, force_mid)
-    return (projected(modes.shape, motion.average) + at_once(rows, modes.others, there[..., None]))[..., 0]
+    motion = passed.envelope.step(force, force_mid)
+    return (project_to_probes(modes.shape, motion.average) + quasistatic_average(rows, modes.others, there[..., None]))[
+        ..., 0
+    ]

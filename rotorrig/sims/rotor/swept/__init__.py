@@ -1,14 +1,11 @@
-"""The response while the speed changes, as a tracked sweep sees it.
-
-Modes stepped from turn to turn, windowed averages.
-"""
+"""Response while the speed changes, as a tracking filter measures it: passed modes in time, averaged over windows."""
 
 from rotorrig.sims.rotor.swept.envelope import polynomial
-from rotorrig.sims.rotor.swept.forcing import drive
-from rotorrig.sims.rotor.swept.passed_modes import Passage, Spectra, passage
-from rotorrig.sims.rotor.swept.passed_modes_derivatives import passage_derivatives
-from rotorrig.sims.rotor.swept.swept_modes import passing
-from rotorrig.sims.rotor.swept.swept_response import projected, swept_columns, swept_derivatives
+from rotorrig.sims.rotor.swept.excitation import sample_excitation
+from rotorrig.sims.rotor.swept.passed_modes import PassedModes, Spectra, fit_passed_modes
+from rotorrig.sims.rotor.swept.passed_modes_derivatives import differentiate_passed_modes
+from rotorrig.sims.rotor.swept.swept_response import project_to_probes, swept_columns, swept_derivatives
+from rotorrig.sims.rotor.swept.swept_solution import solve_sweep
 from rotorrig.sims.rotor.swept.time_stepping import SMOOTH, STRAIGHT, add_matrix, invert
 from rotorrig.sims.rotor.swept.timeline import TURN, Timeline
 from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows, tracked_rows, window_weights
@@ -17,18 +14,18 @@ __all__ = [
     "SMOOTH",
     "STRAIGHT",
     "TURN",
-    "Passage",
+    "PassedModes",
     "Spectra",
     "Timeline",
     "TrackedRows",
     "add_matrix",
-    "drive",
+    "differentiate_passed_modes",
+    "fit_passed_modes",
     "invert",
-    "passage",
-    "passage_derivatives",
-    "passing",
     "polynomial",
-    "projected",
+    "project_to_probes",
+    "sample_excitation",
+    "solve_sweep",
     "swept_columns",
     "swept_derivatives",
     "tracked_rows",

@@ -6,7 +6,7 @@ speed, here and throughout. The law of an unbalance is Omega^2 - j alpha, of a c
 S are treated apart:
 
 - passed modes, whose poles lie near j Omega: y = Phi(Omega) a with
-  a' = (L - j Omega - alpha T) a + g law, stepped from turn to turn (march.py);
+  a' = (L - j Omega - alpha T) a + g law, stepped from turn to turn (time_stepping.py);
 - the others, which follow at once: an error of about 2 alpha / (Omega d) of their part for a pole at distance d.
 
 Phi spans the passed modes together and is held to a fixed gauge, so that nothing jumps where two of them, x and y of
@@ -33,8 +33,8 @@ FEWEST = 5  # speeds the polynomials go through; odd, as is the most, so that th
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Passage:
-    """Coefficients of polynomials in x = (Omega - centre) / half: all that a sweep needs to know of the rotor.
+class PassedModes:
+    """Passed modes and the others' response, as polynomials in x = (Omega - centre) / half.
 
     Each begins with an axis of powers, the lowest first; its derivatives have one of directions after that.
     """
@@ -62,7 +62,7 @@ class Spectra:
     fit: NDArray[np.floating]  # (power, speed): values at the speeds to coefficients
     slope: NDArray[np.floating]  # (speed, speed): values at the speeds to d/dOmega there
 
-    def fitted(self, values: NDArray) -> Complex:
+    def fit_powers(self, values: NDArray) -> Complex:
         """Return coefficients, (power, ..., i, j), of polynomials through values at the speeds, (..., speed, i, j)."""
         return np.tensordot(self.fit, values, (1, values.ndim - 3))
 
@@ -73,7 +73,7 @@ class Spectra:
 
     @property
     def by_force(self) -> Complex:
-        """What a force contributes to each pole, D (0, M^-1), (speed, pole, dof)."""
+        """Modal participation of a force, D (0, M^-1), (speed, pole, dof)."""
         return self.dual[..., len(self.M) :] @ np.linalg.inv(self.M)
 
     @property
@@ -87,7 +87,7 @@ class Spectra:
         return self.gauge @ self.vectors[..., : self.passed]
 
     @property
-    def turning(self) -> Complex:
+    def basis_slope(self) -> Complex:
         """The derivative dPhi/dOmega, (speed, 2 dof, mode)."""
         return self.by_speed(self.basis)
 
@@ -97,8 +97,8 @@ class Spectra:
         return 1 / (1j * self.omega[:, None] - self.values[:, self.passed :])
 
 
-def spectra(model: RotorModel, speeds: SpeedRange, *, order: float = 1.0) -> Spectra:
-    """Return the spectra at a few speeds of the range. Raises ConfigError on a bearing that depends on speed.
+def solve_spectra(model: RotorModel, speeds: SpeedRange, *, order: float = 1.0) -> Spectra:
+    """Solve for the spectra at a few speeds of the range. Raises ConfigError on a bearing that depends on speed.
 
     The speeds are those of the vibration's phase, `order` times the shaft's.
     """
@@ -109,7 +109,7 @@ def spectra(model: RotorModel, speeds: SpeedRange, *, order: float = 1.0) -> Spe
             )
     state = _state_powers(model, order)
     middle, distance = _poles(_at(state, speeds.centre), speeds)
-    passed = _passed(distance, far=FAR * speeds.fastest)
+    passed = _count_passed(distance, far=FAR * speeds.fastest)
     x = _points(middle[0][passed:] / 1j, speeds)
     omega = speeds.centre + speeds.half * x
     poles = [middle if at == speeds.centre else _poles(_at(state, at), speeds)[0] for at in omega]
@@ -131,19 +131,19 @@ def spectra(model: RotorModel, speeds: SpeedRange, *, order: float = 1.0) -> Spe
     )
 
 
-def passage(found: Spectra, loads: Complex) -> Passage:
-    """Return the passed modes and the others' response to loads per unit of their law, (dof, load)."""
-    m, dof = found.passed, len(found.M)
-    W, Phi = found.weights, found.basis
-    left = W @ found.dual[:, :m]
-    by_load = found.by_force @ loads  # (speed, pole, load)
-    others = found.vectors[:, :dof, m:] @ (found.lag[..., None] * by_load[:, m:])
-    return Passage(
-        L=found.fitted((W * found.values[:, None, :m]) @ np.linalg.inv(W)),
-        T=found.fitted(left @ found.turning),
-        g=found.fitted(W @ by_load[:, :m]),
-        shape=found.fitted(Phi[:, :dof].swapaxes(1, 2) @ found.probes.T),
-        others=found.fitted(found.probes @ others),
+def fit_passed_modes(spectra: Spectra, loads: Complex) -> PassedModes:
+    """Fit polynomials to the passed modes and to the others' response to loads per unit of their law, (dof, load)."""
+    m, dof = spectra.passed, len(spectra.M)
+    W, Phi = spectra.weights, spectra.basis
+    left = W @ spectra.dual[:, :m]
+    by_load = spectra.by_force @ loads  # (speed, pole, load)
+    others = spectra.vectors[:, :dof, m:] @ (spectra.lag[..., None] * by_load[:, m:])
+    return PassedModes(
+        L=spectra.fit_powers((W * spectra.values[:, None, :m]) @ np.linalg.inv(W)),
+        T=spectra.fit_powers(left @ spectra.basis_slope),
+        g=spectra.fit_powers(W @ by_load[:, :m]),
+        shape=spectra.fit_powers(Phi[:, :dof].swapaxes(1, 2) @ spectra.probes.T),
+        others=spectra.fit_powers(spectra.probes @ others),
     )
 
 
@@ -175,7 +175,7 @@ def _poles(S: NDArray, speeds: SpeedRange) -> tuple[tuple[Complex, Complex], Rea
     return (values[nearest].astype(complex), vectors[:, nearest].astype(complex)), distance[nearest]
 
 
-def _passed(distance: Reals, *, far: float) -> int:
+def _count_passed(distance: Reals, *, far: float) -> int:
     """Return how many poles count as passed: those before the widest gap that leaves only far ones."""
     most = min(MOST_PASSED, len(distance) - 1)
     gap = distance[1 : most + 1] / distance[:most]

@@ -1,8 +1,8 @@
-"""A stiffness that turns with the shaft: at 1X its force goes with the conjugate of the motion.
+"""Rotor-fixed stiffness: one that turns with the shaft couples the 1X motion with its own conjugate.
 
 K + Re(T e^{2 j theta}), T symmetric, on a motion Re(A e^{j theta}) exerts -1/2 T conj(A) at 1X. (The other half of it,
 -1/2 T A at 3X, meets backward whirl alone and is left out.) So the response is linear in real amounts only: a load
-times j has a response of its own. All that is conjugate stands in a second `Passage`, beside the one of
+times j has a response of its own. All that is conjugate stands in a second `PassedModes`, beside the one of
 passed_modes.py: the passed modes follow a' = .. + L conj(a) + g conj(law), the probes see shape conj(a) + others
 conj(law) besides.
 
@@ -21,128 +21,133 @@ from numpy.typing import NDArray
 from rotorrig.sims.rotor.model import Direction
 from rotorrig.sims.rotor.steady import solve_with_conjugate
 from rotorrig.sims.rotor.swept.envelope import Envelope, Motion, polynomial
-from rotorrig.sims.rotor.swept.passed_modes import Passage, Spectra
-from rotorrig.sims.rotor.swept.passed_modes_derivatives import passage_derivatives
+from rotorrig.sims.rotor.swept.passed_modes import PassedModes, Spectra
+from rotorrig.sims.rotor.swept.passed_modes_derivatives import differentiate_passed_modes
 from rotorrig.sims.rotor.swept.time_stepping import SMOOTH, STRAIGHT
 from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-SETTLED = 1e-10  # of the amplitude
+CONVERGED = 1e-10  # of the amplitude
 MOST_REPEATS = 40  # a step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Mirror:
-    """What a stiffness that turns with the shaft makes of a passage."""
+class CoupledModes:
+    """Passed modes coupled with their own conjugate by a rotor-fixed stiffness."""
 
-    echo: Passage  # of the conjugate motion and the conjugate laws
-    direct: Passage  # of the motion itself; its L is what the turning stiffness adds
+    conjugate: PassedModes  # of the conjugate motion and the conjugate laws
+    direct: PassedModes  # of the motion itself; its L is what the rotor-fixed stiffness adds
 
 
-def mirror(found: Spectra, modes: Passage, loads: Complex, T: Complex) -> Mirror:
-    """Return what T (dof, dof) makes of `modes`, the passage of `found` under loads (dof, load)."""
-    G, left, right = _flexibility(found), _left(found), _right(found, loads)
+def couple_modes(spectra: Spectra, modes: PassedModes, loads: Complex, T: Complex) -> CoupledModes:
+    """Couple `modes`, those of `spectra` under loads (dof, load), by the rotor-fixed stiffness T (dof, dof)."""
+    G, inputs, outputs = _flexibility(spectra), _inputs(spectra), _outputs(spectra, loads)
     back = T @ G.conj() @ T.conj() / 4
-    repeated = left @ np.linalg.inv(np.eye(len(T)) - back @ G)
-    own = _split(found, repeated @ back @ right)
+    repeated = inputs @ np.linalg.inv(np.eye(len(T)) - back @ G)
+    own = _split(spectra, repeated @ back @ outputs)
     direct = replace(own, g=modes.g + own.g, shape=modes.shape + own.shape, others=modes.others + own.others)
-    return Mirror(echo=_split(found, -0.5 * repeated @ T @ right.conj()), direct=direct)
+    return CoupledModes(conjugate=_split(spectra, -0.5 * repeated @ T @ outputs.conj()), direct=direct)
 
 
-def mirror_derivatives(
-    found: Spectra, change: Passage, loads: Complex, T: Complex, directions: Sequence[Direction]
-) -> Mirror:
-    """Return the derivatives of a mirror along directions, those of T among them; `change` are those of its modes.
+def differentiate_coupled_modes(
+    spectra: Spectra, change: PassedModes, loads: Complex, T: Complex, directions: Sequence[Direction]
+) -> CoupledModes:
+    """Differentiate coupled modes along directions, those of T among them; `change` are those of the modes alone.
 
     An axis of directions comes after that of powers. Of what is of second order, only T is taken to change.
     """
     unit = np.eye(len(T))
-    moved = passage_derivatives(replace(found, probes=unit), unit.astype(complex), directions)
-    at = np.linalg.inv(found.fit)  # from coefficients back to values at the speeds
-    d_push, d_shape, d_others = (
-        np.moveaxis(np.tensordot(at, part, 1), 1, 0) for part in (moved.g, moved.shape, moved.others)
+    unit_change = differentiate_passed_modes(replace(spectra, probes=unit), unit.astype(complex), directions)
+    at = np.linalg.inv(spectra.fit)  # from coefficients back to values at the speeds
+    d_participation, d_shape, d_others = (
+        np.moveaxis(np.tensordot(at, part, 1), 1, 0) for part in (unit_change.g, unit_change.shape, unit_change.others)
     )
-    left, right, G = _left(found), _right(found, loads), _flexibility(found)
-    d_left = np.concatenate([d_push, found.probes @ d_others], axis=2)
-    d_right = np.concatenate([d_shape.swapaxes(2, 3), d_others @ loads], axis=3)
+    inputs, outputs, G = _inputs(spectra), _outputs(spectra, loads), _flexibility(spectra)
+    d_inputs = np.concatenate([d_participation, spectra.probes @ d_others], axis=2)
+    d_outputs = np.concatenate([d_shape.swapaxes(2, 3), d_others @ loads], axis=3)
     dT = np.array([np.broadcast_to(d.T, T.shape) for d in directions], dtype=complex)[:, None]
-    echo = -0.5 * ((d_left @ T + left @ dT) @ right.conj() + left @ T @ d_right.conj())
+    conjugate = -0.5 * ((d_inputs @ T + inputs @ dT) @ outputs.conj() + inputs @ T @ d_outputs.conj())
     d_back = (dT @ G.conj() @ T.conj() + T @ G.conj() @ dT.conj()) / 4
-    own = _split(found, left @ d_back @ right)
-    direct = Passage(
+    own = _split(spectra, inputs @ d_back @ outputs)
+    direct = PassedModes(
         L=change.L + own.L,
         T=change.T,
         g=change.g + own.g,
         shape=change.shape + own.shape,
         others=change.others + own.others,
     )
-    return Mirror(echo=_split(found, echo), direct=direct)
+    return CoupledModes(conjugate=_split(spectra, conjugate), direct=direct)
 
 
-def _left(found: Spectra) -> Complex:
-    """Return what a force does to the passed modes, and through the others to the probes, (speed, mode probe, dof)."""
-    m = found.passed
-    return np.concatenate([found.weights @ found.by_force[:, :m], found.probes @ _flexibility(found)], axis=1)
+def _inputs(spectra: Spectra) -> Complex:
+    """Return the participation of a force in the passed modes, then its flexibility at the probes through the others.
+
+    (speed, mode probe, dof)
+    """
+    m = spectra.passed
+    return np.concatenate([spectra.weights @ spectra.by_force[:, :m], spectra.probes @ _flexibility(spectra)], axis=1)
 
 
-def _right(found: Spectra, loads: Complex) -> Complex:
-    """Return how the rotor moves with the passed modes, and with the others under loads, (speed, dof, mode load)."""
-    return np.concatenate([found.basis[:, : len(found.M)], _flexibility(found) @ loads], axis=2)
+def _outputs(spectra: Spectra, loads: Complex) -> Complex:
+    """Return the passed mode shapes, then the others' response to the loads, (speed, dof, mode load)."""
+    return np.concatenate([spectra.basis[:, : len(spectra.M)], _flexibility(spectra) @ loads], axis=2)
 
 
-def _flexibility(found: Spectra) -> Complex:
+def _flexibility(spectra: Spectra) -> Complex:
     """Return the others' response to a force, (speed, dof, dof)."""
-    m = found.passed
-    return found.vectors[:, : len(found.M), m:] @ (found.lag[..., None] * found.by_force[:, m:])
+    m = spectra.passed
+    return spectra.vectors[:, : len(spectra.M), m:] @ (spectra.lag[..., None] * spectra.by_force[:, m:])
 
 
-def _split(found: Spectra, product: Complex) -> Passage:
-    """Return the parts of (..., speed, mode probe, mode load) as a passage."""
-    m = found.passed
-    L = found.fitted(product[..., :m, :m])
-    return Passage(
+def _split(spectra: Spectra, product: Complex) -> PassedModes:
+    """Split (..., speed, mode probe, mode load) into the parts of PassedModes."""
+    m = spectra.passed
+    L = spectra.fit_powers(product[..., :m, :m])
+    return PassedModes(
         L=L,
         T=np.zeros_like(L),
-        g=found.fitted(product[..., :m, m:]),
-        shape=found.fitted(product[..., m:, :m].swapaxes(-1, -2)),
-        others=found.fitted(product[..., m:, m:]),
+        g=spectra.fit_powers(product[..., :m, m:]),
+        shape=spectra.fit_powers(product[..., m:, :m].swapaxes(-1, -2)),
+        others=spectra.fit_powers(product[..., m:, m:]),
     )
 
 
-def driven_with_mirror(
-    envelope: Envelope, found: Mirror, rows: TrackedRows, force: Complex, force_mid: Complex
+def step_coupled_modes(
+    envelope: Envelope, modes: CoupledModes, rows: TrackedRows, force: Complex, force_mid: Complex
 ) -> Motion:
-    """Return the motion under a force at the turns and halfway, (turn, mode, column), beginning in the steady state."""
-    L, D, C = envelope.operator, polynomial(rows.power, found.direct.L), polynomial(rows.power, found.echo.L)
+    """Step through a force at the turns and halfway, (turn, mode, column), beginning in the steady state."""
+    L, D, C = envelope.operator, polynomial(rows.power, modes.direct.L), polynomial(rows.power, modes.conjugate.L)
     start = solve_with_conjugate(L[0] + D[0], C[0], -force[0])
-    a, rate = _advanced(L, D, C, envelope.steps, envelope.turned, force, force_mid, start)
-    return Motion(a=a, rate=rate, average=rows.averages(a, rate, powers=len(found.echo.L)))
+    a, rate = _step_modes(L, D, C, envelope.steps, envelope.phases, force, force_mid, start)
+    return Motion(a=a, rate=rate, average=rows.averages(a, rate, powers=len(modes.conjugate.L)))
 
 
 @njit(cache=True)
-def _advanced(
+def _step_modes(
     L: Complex,
     D: Complex,
     C: Complex,
     steps: Complex,
-    turned: Complex,
+    phases: Complex,
     force: Complex,
     force_mid: Complex,
     start: Complex,
 ) -> tuple[Complex, Complex]:
     """Return a and a' of a' = L a + D a + C conj(a) + force at the turns, (turn, mode, column) each.
 
-    As march.advanced, D a + C conj(a) being one more force: over a step a cubic through its values at the step's end,
-    its start and the two turns before.
+    As time_stepping.step_modes, D a + C conj(a) being one more force: over a step a cubic through its values at the
+    step's end, its start and the two turns before.
     """
     turns, size, columns = force.shape
     a, rate = np.zeros_like(force), force.copy()
     for c in range(columns):
         pushed, pair, forces = np.zeros((4, size), L.dtype), np.zeros((2, size), L.dtype), np.zeros((3, size), L.dtype)
         a[0, :, c] = start[:, c]
-        _push(D[0], C[0], start[:, c], pushed[1])  # pushed: at the step's end, at its start, at the two turns before
+        _put_forces(
+            D[0], C[0], start[:, c], pushed[1]
+        )  # pushed: at the step's end, at its start, at the two turns before
         for k in range(turns):
             for i in range(size):
                 rate[k, i, c] += pushed[1, i]
@@ -153,7 +158,7 @@ def _advanced(
             pair[0] = a[k, :, c]
             forces[0], forces[1], forces[2] = force[k, :, c], force_mid[k, :, c], force[k + 1, :, c]
             weights = SMOOTH if k > 1 else STRAIGHT
-            _step(D[k + 1], C[k + 1], steps[k], turned[k], weights, pushed, forces, pair)
+            _step(D[k + 1], C[k + 1], steps[k], phases[k], weights, pushed, forces, pair)
             a[k + 1, :, c] = pair[1]
             for n in range(3, 0, -1):
                 pushed[n] = pushed[n - 1]
@@ -165,7 +170,7 @@ def _step(
     D: Complex,
     C: Complex,
     steps: Complex,
-    turned: Complex,
+    phases: Complex,
     weights: tuple[float, float, float, float],
     pushed: Complex,
     force: Complex,
@@ -174,9 +179,9 @@ def _step(
     """Put the amplitude at the step's end into a[1] from that at its start, a[0], and the push there into pushed[0].
 
     `force` (3, mode) is that at the start, halfway and at the end. The push at the end depends on the amplitude there:
-    found by repetition, which leaves a few per cent each time.
+    solved by fixed-point iteration, which leaves a few per cent each time.
     """
-    middle, end = turned
+    middle, end = phases
     size = a.shape[1]
     known, halfway = np.zeros((2, size), dtype=np.complex128)
     for i in range(size):
@@ -197,15 +202,15 @@ def _step(
                 new += ahead * pushed[0, j]
             change, largest = max(change, abs(new - a[1, i])), max(largest, abs(new))
             a[1, i] = new
-        _push(D, C, a[1], pushed[0])
-        if change <= SETTLED * largest:
+        _put_forces(D, C, a[1], pushed[0])
+        if change <= CONVERGED * largest:
             break
 
 
 @njit(cache=True)
-def _push(D: Complex, C: Complex, a: Complex, found: Complex) -> None:
-    """Put D a + C conj(a) into `found`."""
+def _put_forces(D: Complex, C: Complex, a: Complex, out: Complex) -> None:
+    """Put D a + C conj(a) into `out`."""
     for i in range(len(C)):
-        found[i] = 0
+        out[i] = 0
         for j in range(len(C)):
-            found[i] += D[i, j] * a[j] + C[i, j] * a[j].conjugate()
+            out[i] += D[i, j] * a[j] + C[i, j] * a[j].conjugate()

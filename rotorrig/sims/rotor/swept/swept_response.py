@@ -1,4 +1,4 @@
-"""1X while the speed moves, as a tracking filter sees it: the lag of a sweep and the smear of the window.
+"""Swept response at the probes: 1X while the speed changes, with the lag of the sweep and the smear of the window.
 
 `swept_response` needs no parameter of its own: the keyphasor tells the speed at every instant. Against integration in
 time of configs/rk4.toml through its resonance the error is 2e-6 of the peak (30 rpm/s up, 60 rpm/s down, damping ratio
@@ -17,11 +17,16 @@ from numpy.typing import ArrayLike, NDArray
 from rotorrig.sims.rotor.model import Direction, Load, RotorModel, patterns, unbalance_loads, unbalance_pattern
 from rotorrig.sims.rotor.steady import Derivatives
 from rotorrig.sims.rotor.swept.envelope import Envelope, Motion
-from rotorrig.sims.rotor.swept.forcing import Drive, drive
-from rotorrig.sims.rotor.swept.passed_modes import Passage, passage
-from rotorrig.sims.rotor.swept.passed_modes_derivatives import passage_derivatives
-from rotorrig.sims.rotor.swept.rotating_stiffness import Mirror, driven_with_mirror, mirror, mirror_derivatives
-from rotorrig.sims.rotor.swept.swept_modes import passing
+from rotorrig.sims.rotor.swept.excitation import Excitation, sample_excitation
+from rotorrig.sims.rotor.swept.passed_modes import PassedModes, fit_passed_modes
+from rotorrig.sims.rotor.swept.passed_modes_derivatives import differentiate_passed_modes
+from rotorrig.sims.rotor.swept.rotating_stiffness import (
+    CoupledModes,
+    couple_modes,
+    differentiate_coupled_modes,
+    step_coupled_modes,
+)
+from rotorrig.sims.rotor.swept.swept_solution import solve_sweep
 from rotorrig.sims.rotor.swept.timeline import Timeline
 from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows, Window, tracked_rows
 
@@ -63,13 +68,13 @@ def swept_columns(
     """
     every = (*unbalance_loads(model, unbalance, order=order), *loads)
     rows = rows.of_order(order)
-    pattern, passed = patterns(model, every, order=order), passing(model, rows)
-    modes, driven = passage(passed.spectra, pattern), drive(every, rows)
+    pattern, solution = patterns(model, every, order=order), solve_sweep(model, rows)
+    modes, excitation = fit_passed_modes(solution.spectra, pattern), sample_excitation(every, rows)
     T = model.added.T
     if T is None or order != 1:
-        return _at_probes(modes, driven, passed.envelope.response(modes.g, driven).average)
-    mirrored = mirror(passed.spectra, modes, pattern, T)
-    return _seen_in(mirrored, driven, _under_mirror(passed.envelope, rows, mirrored, driven))
+        return _at_probes(modes, excitation, solution.envelope.response(modes.g, excitation).average)
+    coupled = couple_modes(solution.spectra, modes, pattern, T)
+    return _coupled_at_probes(coupled, excitation, _step_under_loads(solution.envelope, rows, coupled, excitation))
 
 
 def swept_derivatives(
@@ -83,7 +88,7 @@ def swept_derivatives(
 ) -> Derivatives:
     """Return the response as swept_columns does, and its derivative along each of the directions.
 
-    A direction is what a unit of a parameter adds to the model's matrices: derivatives.py. The loads stay as they are:
+    A direction is the derivative of the model's matrices by a parameter: derivatives.py. The loads stay as they are:
     where a parameter changes one, add the response to its derivative. The derivatives of the modes are exact; those of
     their motion take the force that a changed mode exerts as quadratic in time over a turn. Against central differences
     on configs/rk4.toml: 4e-6 of the derivative's peak at a damping ratio of 0.02, 2e-5 at 0.0014;
@@ -91,63 +96,74 @@ def swept_derivatives(
     """
     every = (*unbalance_loads(model, unbalance, order=order), *loads)
     rows = rows.of_order(order)
-    pattern, passed = patterns(model, every, order=order), passing(model, rows)
-    modes, driven = passage(passed.spectra, pattern), drive(every, rows)
-    change = passage_derivatives(passed.spectra, pattern, directions)
+    pattern, solution = patterns(model, every, order=order), solve_sweep(model, rows)
+    modes, excitation = fit_passed_modes(solution.spectra, pattern), sample_excitation(every, rows)
+    change = differentiate_passed_modes(solution.spectra, pattern, directions)
     if order == 1 and (model.added.T is not None or any(np.ndim(d.T) for d in directions)):
         T = np.zeros_like(model.shaft.K, dtype=complex) if model.added.T is None else model.added.T
-        mirrored = mirror(passed.spectra, modes, pattern, T)
-        changed = mirror_derivatives(passed.spectra, change, pattern, T, directions)
-        return _mirrored_derivatives(passed.envelope, rows, mirrored, changed, driven)
-    motion = passed.envelope.response(modes.g, driven)
-    moved = passed.envelope.derivatives(change, motion, driven)
-    return Derivatives(_at_probes(modes, driven, motion.average), _moved(modes, change, driven, motion, moved))
+        coupled = couple_modes(solution.spectra, modes, pattern, T)
+        change_coupled = differentiate_coupled_modes(solution.spectra, change, pattern, T, directions)
+        return _coupled_derivatives(solution.envelope, rows, coupled, change_coupled, excitation)
+    motion = solution.envelope.response(modes.g, excitation)
+    d_motion = solution.envelope.derivatives(change, motion, excitation)
+    return Derivatives(
+        _at_probes(modes, excitation, motion.average),
+        _derivatives_at_probes(modes, change, excitation, motion, d_motion),
+    )
 
 
-def _mirrored_derivatives(
-    envelope: Envelope, rows: TrackedRows, mirrored: Mirror, changed: Mirror, driven: Drive
+def _coupled_derivatives(
+    envelope: Envelope, rows: TrackedRows, coupled: CoupledModes, change_coupled: CoupledModes, excitation: Excitation
 ) -> Derivatives:
-    """Return the response and its derivatives where a stiffness turns, or would along a direction."""
-    motion = _under_mirror(envelope, rows, mirrored, driven)
-    back, echoed = motion.conjugate(), driven.conjugate()
+    """Return the response and its derivatives with a rotating stiffness in the model, or along a direction."""
+    motion = _step_under_loads(envelope, rows, coupled, excitation)
+    back, conjugate_excitation = motion.conjugate(), excitation.conjugate()
     pushes = zip(
-        envelope.pushed(changed.direct, motion, driven), envelope.pushed(changed.echo, back, echoed), strict=True
+        envelope.forces_of_change(change_coupled.direct, motion, excitation),
+        envelope.forces_of_change(change_coupled.conjugate, back, conjugate_excitation),
+        strict=True,
     )
-    moved = driven_with_mirror(envelope, mirrored, rows, *(a + b for a, b in pushes))
-    by = _moved(mirrored.direct, changed.direct, driven, motion, moved)
-    by += _moved(mirrored.echo, changed.echo, echoed, back, moved.conjugate())
-    return Derivatives(_seen_in(mirrored, driven, motion), by)
+    d_motion = step_coupled_modes(envelope, coupled, rows, *(a + b for a, b in pushes))
+    by = _derivatives_at_probes(coupled.direct, change_coupled.direct, excitation, motion, d_motion)
+    by += _derivatives_at_probes(
+        coupled.conjugate, change_coupled.conjugate, conjugate_excitation, back, d_motion.conjugate()
+    )
+    return Derivatives(_coupled_at_probes(coupled, excitation, motion), by)
 
 
-def _under_mirror(envelope: Envelope, rows: TrackedRows, mirrored: Mirror, driven: Drive) -> Motion:
-    """Return the motion under the loads, directly and through the others' conjugate, and under its own conjugate."""
+def _step_under_loads(envelope: Envelope, rows: TrackedRows, coupled: CoupledModes, excitation: Excitation) -> Motion:
+    """Return the motion under the loads, coupled with its own conjugate; the others' part acts through theirs."""
     forces = zip(
-        envelope.forces(mirrored.direct.g, driven), envelope.forces(mirrored.echo.g, driven.conjugate()), strict=True
+        envelope.forces(coupled.direct.g, excitation),
+        envelope.forces(coupled.conjugate.g, excitation.conjugate()),
+        strict=True,
     )
-    return driven_with_mirror(envelope, mirrored, rows, *(a + b for a, b in forces))
+    return step_coupled_modes(envelope, coupled, rows, *(a + b for a, b in forces))
 
 
-def _seen_in(mirrored: Mirror, driven: Drive, motion: Motion) -> Complex:
-    """Return what the probes see of that, (row, probe, load)."""
-    direct = _at_probes(mirrored.direct, driven, motion.average)
-    return direct + _at_probes(mirrored.echo, driven.conjugate(), motion.average.conj())
+def _coupled_at_probes(coupled: CoupledModes, excitation: Excitation, motion: Motion) -> Complex:
+    """Return that motion at the probes, (row, probe, load)."""
+    direct = _at_probes(coupled.direct, excitation, motion.average)
+    return direct + _at_probes(coupled.conjugate, excitation.conjugate(), motion.average.conj())
 
 
-def _moved(modes: Passage, change: Passage, driven: Drive, motion: Motion, moved: Motion) -> Complex:
-    """Return what the probes see of a change: of the motion, of the modes and of the others, (.., row, probe, load)."""
-    by_others = driven.averaged(change.others)  # (direction, row, probe, load)
+def _derivatives_at_probes(
+    modes: PassedModes, change: PassedModes, excitation: Excitation, motion: Motion, d_motion: Motion
+) -> Complex:
+    """Return the derivatives at the probes by motion, mode shapes and the others' response, (.., row, probe, load)."""
+    by_others = excitation.average(change.others)  # (direction, row, probe, load)
     directions, rows, probes, loads = by_others.shape
-    by_motion = projected(modes.shape, moved.average).reshape(rows, probes, directions, loads)
+    by_motion = project_to_probes(modes.shape, d_motion.average).reshape(rows, probes, directions, loads)
     by_shape = np.einsum("rqml,qdmp->drpl", motion.average, change.shape, optimize=True)
     return np.moveaxis(by_motion, 2, 0) + by_shape + by_others
 
 
-def _at_probes(modes: Passage, driven: Drive, average: Complex) -> Complex:
-    """Return what the probes see of the passed modes and of the others, (row, probe, load)."""
-    return projected(modes.shape, average) + driven.averaged(modes.others)
+def _at_probes(modes: PassedModes, excitation: Excitation, average: Complex) -> Complex:
+    """Return the response at the probes of the passed modes and of the others, (row, probe, load)."""
+    return project_to_probes(modes.shape, average) + excitation.average(modes.others)
 
 
-def projected(shape: Complex, average: Complex) -> Complex:
-    """Return the sum over powers and modes of `shape` (power, mode, probe) and averages: (row, probe, column)."""
+def project_to_probes(shape: Complex, average: Complex) -> Complex:
+    """Return mode shapes (power, mode, probe) times averages, summed over powers and modes, (row, probe, column)."""
     powers, modes, probes = shape.shape
     return shape.reshape(-1, probes).T @ average.reshape(len(average), powers * modes, -1)

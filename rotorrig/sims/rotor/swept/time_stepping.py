@@ -1,7 +1,7 @@
-"""Steps a' = L a + f of a few modes from turn to turn.
+"""Time stepping of a' = L a + f, a few modes from turn to turn, by exponential propagators.
 
-What a step makes of its start and of its force is worked out once (`propagators`) and then serves any number of
-columns (`advanced`): loads, and the derivatives of their responses.
+The propagators of every step are computed once and then serve any number of columns (`step_modes`): loads, and the
+derivatives of their responses.
 """
 
 import math
@@ -17,17 +17,17 @@ Complex = NDArray[np.complex128]
 
 @njit(cache=True)
 def propagators(L: Complex, h: Reals) -> Complex:
-    """Return E, B0, B1, B2 of steps of length h, (step, 4, mode, mode), for constant L (step, mode, mode).
+    """Compute E, B0, B1, B2 of steps of length h, (step, 4, mode, mode), for constant L (step, mode, mode).
 
     a(h) = E a(0) + B0 f(0) + B1 f(h/2) + B2 f(h) is exact for a force quadratic in time: with f = p0 + p1 s + p2 s^2,
     R = L^-1 and D = (1 - E) R, integration by parts gives
     a(h) = E a(0) - D p0 - (D + h) R p1 - (2 (D + h) R + h^2) R p2.
     """
     steps, size = len(h), L.shape[1]
-    found = np.empty((steps, 4, size, size), dtype=np.complex128)
+    out = np.empty((steps, 4, size, size), dtype=np.complex128)
     inverse, work, power, by_p0, by_p1, by_p2 = np.empty((6, size, size), dtype=np.complex128)
     for k in range(steps):
-        flow = found[k, 0]
+        flow = out[k, 0]
         exponential(L[k], h[k], flow, work, power)
         invert(L[k], inverse, work)
         _with_diagonal(flow, -1.0, work)
@@ -38,20 +38,20 @@ def propagators(L: Complex, h: Reals) -> Complex:
         multiply(work, inverse, 2 / h[k], by_p2)  # per p2 h^2
         for i in range(size):
             for j in range(size):  # p1 h = 4 f1 - 3 f0 - f2, p2 h^2 = 2 f0 - 4 f1 + 2 f2
-                found[k, 1, i, j] = by_p0[i, j] - 3 * by_p1[i, j] + 2 * by_p2[i, j]
-                found[k, 2, i, j] = 4 * (by_p1[i, j] - by_p2[i, j])
-                found[k, 3, i, j] = 2 * by_p2[i, j] - by_p1[i, j]
-    return found
+                out[k, 1, i, j] = by_p0[i, j] - 3 * by_p1[i, j] + 2 * by_p2[i, j]
+                out[k, 2, i, j] = 4 * (by_p1[i, j] - by_p2[i, j])
+                out[k, 3, i, j] = 2 * by_p2[i, j] - by_p1[i, j]
+    return out
 
 
 @njit(cache=True)
-def advanced(
-    L: Complex, steps: Complex, turned: Complex, force: Complex, force_mid: Complex, start: Complex
+def step_modes(
+    L: Complex, steps: Complex, phases: Complex, force: Complex, force_mid: Complex, start: Complex
 ) -> tuple[Complex, Complex]:
-    """Return a and a' at the turns, (turn, mode, column) each, from `start` (mode, column).
+    """Step a and a' through the turns, (turn, mode, column) each, from `start` (mode, column).
 
     L (turn, mode, mode), `force` (turn, mode, column) and `force_mid` (step, mode, column) are in the frame of their
-    own instant, `steps` as `propagators` returns them in one that turns evenly over a step: `turned` (step, 2) takes
+    own instant, `steps` as `propagators` returns them in one that turns evenly over a step: `phases` (step, 2) take
     the forces at the middle and the end there, conjugate back.
     """
     turns, size, columns = force.shape
@@ -61,7 +61,7 @@ def advanced(
     for k in range(turns):
         add_matrix(L[k], a[k], 1.0, rate[k])
         if k + 1 < turns:
-            middle, end = turned[k]
+            middle, end = phases[k]
             add_matrix(steps[k, 0], a[k], end.conjugate(), a[k + 1])
             add_matrix(steps[k, 1], force[k], end.conjugate(), a[k + 1])
             add_matrix(steps[k, 2], force_mid[k], end.conjugate() * middle, a[k + 1])
@@ -80,7 +80,7 @@ def add_matrix(A: Complex, x: Complex, factor: complex, y: Complex) -> None:
 
 
 @njit(cache=True)
-def push(
+def add_operator_change(
     still: Reals, turning: Reals, power: Reals, alpha: Reals, a: Complex, a_mid: Complex, force: Complex, mid: Complex
 ) -> None:
     """Add (dL - alpha dT) a to the forces at the turns and halfway, `force` and `mid` (turn, mode, column).
@@ -215,7 +215,6 @@ def multiply(A: Complex, B: Complex, factor: float, C: Complex) -> None:
             C[i, j] = total * factor
 
 
-SMOOTH = (5 / 16, 15 / 16, -5 / 16, 1 / 16)  # what the force halfway is of that at the end, at the start and before
-
-
+#: weights of the force at the end, at the start and at the two turns before, in that halfway: a cubic, a straight line
+SMOOTH = (5 / 16, 15 / 16, -5 / 16, 1 / 16)
 STRAIGHT = (0.5, 0.5, 0.0, 0.0)

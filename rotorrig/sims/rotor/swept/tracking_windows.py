@@ -1,4 +1,4 @@
-"""Where a tracking filter looks: rows of windows on a timeline, laid out once for all models asked about it.
+"""Windows of a tracking filter on a timeline, row by row, laid out once for all models.
 
 An order n of the shaft's rotation is a phase that turns n times as fast: to it the same window is n times as many
 turns. All of its turns, speeds and powers are that phase's.
@@ -24,7 +24,7 @@ SPILL = 0.5  # turns a window may reach over either end of the pulses: rounding 
 
 
 class Points(NamedTuple):
-    """Where a row looks, and the weights by which it averages there."""
+    """Quadrature points of every row's window, and their weights."""
 
     omega: Reals  # (row, point) rad/s
     alpha: Reals  # (row, point) rad/s^2
@@ -34,7 +34,7 @@ class Points(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackedRows:
-    """Rows on a timeline, ready for swept_response.py: all of their averages that does not depend on the rotor.
+    """Rows on a timeline: everything of their averages that does not depend on the rotor.
 
     Powers are those of x, see SpeedRange.
     """
@@ -48,10 +48,10 @@ class TrackedRows:
     speeds: SpeedRange
     power: Reals  # (turn, power)
     power_mid: Reals  # (turn - 1, power) halfway in time
-    seen: NDArray[np.intp]  # (row, span) the whole turns a row looks at
+    turn_index: NDArray[np.intp]  # (row, span) the whole turns a row's window spans
     moments: Reals  # (row, power, 2 span) takes values and slopes d/dt at those turns to the averages of x^power a
     points: Points
-    passings: list[tuple[Any, Any]] = field(default_factory=list, repr=False, compare=False)  # of passing.passing
+    solutions: list[tuple[Any, Any]] = field(default_factory=list, repr=False, compare=False)  # of solve_sweep
     _other_orders: "dict[float, TrackedRows]" = field(default_factory=dict, repr=False, compare=False)
 
     def of_order(self, order: float) -> "TrackedRows":
@@ -66,9 +66,9 @@ class TrackedRows:
 
     def averages(self, a: Complex, rate: Complex, *, powers: int) -> Complex:
         """Return the averages of x^power a over every row's window, (row, power, ...), from a and a', (turn, ...)."""
-        found = np.zeros((len(self.seen), powers, a[0].size), dtype=complex)
-        _average(self.moments, self.seen, a.reshape(len(a), -1), rate.reshape(len(a), -1), found)
-        return found.reshape(*found.shape[:2], *a.shape[1:])
+        out = np.zeros((len(self.turn_index), powers, a[0].size), dtype=complex)
+        _average(self.moments, self.turn_index, a.reshape(len(a), -1), rate.reshape(len(a), -1), out)
+        return out.reshape(*out.shape[:2], *a.shape[1:])
 
 
 def tracked_rows(
@@ -87,8 +87,8 @@ def tracked_rows(
     turn, edges, turns = order * turn, order * edges, timeline.turns(order)
     omega = np.append(turns.omega, turns.omega_mid)
     speeds = SpeedRange(float(omega.min()), float(omega.max()))
-    seen, values, slopes = _hermite(turns, turn)
-    omega, alpha = _at_points(turns, turn, seen, values, slopes)
+    turn_index, values, slopes = _hermite(turns, turn)
+    omega, alpha = _at_points(turns, turn, turn_index, values, slopes)
     weighted = weight[:, None] * speeds.powers(omega)  # (row, point, power)
     return TrackedRows(
         timeline=timeline,
@@ -100,7 +100,7 @@ def tracked_rows(
         speeds=speeds,
         power=speeds.powers(turns.omega),
         power_mid=speeds.powers(turns.omega_mid),
-        seen=seen,
+        turn_index=turn_index,
         moments=weighted.swapaxes(1, 2) @ np.concatenate([values, slopes], axis=-1),
         points=Points(omega=omega, alpha=alpha, edges=edges, weighted=weighted),
     )
@@ -157,32 +157,34 @@ def _hermite(turns: Turns, turn: Reals) -> tuple[NDArray[np.intp], Reals, Reals]
     """
     k = np.minimum(turn.astype(np.intp), len(turns.t) - 2)
     s = turn - k
-    seen = k[:, :1] + np.arange(int(np.ptp(k, axis=1).max(initial=0)) + 2)
-    before, after = (k[..., None] + i == seen[:, None] for i in (0, 1))
-    seen = np.minimum(seen, len(turns.t) - 1)  # a shorter window gives its last ones no weight
+    turn_index = k[:, :1] + np.arange(int(np.ptp(k, axis=1).max(initial=0)) + 2)
+    before, after = (k[..., None] + i == turn_index[:, None] for i in (0, 1))
+    turn_index = np.minimum(turn_index, len(turns.t) - 1)  # a shorter window gives its last ones no weight
     start, end = 2 * s**3 - 3 * s**2 + 1, 3 * s**2 - 2 * s**3  # Hermite's cubics: values, then slopes
     leave, arrive = s**3 - 2 * s**2 + s, s**3 - s**2
-    per_turn = TURN / turns.omega[seen]  # s: d/dturn = per_turn d/dt
+    per_turn = TURN / turns.omega[turn_index]  # s: d/dturn = per_turn d/dt
     values = start[..., None] * before + end[..., None] * after
     slopes = (leave[..., None] * before + arrive[..., None] * after) * per_turn[:, None]
-    return seen, values, slopes
+    return turn_index, values, slopes
 
 
-def _at_points(turns: Turns, turn: Reals, seen: NDArray[np.intp], values: Reals, slopes: Reals) -> tuple[Reals, Reals]:
+def _at_points(
+    turns: Turns, turn: Reals, turn_index: NDArray[np.intp], values: Reals, slopes: Reals
+) -> tuple[Reals, Reals]:
     """Return speed and acceleration at the points of the windows, (row, point): a cubic and straight lines."""
-    omega = values @ turns.omega[seen][..., None] + slopes @ turns.alpha[seen][..., None]
+    omega = values @ turns.omega[turn_index][..., None] + slopes @ turns.alpha[turn_index][..., None]
     return omega[..., 0], np.interp(turn, np.arange(len(turns.t)), turns.alpha)
 
 
 @njit(cache=True)
-def _average(moments: Reals, seen: NDArray[np.intp], a: Complex, rate: Complex, found: Complex) -> None:
+def _average(moments: Reals, turn_index: NDArray[np.intp], a: Complex, rate: Complex, out: Complex) -> None:
     """Add the averages of every column to `found` (row, power, column), without a copy of what the rows see."""
-    rows, powers, columns = found.shape
-    span = seen.shape[1]
+    rows, powers, columns = out.shape
+    span = turn_index.shape[1]
     for row in range(rows):
         for power in range(powers):
             for i in range(span):
-                turn = seen[row, i]
+                turn = turn_index[row, i]
                 by_value, by_rate = moments[row, power, i], moments[row, power, span + i]
                 for c in range(columns):
-                    found[row, power, c] += by_value * a[turn, c] + by_rate * rate[turn, c]
+                    out[row, power, c] += by_value * a[turn, c] + by_rate * rate[turn, c]

@@ -9,8 +9,8 @@ from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with
 from rotorrig.sims.rotor.model.derivatives import between
 from rotorrig.sims.rotor.model.loads import unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.nonlinear.changes import LawChange
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
+from rotorrig.sims.rotor.nonlinear.law_changes import LawChange
 from rotorrig.sims.rotor.nonlinear.steady_response import steady_law_derivatives, steady_with_law
 from rotorrig.sims.rotor.nonlinear.swept_derivatives import swept_law_derivatives
 from rotorrig.sims.rotor.nonlinear.swept_response import swept_with_law

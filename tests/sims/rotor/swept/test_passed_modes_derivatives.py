@@ -8,8 +8,8 @@ import pytest
 from rotorrig.sims.rotor.model.assembly import RotorModel, scaled, with_bearing
 from rotorrig.sims.rotor.model.derivatives import along_bearing, along_density, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.model.loads import unbalance_pattern
-from rotorrig.sims.rotor.swept.passed_modes import Passage, passage, spectra
-from rotorrig.sims.rotor.swept.passed_modes_derivatives import passage_derivatives
+from rotorrig.sims.rotor.swept.passed_modes import PassedModes, fit_passed_modes, solve_spectra
+from rotorrig.sims.rotor.swept.passed_modes_derivatives import differentiate_passed_modes
 from rotorrig.sims.rotor.swept.timeline import SpeedRange
 
 SPEEDS = SpeedRange(50.0, 377.0)
@@ -37,14 +37,14 @@ def test_every_part_of_the_passage_has_its_derivative(small, change, structural_
     changed, direction = CHANGES[change]
     model = springs(replace(small, structural_damping=structural_damping), 0.0)  # x and y modes nearly coincide
     loads = unbalance_pattern(model, {"disk": 1.0})[:, None]
-    found = spectra(model, SPEEDS)
+    found = solve_spectra(model, SPEEDS)
 
-    def moved(p: float) -> Passage:
-        return passage(replace(spectra(changed(model, p), SPEEDS), gauge=found.gauge), loads)
+    def moved(p: float) -> PassedModes:
+        return fit_passed_modes(replace(solve_spectra(changed(model, p), SPEEDS), gauge=found.gauge), loads)
 
-    got = passage_derivatives(found, loads, [along_modulus(model), direction(model)])
+    got = differentiate_passed_modes(found, loads, [along_modulus(model), direction(model)])
     up, down = moved(STEP), moved(-STEP)
-    for part in fields(Passage):
+    for part in fields(PassedModes):
         want = (getattr(up, part.name) - getattr(down, part.name)) / (2 * STEP)
         size = max(np.abs(want).max(), 1e-2 * np.abs(getattr(up, part.name)).max())
         rounding = 1e-10 if part.name == "T" else 0  # s; of the differences: the RK4's modes hardly turn with speed

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.sims.rotor.model.loads import Load
-from rotorrig.sims.rotor.swept.forcing import drive
+from rotorrig.sims.rotor.swept.excitation import sample_excitation
 from rotorrig.sims.rotor.swept.timeline import SpeedRange, Timeline
 from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 
@@ -66,7 +66,9 @@ def test_powers_and_forces_follow_the_speed():
     ones, zeros = np.ones((400, 1, 1), dtype=complex), np.zeros((400, 1, 1), dtype=complex)
     got = rows.averages(ones, zeros, powers=2)[0, :, 0, 0]
     np.testing.assert_allclose(got, [1, np.mean((omega - rows.speeds.centre) / rows.speeds.half)], rtol=1e-5)
-    unbalance, constant = drive([Load(np.zeros(1), "unbalance"), Load(np.zeros(1), "constant")], rows).moments[0, 0]
+    unbalance, constant = sample_excitation(
+        [Load(np.zeros(1), "unbalance"), Load(np.zeros(1), "constant")], rows
+    ).moments[0, 0]
     np.testing.assert_allclose([unbalance, constant], [np.mean(omega**2) - 2j, 1], rtol=1e-5)
 
 

@@ -1,4 +1,4 @@
-"""What a change makes of a force law: of the force on a motion, and of the response to its harmonics."""
+"""Derivatives of the forces of laws, and of the response to their harmonics, by changes of rotor, loads or laws."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LawChange:
-    """What a unit of one real unknown changes; None: nothing."""
+    """Change of matrices, amounts or laws per unit of one real unknown; None: unchanged."""
 
     direction: Direction | None = None
     amounts: Complex | None = None  # (load,)
@@ -34,37 +34,37 @@ class LawDerivatives(NamedTuple):
     by: dict[int, Complex]
 
 
-def changing_laws(changes: Sequence[LawChange]) -> NDArray[np.intp]:
-    """Return which of the changes change the laws."""
+def columns_of_laws(changes: Sequence[LawChange]) -> NDArray[np.intp]:
+    """Return the columns (numbers) of those changes that change the laws."""
     return np.array([i for i, change in enumerate(changes) if change.laws is not None], dtype=np.intp)
 
 
-def by_changed(
-    laws: Sequence[ForceLaw], after: Sequence[LawChange], omega: Reals, u: Reals, F: Reals
+def differentiate_forces(
+    laws: Sequence[ForceLaw], changes: Sequence[LawChange], omega: Reals, u: Reals, F: Reals
 ) -> tuple[Reals, Reals]:
-    """Return what changes of the laws do to the forces on the same motions, (n, part, change), and to where these rest.
+    """Differentiate the forces on the same motions, (n, part, change), and the places' static positions, by the laws.
 
-    The rest is (place, change) m. Many changes move few constants, as all of a rotor's stiffnesses move how its journal
-    lies: a force is found anew for every constant, not for every change.
+    The positions are (place, change) m. Many changes move few constants, as all of a rotor's stiffnesses move how its
+    journal lies: a force is evaluated anew for every constant, not for every change.
     """
-    dF, rest = np.zeros((*F.shape, len(after))), np.zeros((2 * len(laws), len(after)))
+    dF, rest = np.zeros((*F.shape, len(changes))), np.zeros((2 * len(laws), len(changes)))
     for n, law in enumerate(laws):
-        changed = [change.laws[n] for change in after if change.laws is not None]
-        steps = np.array([own.constants - law.constants for own in changed]).reshape(len(after), len(law.constants))
-        for i, change in enumerate(after):
+        changed = [change.laws[n] for change in changes if change.laws is not None]
+        steps = np.array([own.constants - law.constants for own in changed]).reshape(len(changes), len(law.constants))
+        for i, change in enumerate(changes):
             rest[2 * n : 2 * n + 2, i] = (changed[i].static - law.static) / change.step
         for j in np.flatnonzero(steps.any(axis=0)):
             step = steps[np.argmax(np.abs(steps[:, j])), j]
             moved = replace(law, constants=law.constants + step * (np.arange(len(law.constants)) == j))
             by_constant = (forces((*laws[:n], moved, *laws[n + 1 :]), omega, u) - F) / step
-            dF += by_constant[..., None] * (steps[:, j] / [change.step for change in after])
+            dF += by_constant[..., None] * (steps[:, j] / [change.step for change in changes])
     return dF, rest
 
 
-def settled(A: Complex, mean: Reals, slope: Reals, known: Reals, dF: Reals) -> tuple[Reals, Reals]:
+def solve_tangent(A: Complex, mean: Reals, slope: Reals, known: Reals, dF: Reals) -> tuple[Reals, Reals]:
     """Solve du = known + A (slope du + dF); return du and slope du + dF, (n, part, change).
 
-    A (n, harmonic, place, place) is what each harmonic of the force does, `mean` (place, place) what its mean does.
+    A (n, harmonic, place, place) is the compliance to each harmonic of the force, `mean` (place, place) to its mean.
     """
     places = len(mean)
     whole = np.zeros_like(slope)
@@ -93,7 +93,7 @@ def overtone_derivatives(
     The motions u (n, part) at speeds (n,) change by `du`, the forces on them by `dF` (n, part, change).
     """
     places = 2 * len(laws)
-    if u.shape[1] == 3 * places:  # the force was found without overtones
+    if u.shape[1] == 3 * places:  # the force was evaluated without overtones
         dF = _with_overtones(laws, changes, omega, u, du)
     units = [Load(pattern=row.astype(complex), law="constant", order=order) for law in laws for row in law.rows]
     found: Complex = load_columns(model, omega, units) @ phasor(dF, places, order)
@@ -105,6 +105,8 @@ def _with_overtones(laws: Sequence[ForceLaw], changes: Sequence[LawChange], omeg
     more = 4 * len(laws) * (OVERTONES[-1] - 1)  # parts that do not move
     u, du = np.pad(u, ((0, 0), (0, more))), np.pad(du, ((0, 0), (0, more), (0, 0)))
     dF: Reals = slopes(laws, omega, u) @ du
-    lawful = changing_laws(changes)
-    dF[..., lawful] += by_changed(laws, [changes[i] for i in lawful], omega, u, forces(laws, omega, u))[0]
+    law_columns = columns_of_laws(changes)
+    dF[..., law_columns] += differentiate_forces(
+        laws, [changes[i] for i in law_columns], omega, u, forces(laws, omega, u)
+    )[0]
     return dF

@@ -1,4 +1,4 @@
-"""What drives a sweep: the laws of its loads, at the instants of the integrator and averaged over every row's window.
+"""Excitation over a sweep: the loads' laws at the instants of the integrator, and averaged over every row's window.
 
 Loads of one law that begin together share it. A load may begin within a turn or a window: the step of the integrator
 is then given the impulse of the rest of the turn, and each point of a window the part of its surroundings that is
@@ -23,8 +23,8 @@ TINY = 1e-12  # turns
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Drive:
-    """The laws of some loads over a sweep, each law once."""
+class Excitation:
+    """Laws of the loads over a sweep, each law once."""
 
     which: NDArray[np.intp]  # (load,) the law of each
     at: Complex  # (turn, law)
@@ -32,36 +32,36 @@ class Drive:
     moments: Complex  # (row, power, law) averages of x^power times the law
 
     def forces(self, at: Complex, mid: Complex) -> tuple[Complex, Complex]:
-        """Multiply what the loads do per unit of their law, (turn, ..., load) and halfway, by the laws, in place."""
+        """Multiply forces per unit of a load's law, (turn, ..., load) and halfway, by the laws, in place."""
         between = (1,) * (at.ndim - 2)
         at *= self.at[:, self.which].reshape(len(at), *between, -1)
         mid *= self.mid[:, self.which].reshape(len(mid), *between, -1)
         return at, mid
 
-    def conjugate(self) -> "Drive":
-        """Return the laws' conjugates: those of what goes with the conjugate of the motion."""
-        return Drive(which=self.which, at=self.at.conj(), mid=self.mid.conj(), moments=self.moments.conj())
+    def conjugate(self) -> "Excitation":
+        """Return the conjugate laws, those of the conjugate motion."""
+        return Excitation(which=self.which, at=self.at.conj(), mid=self.mid.conj(), moments=self.moments.conj())
 
-    def averaged(self, values: Complex) -> Complex:
+    def average(self, values: Complex) -> Complex:
         """Return averages of polynomials in the speed times the laws, (..., row, probe, load).
 
         `values` (power, ..., probe, load) are the coefficients.
         """
         powers, *between, probes, loads = values.shape
-        found = np.empty((len(self.moments), *between, probes, loads), dtype=complex)
+        out = np.empty((len(self.moments), *between, probes, loads), dtype=complex)
         for law in range(self.moments.shape[-1]):
             of_law = self.which == law
-            found[..., of_law] = np.tensordot(self.moments[:, :powers, law], values[..., of_law], 1)
-        return np.moveaxis(found, 0, -3)
+            out[..., of_law] = np.tensordot(self.moments[:, :powers, law], values[..., of_law], 1)
+        return np.moveaxis(out, 0, -3)
 
 
-def drive(loads: Sequence[Load], rows: TrackedRows) -> Drive:
-    """Return the laws of loads, which are all of the rows' order."""
+def sample_excitation(loads: Sequence[Load], rows: TrackedRows) -> Excitation:
+    """Sample the laws of the loads, which are all of the rows' order."""
     kinds = list(dict.fromkeys((load.law, load.since) for load in loads))
     laws = [_law(rows, *kind) for kind in kinds] or [_law(rows, "constant", -math.inf)]
     at, mid, moments = (np.stack(parts, axis=-1) for parts in zip(*laws, strict=True))
     which = np.array([kinds.index((load.law, load.since)) for load in loads], dtype=np.intp)
-    return Drive(which=which, at=at, mid=mid, moments=moments)
+    return Excitation(which=which, at=at, mid=mid, moments=moments)
 
 
 def _law(rows: TrackedRows, law: str, since: float) -> tuple[Complex, Complex, Complex]:
