@@ -18,7 +18,7 @@ from rotorrig.identify import identify
 from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
 from rotorrig.processing import track
 from rotorrig.rig.config import load
-from rotorrig.sims.plant import draw, identified_truth
+from rotorrig.sims.plant import draw, expected_estimates
 
 ROOT = Path(__file__).parents[1]
 
@@ -30,7 +30,7 @@ def case(arguments: tuple[Path, int]) -> dict[str, float]:
     response = track(record(rig, seed=seed))
     found = identify(response, seed=seed)
     adequacy = assess(response, {1: found.fits[0].prediction}, reduced_chi2=found.fits[0].chi2 / found.fits[0].dof)
-    truth = identified_truth(rig, draw(rig, seed=seed))
+    truth = expected_estimates(rig, draw(rig, seed=seed))
     row = {"seed": seed, "chi2": adequacy.reduced_chi2, "worst": adequacy.worst_sigma}
     for name, value in truth.items():
         estimate = found.fits[0].estimate(name)

@@ -63,7 +63,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
     "sims": ("plant rotor", "effects wire"),
     "sims.rotor": ("model", "modes steady", "swept", "nonlinear"),
     "sims.plant": (
-        "force_laws latency motor sizes streams truth",
+        "force_laws latency motor streams truth",
         "places",
         "chain shaft",
         "faults integrate sensors",

@@ -16,8 +16,8 @@ from benchmarks.parts.blind.names import ANSWERS, answer, effect_of
 from benchmarks.parts.blind.page import page, text
 from benchmarks.parts.blind.score import Rate, Score, rates, score, summarise
 from rotorrig.sims.effects.base import catalogue
-from rotorrig.sims.plant.draw import draw, identified_truth
-from rotorrig.sims.plant.faults.base import names
+from rotorrig.sims.plant.draw import draw, expected_estimates
+from rotorrig.sims.plant.faults.base import fault_names
 from rotorrig.sims.plant.sealed_truth import seal, unseal
 from rotorrig.sims.plant.truth import FaultSpec, Truth
 
@@ -38,7 +38,7 @@ def diagnosis(verdict: str, *causes: Any, tied: Any = (), gain: Any = None) -> d
 
 
 def test_every_fault_is_either_answered_by_an_effect_or_an_outsider() -> None:
-    assert {*modelled(), *outsiders()} == set(names())
+    assert {*modelled(), *outsiders()} == set(fault_names())
     assert set(ANSWERS) == set(modelled())
     assert set(outsiders()) == {"loose_disk", "loose_pedestal", "probe_curvature", "slipping_coupling"}
 
@@ -62,7 +62,7 @@ def test_an_angle_is_told_from_the_keyphasors_edge() -> None:
     theta = answer(BOW.rig, truth, hidden).theta
     assert theta["skew re"] == pytest.approx(0, abs=1e-12)
     assert theta["skew im"] == pytest.approx(2e-3)
-    plain = identified_truth(BOW.rig, truth)["phase"] - truth.unbalances[0].angle
+    plain = expected_estimates(BOW.rig, truth)["phase"] - truth.unbalances[0].angle
     assert math.remainder(plain - 0.25, math.tau) == pytest.approx(0, abs=1e-12)
 
 
@@ -153,7 +153,7 @@ def test_an_interval_is_asked_for_what_both_sides_mean_alike() -> None:
 
 def test_stiffness_and_unbalance_are_judged_in_standard_deviations() -> None:
     truth = truth_of(BOW)
-    sought = identified_truth(BOW.rig, truth)
+    sought = expected_estimates(BOW.rig, truth)
     base = {
         "kxx": {"before": 0.0, "after": sought["kxx"] + 30.0, "sigma": 20.0},
         "cxx": {"before": 0.0, "after": 99.0, "sigma": 1.0},

@@ -16,7 +16,7 @@ import pytest
 from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.plant.draw import draw, identified_truth
+from rotorrig.sims.plant.draw import draw, expected_estimates
 from rotorrig.sims.plant.sealed_truth import seal, unseal
 from rotorrig.sims.plant.truth import FaultSpec
 
@@ -70,7 +70,7 @@ def test_a_sweep_over_the_wire_loses_no_sample(healthy: Path) -> None:
 
 
 def test_what_the_rig_hid_is_found(healthy: Path, hurried_rig: RigConfig) -> None:
-    truth = identified_truth(hurried_rig, draw(hurried_rig, seed=SEED))
+    truth = expected_estimates(hurried_rig, draw(hurried_rig, seed=SEED))
     fits = json.loads((healthy / "fit.json").read_text())["fits"]
     assert len(fits) == 2
     for estimate in fits[0]["estimates"][:5]:

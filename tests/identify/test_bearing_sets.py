@@ -16,7 +16,7 @@ from rotorrig.identify.fit import identify
 from rotorrig.identify.identification import Fit
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig, from_si
-from rotorrig.sims.plant.draw import draw, identified_truth
+from rotorrig.sims.plant.draw import draw, expected_estimates
 from tests.conftest import BLIND_SEED
 from tests.identify.matched import matched_response, sought
 
@@ -133,4 +133,4 @@ def test_with_one_probe_what_moves_across_it_is_not_determined(rig_config: RigCo
 def test_what_the_blind_plant_hides_is_found(blind_response: OrderTrackedResponse, unknowns: dict[str, object]) -> None:
     rig = sought(blind_response.rig, **unknowns)
     found = identify(replace(blind_response, rig=rig)).fits[0]
-    check(found, identified_truth(rig, draw(blind_response.rig, seed=BLIND_SEED)))
+    check(found, expected_estimates(rig, draw(blind_response.rig, seed=BLIND_SEED)))

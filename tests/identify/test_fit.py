@@ -15,7 +15,7 @@ from rotorrig.identify.identification import Identification
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.sims.plant.draw import draw, identified_truth
+from rotorrig.sims.plant.draw import draw, expected_estimates
 from tests.conftest import BLIND_SEED
 
 
@@ -28,7 +28,7 @@ def test_the_plants_hidden_values_are_found_within_their_uncertainty(
     found: Identification, blind_response: OrderTrackedResponse
 ) -> None:
     rig = blind_response.rig
-    truth = identified_truth(rig, draw(rig, seed=BLIND_SEED))
+    truth = expected_estimates(rig, draw(rig, seed=BLIND_SEED))
     for name, value in truth.items():
         estimate = found.fits[0].estimate(name)
         off = math.remainder(estimate.value - value, math.tau) if name == "phase" else estimate.value - value

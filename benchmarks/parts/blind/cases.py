@@ -29,7 +29,7 @@ from rotorrig.rig.config import RigConfig, load
 from rotorrig.rig.config.description import from_si
 from rotorrig.sims.plant import FaultSpec, draw, seal
 from rotorrig.sims.plant.draw import draw_fault
-from rotorrig.sims.plant.faults.base import names
+from rotorrig.sims.plant.faults.base import fault_names
 
 CONFIG = Path(__file__).parents[3] / "configs/rk4.toml"
 TRIAL = {"disk": (12e-6, math.pi / 2)}  # kg m, rad from the keyphasor mark in the sense of rotation
@@ -96,12 +96,12 @@ def cases(
 
 def modelled() -> tuple[str, ...]:
     """Return the names of the faults that have an effect for a counterpart."""
-    return tuple(name for name in names() if name in ANSWERS)
+    return tuple(name for name in fault_names() if name in ANSWERS)
 
 
 def outsiders() -> tuple[str, ...]:
     """Return the names of the faults that no effect of sims/effects models."""
-    return tuple(name for name in names() if name not in ANSWERS)
+    return tuple(name for name in fault_names() if name not in ANSWERS)
 
 
 def sizes(case: Case) -> tuple[FaultSpec, ...]:

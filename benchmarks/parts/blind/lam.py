@@ -35,7 +35,7 @@ from rotorrig.identify.verdict.verdict import another
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects import Effect, find
-from rotorrig.sims.plant import Truth, identified_truth, unseal
+from rotorrig.sims.plant import Truth, expected_estimates, unseal
 
 TEMPLATE_SEED = -1  # of the healthy case whose rows and noise are used; no case of the benchmark has it
 ENOUGH = DETECTABLE  # lam to a rival beyond which it is not asked how far: it is more than tells two causes apart
@@ -99,7 +99,7 @@ def lam(
     """
     slight = background(rig)
     problem = ExtendedProblem(ExtendedModel(recordings, (*slight, find(rig, hidden.exact))))
-    p = _vector(problem, identified_truth(rig, truth), hidden)
+    p = _vector(problem, expected_estimates(rig, truth), hidden)
     seen = [r.instead(z) for r, z in zip(recordings, problem.model.predict(p), strict=True)]
     base = ExtendedProblem(ExtendedModel(seen, slight, models=problem.model.models))
     best = fitted(base, p[: base.parameters.own.start])

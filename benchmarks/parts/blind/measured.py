@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 from benchmarks.parts.blind.cases import CONFIG, Case, measure
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import read_response, write_response
-from rotorrig.sims.plant.faults.base import names
+from rotorrig.sims.plant.faults.base import fault_names
 
 ROOT = Path(__file__).parents[3]
 FAULTS = ROOT / "rotorrig/sims/plant/faults"
@@ -49,7 +49,7 @@ def digest(faults: tuple[str, ...]) -> str:
 
 
 def _sources(faults: tuple[str, ...]) -> Iterator[Path]:
-    other = {FAULTS / f"{name}.py" for name in names() if name not in faults}
+    other = {FAULTS / f"{name}.py" for name in fault_names() if name not in faults}
     for folder in FOLDERS:
         yield from (path for path in sorted(folder.rglob("*.py")) if path not in other)
     yield from FILES

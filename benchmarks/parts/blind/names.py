@@ -18,7 +18,7 @@ from rotorrig.sims.effects.places import STEP, probe_planes
 from rotorrig.sims.effects.stiffness_over_speed import StiffnessOverSpeed
 from rotorrig.sims.effects.unbalance_plane import UnbalancePlane
 from rotorrig.sims.plant import FaultSpec, Truth
-from rotorrig.sims.plant.faults import fault
+from rotorrig.sims.plant.faults import load_fault
 from rotorrig.sims.plant.motor import DRAG_CONSTANT, DRAG_LINEAR
 from rotorrig.sims.rotor.model import ONE_RECORDING, between_recordings
 
@@ -43,7 +43,7 @@ def answer(rig: RigConfig, truth: Truth, hidden: FaultSpec) -> Answer:
     """Return the right answers for a fault in the rig of `truth`."""
     if hidden.name not in ANSWERS:
         return OUTSIDER
-    return ANSWERS[hidden.name](rig, truth, fault(hidden.name).PARAMETERS | hidden.parameters)
+    return ANSWERS[hidden.name](rig, truth, load_fault(hidden.name).PARAMETERS | hidden.parameters)
 
 
 def effect_of(label: str) -> str:

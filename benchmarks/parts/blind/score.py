@@ -18,7 +18,7 @@ from benchmarks.parts.blind.lam import Lam
 from benchmarks.parts.blind.names import Answer, answer
 from rotorrig.identify.verdict import NAMEABLE
 from rotorrig.identify.verdict.separability import DETECTABLE
-from rotorrig.sims.plant import Truth, identified_truth
+from rotorrig.sims.plant import Truth, expected_estimates
 
 WITHIN = 1.959964  # standard deviations: 95 %
 JUDGED = ("kxx", "kyy", "u")  # stiffness and unbalance, against their Cramer-Rao bound
@@ -130,7 +130,7 @@ def score(
     )
     if not (scored.in_set and scored.verdict == "named"):
         return scored
-    return _with_figures(scored, diagnosis, answers, identified_truth(case.rig, truth))
+    return _with_figures(scored, diagnosis, answers, expected_estimates(case.rig, truth))
 
 
 def summarise(scores: Sequence[Score], *, wanted: int | None = None) -> dict[str, Any]:

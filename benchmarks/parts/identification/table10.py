@@ -39,7 +39,7 @@ from rotorrig.identify.base_model.steady_forward import Steady
 from rotorrig.identify.measurement import Measurement
 from rotorrig.processing import OrderTrackedResponse, Tracking, track
 from rotorrig.rig.config import RPM, RigConfig, load
-from rotorrig.sims.plant import draw, identified_truth
+from rotorrig.sims.plant import draw, expected_estimates
 from rotorrig.sims.plant.truth import Noise
 
 Real = NDArray[np.float64]
@@ -87,7 +87,7 @@ def identified(response: OrderTrackedResponse, seed: int) -> Case:
     for objective in OBJECTIVES:
         found[objective] = _searched(response, measured, objective, slow_roll=True)
         found[f"{objective} uncompensated"] = _searched(response, measured, objective, slow_roll=False)
-    hidden = identified_truth(response.rig, draw(response.rig, seed=seed))
+    hidden = expected_estimates(response.rig, draw(response.rig, seed=seed))
     truth = np.array([hidden[name] for name in NAMES])
     outcomes = {
         name: Outcome(error=100 * (theta / truth - 1), calls=calls, seconds=seconds)

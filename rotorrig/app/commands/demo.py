@@ -19,7 +19,7 @@ from rotorrig.identify import Diagnosis, Identification, identify, write_diagnos
 from rotorrig.processing import OrderTrackedResponse, track
 from rotorrig.processing.files import read_response, write_response
 from rotorrig.rig.config import RPM, RigConfig
-from rotorrig.sims.plant import FaultSpec, Truth, draw, identified_truth, seal, unseal
+from rotorrig.sims.plant import FaultSpec, Truth, draw, expected_estimates, seal, unseal
 from rotorrig.sims.wire import simulated_bench
 
 SEALED = "truth.sealed.json"
@@ -114,7 +114,7 @@ def _sweep(rig: RigConfig, folder: Path, case: Case, rate: float, bars: Progress
 
 def _report(rig: RigConfig, folder: Path, found: Identification, diagnosis: Diagnosis, truth: Truth) -> None:
     response: OrderTrackedResponse = read_response(folder / "response.mcap")
-    actual = identified_truth(rig, truth)
+    actual = expected_estimates(rig, truth)
     write_report(folder / "report.html", response=response, identification=found, diagnosis=diagnosis, truth=actual)
     recording = read_recording(folder / "run.mcap")
     write_result_rrd(folder / "demo.rrd", response, found, diagnosis, recording=recording)

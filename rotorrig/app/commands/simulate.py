@@ -13,7 +13,7 @@ from rotorrig.app.terminal import out
 from rotorrig.rig import ConfigError, DataError
 from rotorrig.rig.config import RigConfig, read_trial_mass, trial_unbalance
 from rotorrig.sims.plant import FaultSpec, Truth, draw, seal, unseal
-from rotorrig.sims.plant.faults import check
+from rotorrig.sims.plant.faults import check_fault
 from rotorrig.sims.wire import BenchPorts, Said, read_script, simulated_bench
 
 
@@ -91,7 +91,7 @@ def faults_of(rig: RigConfig) -> tuple[FaultSpec, ...]:
     faults = []
     for effect in rig.effects:
         try:
-            check(effect.name, effect.parameters)
+            check_fault(effect.name, effect.parameters)
         except DataError as error:
             raise ConfigError(f"effects: the simulated rig cannot show '{effect.label}': {error}") from error
         faults.append(FaultSpec(name=effect.name, parameters=dict(effect.parameters)))

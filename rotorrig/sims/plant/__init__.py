@@ -1,9 +1,9 @@
-"""The simulated rig's physics, blind to the identifier.
+"""Physics of the simulated rig, blind to the identifier: hidden truth, shaft, faults, time integration, sensors, noise.
 
-Hidden truth, shaft, sensors, noise, faults, time integration.
+`draw` a `Truth` from a seed, `seal` it, and let a `Plant` advance in time.
 """
 
-from rotorrig.sims.plant.draw import draw, identified_truth
+from rotorrig.sims.plant.draw import draw, expected_estimates
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.plant.sealed_truth import seal, unseal
 from rotorrig.sims.plant.truth import FaultSpec, Truth
@@ -13,7 +13,7 @@ __all__ = [
     "Plant",
     "Truth",
     "draw",
-    "identified_truth",
+    "expected_estimates",
     "seal",
     "unseal",
 ]

@@ -1,4 +1,4 @@
-"""What the sensor chain of a rig is, from the surface under the probes to the converter's input.
+"""Sensor chain of a rig, from the surface under the probes to the converter's input.
 
 A probe sees the shaft come nearer, x cos a + y sin a, plus the track of the surface under it. Tracks belong to a plane:
 two probes at one place see the same one, shifted by their angle, plus a little electrical run-out of their own.
@@ -22,15 +22,15 @@ MAINS = 50.0  # Hz
 
 
 class Chain(NamedTuple):
-    """What the probes are, one row each, in the config's order, and what they all pick up."""
+    """Constants of the probes, one row each, in the config's order, and the tones they all pick up."""
 
     channel: NDArray[np.intp]  # (probe,)
     direction: NDArray[np.float64]  # (probe, 2) cosine and sine of the true angle
     track: NDArray[np.complex128]  # (probe, harmonic) m, run-out Re(track e^{j n theta})
-    curvature: NDArray[np.float64]  # (probe, 2) see `sensors.bent`
+    curvature: NDArray[np.float64]  # (probe, 2) see `sensors.apply_curvature`
     volts_per_metre: NDArray[np.float64]  # (probe,)
     gap_voltage: NDArray[np.float64]  # (probe,)
-    mixing: NDArray[np.float64]  # (probe, probe) what each channel shows of every probe; the identity if all is well
+    mixing: NDArray[np.float64]  # (probe, probe) share of every probe in each channel; the identity if all is well
     delay: NDArray[np.float64]  # (probe,) s, after the keyphasor's channel
     tones: NDArray[np.float64]  # (tone, 3) m, Hz and rad: the same in all probes, whatever the shaft does
 
@@ -52,7 +52,7 @@ def make_chain(rig: RigConfig, truth: Truth) -> Chain:
     )
 
 
-def seen_at(pattern: NDArray[np.complex128], angle: float, rig: RigConfig) -> NDArray[np.complex128]:
+def phasors_at(pattern: NDArray[np.complex128], angle: float, rig: RigConfig) -> NDArray[np.complex128]:
     """Return the phasors (harmonic,) a probe at `angle` [rad] sees of a `pattern` fixed to the surface.
 
     The pattern reaches it that much later, in the sense of rotation: harmonic n turns by -n angle.
@@ -73,5 +73,5 @@ def _tracks(rig: RigConfig, truth: Truth, angles: NDArray[np.float64]) -> NDArra
         size = first / n * np.where(n == 1, 1.0, surface.uniform(0.5, 1.5, HARMONICS))
         pattern = size * np.exp(1j * surface.uniform(0.0, math.tau, HARMONICS))
         spots = stream(truth.runout_seed, f"electrical {i}").uniform(0.0, math.tau, HARMONICS)
-        rows.append(seen_at(pattern, angle, rig) + ELECTRICAL_RUNOUT * np.exp(1j * spots))
+        rows.append(phasors_at(pattern, angle, rig) + ELECTRICAL_RUNOUT * np.exp(1j * spots))
     return np.array(rows)

@@ -7,7 +7,7 @@ import numpy as np
 
 from rotorrig.rig import ConfigError, DataError
 from rotorrig.rig.config import Bearing, Disk, RigConfig
-from rotorrig.sims.plant.faults import check, check_faults, deviated, fault
+from rotorrig.sims.plant.faults import apply_deviations, check_fault, check_faults, load_fault
 from rotorrig.sims.plant.streams import stream
 from rotorrig.sims.plant.truth import BearingTruth, FaultSpec, Noise, Truth, UnbalanceTruth
 
@@ -50,21 +50,24 @@ def draw(
         seed=seed,
         bearings=_draw_bearings(rig, seed),
         unbalances=tuple(_draw_unbalance(rig, disk, seed) for disk in rig.disks),
-        modulus_factor=1.0 + _clipped(seed, "modulus", MODULUS_SIGMA),
-        density_factor=1.0 + _clipped(seed, "density", DENSITY_SIGMA),
-        disk_mass_factors=tuple(1.0 + _clipped(seed, f"mass {d.name}", DISK_MASS_SIGMA) for d in rig.disks),
-        probe_gain_factors=tuple(1.0 + _clipped(seed, f"gain {i}", GAIN_SIGMA) for i in probes),
-        probe_angle_errors=tuple(_clipped(seed, f"angle {i}", PROBE_ANGLE_SIGMA) for i in probes),
+        modulus_factor=1.0 + _draw_clipped(seed, "modulus", MODULUS_SIGMA),
+        density_factor=1.0 + _draw_clipped(seed, "density", DENSITY_SIGMA),
+        disk_mass_factors=tuple(1.0 + _draw_clipped(seed, f"mass {d.name}", DISK_MASS_SIGMA) for d in rig.disks),
+        probe_gain_factors=tuple(1.0 + _draw_clipped(seed, f"gain {i}", GAIN_SIGMA) for i in probes),
+        probe_angle_errors=tuple(_draw_clipped(seed, f"angle {i}", PROBE_ANGLE_SIGMA) for i in probes),
         probe_curvatures=tuple(
-            (_within(seed, f"quadratic {i}", CURVATURE_TOLERANCE), _within(seed, f"cubic {i}", CURVATURE_TOLERANCE))
+            (
+                _draw_within(seed, f"quadratic {i}", CURVATURE_TOLERANCE),
+                _draw_within(seed, f"cubic {i}", CURVATURE_TOLERANCE),
+            )
             for i in probes
         ),
-        keyphasor_offset=_clipped(seed, "keyphasor", KEYPHASOR_SIGMA),
+        keyphasor_offset=_draw_clipped(seed, "keyphasor", KEYPHASOR_SIGMA),
         runout_seed=seed,
         noise=Noise(),
         faults=check_faults(faults),
-        trial=_trial(rig, trial or {}),
-        run=_run_number(run),
+        trial=_trial_masses(rig, trial or {}),
+        run=_check_run(run),
     )
 
 
@@ -74,8 +77,8 @@ def draw_fault(rig: RigConfig, name: str, *, seed: int, runs: int = 1) -> FaultS
     Each parameter with a range comes from it, by its own stream; the others keep their default. `runs` is how many
     recordings there will be: what would happen in a later one happens in the last.
     """
-    check(name, {})
-    spans = fault(name).RANGE
+    check_fault(name, {})
+    spans = load_fault(name).RANGE
     drawn = {p: s.draw(rig, stream(seed, f"{name} {p}")) for p, s in spans.items()}
     if "run" in drawn:
         drawn["run"] = min(drawn["run"], runs - 1.0)
@@ -111,8 +114,8 @@ def nameplate(rig: RigConfig, *, seed: int = 0, faults: Iterable[FaultSpec] = ()
     )
 
 
-def identified_truth(rig: RigConfig, truth: Truth) -> dict[str, float]:
-    """Return what a perfect fit of the config's [identify] table would find, SI: "kxx".. "u", "phase" by name.
+def expected_estimates(rig: RigConfig, truth: Truth) -> dict[str, float]:
+    """Return the estimates of a perfect fit of the config's [identify] table, SI: "kxx".. "u", "phase" by name.
 
     A phase [rad, -pi to pi] is the unbalance's angle from the emitted keyphasor edge, in the sense of rotation; a
     plane that is no disk has no unbalance here, and a trial mass, which is known, is left out. Raises DataError if the
@@ -120,22 +123,22 @@ def identified_truth(rig: RigConfig, truth: Truth) -> dict[str, float]:
     """
     if (sought := rig.identify) is None:
         raise DataError(f"config '{rig.name}': has no [identify] table, want one to know what is to be found")
-    truth = deviated(rig, truth)
-    found = {}
+    truth = apply_deviations(rig, truth)
+    estimates = {}
     bearings = {bearing.name: bearing for bearing in truth.bearings}
     for group in sought.bearings:
         for name in sought.coefficient_names:
-            found[sought.coefficient_of(group, name)] = float(getattr(bearings[group[0]], name))
+            estimates[sought.coefficient_of(group, name)] = float(getattr(bearings[group[0]], name))
     factors = {"youngs_modulus": ("E", truth.modulus_factor), "density": ("density", truth.density_factor)}
     for key in sought.also:
         name, factor = factors[key]
-        found[name] = factor * getattr(rig.shaft, key)
+        estimates[name] = factor * getattr(rig.shaft, key)
     for unbalance in truth.unbalances:
         if unbalance.disk in sought.unbalance:
             phase = math.remainder(unbalance.angle + truth.keyphasor_offset, math.tau)
-            found[sought.unbalance_of(unbalance.disk, "u")] = unbalance.amount
-            found[sought.unbalance_of(unbalance.disk, "phase")] = phase
-    return found
+            estimates[sought.unbalance_of(unbalance.disk, "u")] = unbalance.amount
+            estimates[sought.unbalance_of(unbalance.disk, "phase")] = phase
+    return estimates
 
 
 def _check_can_be_simulated(rig: RigConfig) -> None:
@@ -147,7 +150,7 @@ def _check_can_be_simulated(rig: RigConfig) -> None:
         raise ConfigError(f"{rig.name}: the shaft has damping, want none to simulate the rig, which brings its own")
 
 
-def _trial(rig: RigConfig, masses: Mapping[str, tuple[float, float]]) -> tuple[UnbalanceTruth, ...]:
+def _trial_masses(rig: RigConfig, masses: Mapping[str, tuple[float, float]]) -> tuple[UnbalanceTruth, ...]:
     disks = [disk.name for disk in rig.disks]
     for name in masses:
         if name not in disks:
@@ -155,7 +158,7 @@ def _trial(rig: RigConfig, masses: Mapping[str, tuple[float, float]]) -> tuple[U
     return tuple(UnbalanceTruth(disk=name, amount=amount, angle=angle) for name, (amount, angle) in masses.items())
 
 
-def _run_number(run: int) -> int:
+def _check_run(run: int) -> int:
     if run < 0:
         raise DataError(f"run {run}: want a number from 0 on")
     return run
@@ -169,7 +172,7 @@ def _draw_bearings(rig: RigConfig, seed: int) -> tuple[BearingTruth, ...]:
     for bearing in rig.bearings:
         owner = owners.get(bearing.name, bearing.name)
         factors = {
-            c: 1.0 + _within(seed, f"{owner} {c}", STIFFNESS_TOLERANCE if c.startswith("k") else DAMPING_TOLERANCE)
+            c: 1.0 + _draw_within(seed, f"{owner} {c}", STIFFNESS_TOLERANCE if c.startswith("k") else DAMPING_TOLERANCE)
             for c in COEFFICIENTS
         }
         drawn.append(_bearing(bearing, factors))
@@ -188,14 +191,14 @@ def _draw_unbalance(rig: RigConfig, disk: Disk, seed: int) -> UnbalanceTruth:
         expected = disk.mass * BALANCE_QUALITY / fastest
     return UnbalanceTruth(
         disk=disk.name,
-        amount=expected * (1.0 + _within(seed, f"unbalance {disk.name}", UNBALANCE_TOLERANCE)),
+        amount=expected * (1.0 + _draw_within(seed, f"unbalance {disk.name}", UNBALANCE_TOLERANCE)),
         angle=float(stream(seed, f"heavy spot {disk.name}").uniform(-np.pi, np.pi)),
     )
 
 
-def _within(seed: int, name: str, tolerance: float) -> float:
+def _draw_within(seed: int, name: str, tolerance: float) -> float:
     return float(stream(seed, name).uniform(-tolerance, tolerance))
 
 
-def _clipped(seed: int, name: str, sigma: float) -> float:
+def _draw_clipped(seed: int, name: str, sigma: float) -> float:
     return float(np.clip(stream(seed, name).normal(), -2.0, 2.0) * sigma)

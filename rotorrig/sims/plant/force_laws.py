@@ -1,6 +1,6 @@
-"""Forces that depend on how the shaft stands and moves: where they act, and the law they follow.
+"""Force laws on the shaft: the places they act on, and the force by position and motion there.
 
-A force acts through a `Place`, a weighted sum of deflections and slopes: that sum is the motion its law is told, and
+A force acts through a `Place`, a weighted sum of deflections and slopes: that sum is the motion its law is given, and
 its force spreads over them by the same weights, so that it does the work it should. A single deflection is a point of
 the shaft; a slope takes a moment; the difference of two slopes is the bending in between, and takes a pair of moments.
 """
@@ -43,7 +43,7 @@ class Turn(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """How a place stands and moves: m and m/s, or what its weights make of them."""
+    """Position and velocity of a place: m and m/s, or their sum by its weights."""
 
     x: float
     y: float

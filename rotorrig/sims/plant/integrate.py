@@ -1,4 +1,4 @@
-"""The shaft's motion in time: Newmark's average acceleration, the linear part factored once.
+"""Time integration of the shaft's motion: Newmark's average acceleration, the linear part factored once.
 
 Unconditionally stable and without numerical damping; a mode of frequency w has its period too long by (w h)^2 / 12
 (Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67). Gyroscopic and rotating-damping forces and the force laws depend on
@@ -22,7 +22,7 @@ ITERATIONS = 50  # 3 on a healthy shaft
 
 
 class _Matrices(NamedTuple):
-    """What a step needs of the rotor; all stored transposed, so that a product runs down contiguous columns."""
+    """Matrices of a step; all stored transposed, so that a product runs down contiguous columns."""
 
     inverse: NDArray[np.float64]  # (M + h/2 C + h^2/4 K)^-1
     C: NDArray[np.float64]
@@ -32,7 +32,7 @@ class _Matrices(NamedTuple):
 
 
 class _Loads(NamedTuple):
-    """Where forces act: coordinates in the x plane, and the constants of each force."""
+    """Driving loads: their coordinates in the x plane, and their constants."""
 
     constant: NDArray[np.float64]  # (2n,) N, weight
     unbalance_at: NDArray[np.intp]  # (disk,)
@@ -41,7 +41,7 @@ class _Loads(NamedTuple):
 
 
 class _Forces(NamedTuple):
-    """Where each force law acts, what it counts from, and its constants; rows filled up with zeros."""
+    """Force laws: the coordinates each acts on, its rest position and its constants; rows filled up with zeros."""
 
     at: NDArray[np.intp]  # (force, coordinate)
     weight: NDArray[np.float64]  # (force, coordinate)
@@ -85,7 +85,7 @@ class ShaftMotion:
         self._watched = _indices(rotor, watched)
         self._state = np.zeros((3, 2 * n))
         self._state[0] = rotor.static_sag(gravity)
-        self._forces = _placed(rotor, forces, self._state[0])
+        self._forces = _place_forces(rotor, forces, self._state[0])
         self._memory = np.zeros((2, len(forces), max((f.memory for f in forces), default=0)))
         self._steps = 0
 
@@ -108,11 +108,11 @@ class ShaftMotion:
         """
         if random is None:
             random = np.zeros((len(angle), len(self._loads.random_at), 2))
-        seen = np.empty((len(angle), len(self._watched), 2))
+        deflections = np.empty((len(angle), len(self._watched), 2))
         t = self._h * (self._steps + 1 + np.arange(len(angle)))
         self._steps += len(angle)
         turning = np.stack([t, angle, omega, alpha], axis=1)
-        stuck = _march(
+        stuck = _step_through(
             self._state,
             self._memory,
             self._h,
@@ -123,21 +123,21 @@ class ShaftMotion:
             turning,
             random,
             self._watched,
-            seen,
+            deflections,
         )
         if stuck >= 0:
             raise DataError(
                 f"the simulated shaft's forces at {abs(omega[stuck]):.1f} rad/s did not settle in {ITERATIONS} "
                 f"iterations of a {self._h * 1e6:.0f} us step, want a softer fault or a higher sample rate"
             )
-        return seen
+        return deflections
 
 
 def _indices(rotor: Rotor, places: tuple[float, ...]) -> NDArray[np.intp]:
     return np.array([rotor.station(p) for p in places], dtype=np.intp)
 
 
-def _placed(rotor: Rotor, forces: tuple[Force, ...], q0: NDArray[np.float64]) -> _Forces:
+def _place_forces(rotor: Rotor, forces: tuple[Force, ...], q0: NDArray[np.float64]) -> _Forces:
     at = _table([tuple(rotor.coordinate(c) for c, _ in f.on) for f in forces]).astype(np.intp)
     weight = _table([tuple(w for _, w in f.on) for f in forces])
     centred = np.array([f.from_rest for f in forces], dtype=float)
@@ -178,7 +178,7 @@ def _add_driving(loads: _Loads, turning: NDArray, random: NDArray, f: NDArray) -
 
 @njit(cache=True)
 def _add_across(columns: NDArray, x: NDArray, factor: float, out: NDArray) -> None:
-    """Add -factor [[0, A], [-A, 0]] x to `out`: what the turning shaft couples from one plane into the other."""
+    """Add -factor [[0, A], [-A, 0]] x to `out`: the coupling of the two planes by rotation."""
     n = len(out) // 2
     for j in range(n):
         from_x, from_y = factor * x[j], factor * x[j + n]
@@ -214,7 +214,7 @@ def _end_of_step(q0: NDArray, v0: NDArray, a: NDArray, h: float, q: NDArray, v: 
 
 
 @njit(cache=True)
-def _settled(new: NDArray, a: NDArray) -> bool:
+def _has_converged(new: NDArray, a: NDArray) -> bool:
     change, largest = 0.0, 0.0
     for i in range(len(a)):
         change = max(change, abs(new[i] - a[i]))
@@ -223,7 +223,7 @@ def _settled(new: NDArray, a: NDArray) -> bool:
 
 
 @njit(cache=True)
-def _march(
+def _step_through(
     state: NDArray,
     memory: NDArray,
     h: float,
@@ -234,9 +234,9 @@ def _march(
     turning: NDArray,
     random: NDArray,
     watched: NDArray,
-    seen: NDArray,
+    deflections: NDArray,
 ) -> int:
-    """Step through `turning`, filling `seen`; return the first step that did not settle, or -1."""
+    """Step through `turning`, filling `deflections`; return the first step that did not settle, or -1."""
     q, v, a = state
     n = len(q) // 2
     q0, v0, known, f, new = np.empty((5, 2 * n))
@@ -261,14 +261,14 @@ def _march(
                 _add_forces(forces, laws, turn, q, v, memory, f)
             new[:] = 0.0
             _add_product(m.inverse, f, 1.0, new)
-            settled = _settled(new, a)
+            converged = _has_converged(new, a)
             a[:] = new
-            if settled:
+            if converged:
                 break
         else:
             return i
         _end_of_step(q0, v0, a, h, q, v)
         memory[0] = memory[1]
         for k in range(len(watched)):
-            seen[i, k, 0], seen[i, k, 1] = q[watched[k]], q[watched[k] + n]
+            deflections[i, k, 0], deflections[i, k, 1] = q[watched[k]], q[watched[k] + n]
     return -1

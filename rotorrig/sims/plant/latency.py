@@ -1,4 +1,4 @@
-"""A delay of a fraction of a sample: what a converter that takes its channels in turn, or a filter, does to a channel.
+"""Fractional-sample delay of a channel, as by a converter that takes its channels in turn, or by a filter.
 
 Lagrange interpolation through four samples (Laakso et al., IEEE Signal Processing Magazine 13 (1996) 30): at 1 % of
 the sample rate the amplitude is right to 1e-7, at 10 % to 1e-3.
@@ -11,7 +11,7 @@ TAPS = 4
 
 
 class Latency:
-    """Delays each column by its own time; fed block after block it gives what one long block would."""
+    """Delay line: each column by its own time, block after block as if in one."""
 
     def __init__(self, delay: NDArray[np.float64], *, sample_rate: float) -> None:
         """Delay column p by `delay[p]` [s], none of them negative."""
@@ -22,7 +22,7 @@ class Latency:
         self._past = int(self._whole.max(initial=0)) + TAPS - 1
         self._tail: NDArray[np.float64] | None = None
 
-    def through(self, signal: NDArray[np.float64]) -> NDArray[np.float64]:
+    def delay(self, signal: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the next block (sample, column) as it comes out; before the first sample it stood still."""
         if not len(signal):
             return signal

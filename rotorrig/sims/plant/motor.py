@@ -1,4 +1,4 @@
-"""How the shaft turns: a drive following a ramp with a small lag and some hunting, or a coast-down under drag.
+"""Drive and rotation of the shaft: following a ramp with a small lag and some hunting, or a coast-down under drag.
 
 The shaft angle is the integral of the speed by the trapezoidal rule, so that the two never part.
 """
@@ -40,14 +40,14 @@ class Motor:
     def run(self, steps: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return angle [rad], speed [rad/s] and acceleration [rad/s^2] at the end of each of the next `steps`."""
         shocks = self._rng.standard_normal(steps)
-        turned = np.empty((3, steps))
-        _run(self._state, self._command, self._step, self._hunting, shocks, turned)
+        rotation = np.empty((3, steps))
+        _run(self._state, self._command, self._step, self._hunting, shocks, rotation)
         self.speed = float(self._state[1])
-        return turned[0], turned[1], turned[2]
+        return rotation[0], rotation[1], rotation[2]
 
 
 @njit(cache=True)
-def _run(state: NDArray, command: NDArray, h: float, hunting: float, shocks: NDArray, turned: NDArray) -> None:
+def _run(state: NDArray, command: NDArray, h: float, hunting: float, shocks: NDArray, rotation: NDArray) -> None:
     setpoint, ramp, powered = command
     angle, speed, reference, target, wander = state
     memory = math.exp(-h / HUNTING_TIME)
@@ -67,5 +67,5 @@ def _run(state: NDArray, command: NDArray, h: float, hunting: float, shocks: NDA
             speed = max(speed + h * alpha, 0.0)
             reference = target = speed  # where the drive takes over when power comes back
         angle += h * (before + speed) / 2.0
-        turned[0, i], turned[1, i], turned[2, i] = angle, speed, alpha
+        rotation[0, i], rotation[1, i], rotation[2, i] = angle, speed, alpha
     state[:] = angle, speed, reference, target, wander

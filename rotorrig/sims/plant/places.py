@@ -1,4 +1,4 @@
-"""Where things are on a rig, by its nameplate and its truth, and which way it turns."""
+"""Places on a rig by its nameplate and its truth, and its sense of rotation."""
 
 import itertools
 import math

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.chain import make_chain
-from rotorrig.sims.plant.faults import deviated, forces, misread, restructured
+from rotorrig.sims.plant.faults import apply_deviations, apply_sensors, apply_structure, collect_forces
 from rotorrig.sims.plant.integrate import ShaftMotion
 from rotorrig.sims.plant.motor import Motor
 from rotorrig.sims.plant.places import sense, sought_bearings
@@ -37,10 +37,10 @@ class Plant:
         """
         _check_fits(rig, truth)
         self.sample_rate = sample_rate or (rig.daq.sample_rate if rig.daq else DEFAULT_RATE)
-        truth = deviated(rig, truth)
-        acting = forces(rig, truth)
+        truth = apply_deviations(rig, truth)
+        acting = collect_forces(rig, truth)
         plain = build(rig, truth, extra=(coordinate for force in acting for coordinate, _ in force.on))
-        rotor = restructured(rig, truth, plain)
+        rotor = apply_structure(rig, truth, plain)
         self._substeps = _substeps(rotor, self.sample_rate)
         step = 1.0 / (self.sample_rate * self._substeps)
         self._sense = sense(rig)
@@ -58,7 +58,7 @@ class Plant:
             forces=acting,
             watched=tuple(p.position for p in rig.probes),
         )
-        chain = misread(rig, truth, make_chain(rig, truth))
+        chain = apply_sensors(rig, truth, make_chain(rig, truth))
         self._sensors = Sensors(rig, truth, chain, sample_rate=self.sample_rate)
         self._rattle = stream(truth.seed, "bearing force", run=truth.run)
         # white noise held for a step h has the one-sided density 2 h sigma^2

@@ -26,7 +26,7 @@ SURFACE_VOLTS, NOTCH_VOLTS = -10.0, -16.0  # over the shaft, over the bottom of 
 
 
 class Sensors:
-    """All channels of the DAQ: fed the motion at the probes' places, it gives counts."""
+    """All channels of the DAQ: from the motion at the probes' places to counts."""
 
     def __init__(self, rig: RigConfig, truth: Truth, chain: Chain, *, sample_rate: float) -> None:
         self._chain = chain
@@ -40,28 +40,28 @@ class Sensors:
         self._rng = stream(truth.seed, "sensor noise", run=truth.run)
         self._per_sample = math.tau / sample_rate
         self._latency = Latency(chain.delay, sample_rate=sample_rate) if chain.delay.any() else None
-        self._mixed = not np.array_equal(chain.mixing, np.eye(len(chain.mixing)))
+        self._has_crosstalk = not np.array_equal(chain.mixing, np.eye(len(chain.mixing)))
         self._taken = 0  # samples so far: the tones' clock
 
     def counts(self, at_probes: NDArray[np.float64], theta: NDArray[np.float64]) -> NDArray[np.int32]:
         """Return counts (sample, channel) for deflections (sample, probe, 2) [m] and shaft angles (sample,) [rad]."""
         volts = self._rng.standard_normal((len(theta), self.channels)) * self._rms
         near = _approach(at_probes, theta, self._per_sample * (self._taken + np.arange(len(theta))), self._chain)
-        if self._mixed:
-            near = _mixed(near, self._chain.mixing)
+        if self._has_crosstalk:
+            near = _mix(near, self._chain.mixing)
         if self._latency:
-            near = self._latency.through(near)
+            near = self._latency.delay(near)
         _add_probes(near, self._chain, volts)
         _add_keyphasor(theta, self._keyphasor, volts)
         self._taken += len(theta)
-        return digitised(volts)
+        return digitise(volts)
 
 
 @njit(cache=True)
-def bent(displacement: float, quadratic: float, cubic: float) -> float:
-    """Return what a probe makes of a displacement [m]; the curvatures are relative, at 300 um from the gap voltage.
+def apply_curvature(displacement: float, quadratic: float, cubic: float) -> float:
+    """Return a probe's reading of a displacement [m]; the curvatures are relative, at 300 um from the gap voltage.
 
-    >>> round(bent(3e-4, 0.002, -0.001) / 3e-4, 12)
+    >>> round(apply_curvature(3e-4, 0.002, -0.001) / 3e-4, 12)
     1.001
     """
     r = displacement / BENT_AT
@@ -97,10 +97,10 @@ def notch_width(notches: int) -> float:
 
 
 @njit(cache=True)
-def digitised(volts: NDArray[np.float64]) -> NDArray[np.int32]:
+def digitise(volts: NDArray[np.float64]) -> NDArray[np.int32]:
     """Return ADC counts (sample, channel), clipped at the converter's ends.
 
-    >>> digitised(np.array([[0.0, -12.0], [30.0, -30.0]])).tolist()
+    >>> digitise(np.array([[0.0, -12.0], [30.0, -30.0]])).tolist()
     [[0, -16384], [32767, -32768]]
     """
     counts = np.empty(volts.shape, np.int32)
@@ -131,8 +131,8 @@ def _approach(at_probes: NDArray, theta: NDArray, clock: NDArray, chain: Chain) 
 
 
 @njit(cache=True)
-def _mixed(near: NDArray, mixing: NDArray) -> NDArray:
-    """Return what each channel shows of all probes; in loops, as a library's product would depend on the block size."""
+def _mix(near: NDArray, mixing: NDArray) -> NDArray:
+    """Return each channel's share of all probes; in loops, as a library's product would depend on the block size."""
     shown = np.zeros_like(near)
     for i in range(len(near)):
         for p in range(near.shape[1]):
@@ -145,7 +145,7 @@ def _mixed(near: NDArray, mixing: NDArray) -> NDArray:
 def _add_probes(near: NDArray, chain: Chain, volts: NDArray) -> None:
     for i in range(len(near)):
         for p in range(len(chain.channel)):
-            seen = bent(near[i, p], chain.curvature[p, 0], chain.curvature[p, 1])
+            seen = apply_curvature(near[i, p], chain.curvature[p, 0], chain.curvature[p, 1])
             volts[i, chain.channel[p]] += chain.gap_voltage[p] + chain.volts_per_metre[p] * seen
 
 

@@ -63,7 +63,7 @@ class Rotor:
         """Return the coordinate of a deflection or slope, which must be kept."""
         return self.station(of.position) if isinstance(of, Deflection) else self.slope(of.position)
 
-    def widened(self) -> "Rotor":
+    def with_coordinate(self) -> "Rotor":
         """Return a rotor with one more coordinate in each plane, behind the others, yet without mass or spring."""
         n = self.n
         old = np.r_[0:n, n + 1 : 2 * n + 1]
@@ -109,8 +109,8 @@ def build(rig: RigConfig, truth: Truth, *, extra: Iterable[Coordinate] = ()) -> 
     extra = tuple(extra)
     disks = [d.position for d in rig.disks]
     places = [0.0, *disks, *(b.position for b in rig.bearings), *(p.position for p in rig.probes)]
-    stations = _merged([*places, *(c.position for c in extra if isinstance(c, Deflection))])
-    slopes = _merged([*disks, *(c.position for c in extra if isinstance(c, Slope))])
+    stations = _merge([*places, *(c.position for c in extra if isinstance(c, Deflection))])
+    slopes = _merge([*disks, *(c.position for c in extra if isinstance(c, Slope))])
     z = _mesh([*stations, *slopes, *(tube.start for tube in rig.shaft.tubes)], rig.shaft.length)
     M, G, Ks = _free_rotor(rig, truth, z)
     kept = [2 * _nearest(z, s) for s in stations] + [2 * _nearest(z, s) + 1 for s in slopes]
@@ -133,7 +133,7 @@ def build(rig: RigConfig, truth: Truth, *, extra: Iterable[Coordinate] = ()) -> 
     )
 
 
-def _merged(places: list[float]) -> list[float]:
+def _merge(places: list[float]) -> list[float]:
     """Return `places` sorted, those closer than `SAME_PLACE` once."""
     ordered = sorted(places)
     return ordered[:1] + [b for a, b in itertools.pairwise(ordered) if b - a > SAME_PLACE]
@@ -141,7 +141,7 @@ def _merged(places: list[float]) -> list[float]:
 
 def _mesh(places: list[float], length: float) -> NDArray[np.float64]:
     """Return node places (node,) [m]: every one of `places`, both ends, and equal elements in between."""
-    ends = _merged([0.0, *places, length])
+    ends = _merge([0.0, *places, length])
     pieces = [
         np.linspace(a, b, int(np.ceil((b - a) / LONGEST_ELEMENT)), endpoint=False) for a, b in itertools.pairwise(ends)
     ]

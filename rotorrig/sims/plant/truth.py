@@ -68,7 +68,7 @@ class Truth:
     disk_mass_factors: tuple[float, ...]  # on mass and both inertias
     probe_gain_factors: tuple[float, ...]
     probe_angle_errors: tuple[float, ...]  # rad, added to the config's angle
-    probe_curvatures: tuple[tuple[float, float], ...]  # see sensors.bent
+    probe_curvatures: tuple[tuple[float, float], ...]  # see sensors.apply_curvature
     keyphasor_offset: float  # rad, shaft angle at which the chosen edge is emitted
     runout_seed: int | None  # None: shafts perfectly round
     noise: Noise

@@ -9,7 +9,7 @@ from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.plant.draw import draw, identified_truth
+from rotorrig.sims.plant.draw import draw, expected_estimates
 from tests.conftest import BLIND_SEED
 from tests.identify.matched import matched_response, sought
 
@@ -37,7 +37,7 @@ def test_every_objective_finds_what_made_the_data(clean: OrderTrackedResponse, o
 
 
 def test_the_blind_plants_values_are_found_near_enough_to_be_refined(blind_response: OrderTrackedResponse) -> None:
-    truth = identified_truth(blind_response.rig, draw(blind_response.rig, seed=BLIND_SEED))
+    truth = expected_estimates(blind_response.rig, draw(blind_response.rig, seed=BLIND_SEED))
     found = found_in(blind_response)
     values = dict(zip((*Space.of(blind_response.rig).names, "u"), found.optima[0].theta, strict=True))
     for name in ("kxx", "kyy", "u"):

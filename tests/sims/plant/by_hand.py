@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.draw import nameplate
-from rotorrig.sims.plant.faults.base import deviated, forces, restructured
+from rotorrig.sims.plant.faults.base import apply_deviations, apply_structure, collect_forces
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn
 from rotorrig.sims.plant.integrate import ShaftMotion
 from rotorrig.sims.plant.plant import GRAVITY, Plant
@@ -84,10 +84,10 @@ def felt(
 
 def free_motion(rig: RigConfig, name: str, values: dict[str, float], *, gravity: tuple[float, float]) -> ShaftMotion:
     """Return the shaft of the nameplate rig with a fault, without unbalance, watched at its first disk."""
-    truth = deviated(rig, nameplate(rig, faults=[FaultSpec(name=name, parameters=values)]))
-    acting = forces(rig, truth)
+    truth = apply_deviations(rig, nameplate(rig, faults=[FaultSpec(name=name, parameters=values)]))
+    acting = collect_forces(rig, truth)
     plain = build(rig, truth, extra=[c for force in acting for c, _ in force.on])
-    rotor = restructured(rig, truth, plain)
+    rotor = apply_structure(rig, truth, plain)
     return ShaftMotion(rotor, step=H, gravity=gravity, forces=acting, watched=(rig.disks[0].position,))
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.chain import make_chain
 from rotorrig.sims.plant.draw import nameplate
-from rotorrig.sims.plant.sensors import VOLTS_PER_COUNT, Sensors, bent
+from rotorrig.sims.plant.sensors import VOLTS_PER_COUNT, Sensors, apply_curvature
 from rotorrig.sims.plant.truth import Noise, Truth
 
 RATE = 10_000.0
@@ -41,9 +41,9 @@ def test_gain_and_angle_errors_tilt_and_scale_a_probe(rk4: RigConfig) -> None:
 
 
 def test_the_scale_factor_bends_by_its_curvatures_at_300_um() -> None:
-    assert bent(3e-4, 0.002, 0.001) == pytest.approx(3e-4 * 1.003)
-    assert bent(-3e-4, 0.002, 0.001) == pytest.approx(-3e-4 * 0.999)
-    assert bent(0.0, 0.002, 0.001) == 0.0
+    assert apply_curvature(3e-4, 0.002, 0.001) == pytest.approx(3e-4 * 1.003)
+    assert apply_curvature(-3e-4, 0.002, 0.001) == pytest.approx(-3e-4 * 0.999)
+    assert apply_curvature(0.0, 0.002, 0.001) == 0.0
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.03, -0.05])

@@ -8,7 +8,7 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.errors import ConfigError, DataError
-from rotorrig.sims.plant.draw import draw, identified_truth, nameplate
+from rotorrig.sims.plant.draw import draw, expected_estimates, nameplate
 from rotorrig.sims.plant.sealed_truth import seal, unseal
 from rotorrig.sims.plant.truth import FaultSpec
 
@@ -51,7 +51,7 @@ def test_the_truth_is_named_as_the_estimates_are(rk4: RigConfig) -> None:
     assert rk4.identify is not None
     rig = rk4.model_copy(update={"identify": rk4.identify.model_copy(update=update)})
     truth = draw(rig, seed=3)
-    found = identified_truth(rig, truth)
+    found = expected_estimates(rig, truth)
     assert list(found)[:2] == ["left A kxx", "left A kxy"]
     assert found["spring kyy"] == truth.bearings[2].kyy
     assert found["E"] == pytest.approx(truth.modulus_factor * 208.11e9)
@@ -63,8 +63,8 @@ def test_what_a_fault_makes_of_a_bearing_s_coefficients_is_to_be_found_too(rk4: 
     assert rk4.identify is not None
     rig = rk4.model_copy(update={"identify": rk4.identify.model_copy(update={"coefficients": "all"})})
     turned = FaultSpec(name="cross_stiffness", parameters={"stiffness": 700.0})
-    found = identified_truth(rig, draw(rig, seed=3, faults=[turned]))
-    healthy = identified_truth(rig, draw(rig, seed=3))
+    found = expected_estimates(rig, draw(rig, seed=3, faults=[turned]))
+    healthy = expected_estimates(rig, draw(rig, seed=3))
     assert (found["kxy"], found["kyx"]) == (700.0, 700.0)
     assert found["kxx"] == healthy["kxx"]
 
@@ -87,7 +87,7 @@ def test_a_disk_without_a_nameplate_unbalance_is_balanced_to_g_6_3(rk4: RigConfi
 def test_the_phase_to_be_found_counts_from_the_emitted_edge(rk4: RigConfig) -> None:
     truth = draw(rk4, seed=4)
     heavy = replace(truth.unbalances[0], angle=3.1)
-    found = identified_truth(rk4, replace(truth, unbalances=(heavy,), keyphasor_offset=0.1))
+    found = expected_estimates(rk4, replace(truth, unbalances=(heavy,), keyphasor_offset=0.1))
     assert found["phase"] == pytest.approx(3.2 - 2 * math.pi)
     assert found["u"] == heavy.amount
     assert [found[k] for k in ("kxx", "kyy", "cxx", "cyy")] == [
@@ -97,7 +97,7 @@ def test_the_phase_to_be_found_counts_from_the_emitted_edge(rk4: RigConfig) -> N
 
 def test_a_config_that_looks_for_nothing_has_nothing_to_score(rk4: RigConfig) -> None:
     with pytest.raises(DataError, match=r"no \[identify\] table"):
-        identified_truth(rk4.model_copy(update={"identify": None}), nameplate(rk4))
+        expected_estimates(rk4.model_copy(update={"identify": None}), nameplate(rk4))
 
 
 def test_a_sealed_truth_comes_back_as_it_was(rk4: RigConfig, tmp_path: Path) -> None:

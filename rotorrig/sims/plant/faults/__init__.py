@@ -1,13 +1,21 @@
 """Faults of the simulated rig, written from the physics of each fault alone: one file each, found by name."""
 
-from rotorrig.sims.plant.faults.base import check, check_faults, deviated, fault, forces, misread, restructured
+from rotorrig.sims.plant.faults.base import (
+    apply_deviations,
+    apply_sensors,
+    apply_structure,
+    check_fault,
+    check_faults,
+    collect_forces,
+    load_fault,
+)
 
 __all__ = [
-    "check",
+    "apply_deviations",
+    "apply_sensors",
+    "apply_structure",
+    "check_fault",
     "check_faults",
-    "deviated",
-    "fault",
-    "forces",
-    "misread",
-    "restructured",
+    "collect_forces",
+    "load_fault",
 ]

@@ -6,10 +6,9 @@ is a pair of opposite moments at the ends of the arc that turn with the shaft: n
 """
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import ANY_PHASE, LogUniform, Values
 from rotorrig.sims.plant.force_laws import Force, bend, turning_force
 from rotorrig.sims.plant.places import bending_spans, sense
-from rotorrig.sims.plant.sizes import ANY_PHASE, LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {

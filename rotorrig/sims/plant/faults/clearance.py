@@ -10,10 +10,9 @@ import math
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.places import sought_bearings, true_bearing
-from rotorrig.sims.plant.sizes import LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {"gap": 1e-5}  # m, radial
@@ -22,9 +21,9 @@ RANGE = {"gap": LogUniform(1e-6, 2.5e-5)}
 
 
 def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
-    """Return what each bearing sought does not carry."""
-    found = [(b.position, true_bearing(truth, b)) for b in sought_bearings(rig)]
-    return tuple(Force(on=at(position), law=slack, constants=(values["gap"], b.kxx, b.kyy)) for position, b in found)
+    """Return the force that the gap takes from each bearing sought."""
+    laws = [(b.position, true_bearing(truth, b)) for b in sought_bearings(rig)]
+    return tuple(Force(on=at(position), law=slack, constants=(values["gap"], b.kxx, b.kyy)) for position, b in laws)
 
 
 @law

@@ -6,10 +6,9 @@ The disk's normal is the shaft's slope plus a skew that turns with it. Euler's e
 """
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import ANY_PHASE, LogUniform, Values
 from rotorrig.sims.plant.force_laws import Force, heavy_spot, tilt
 from rotorrig.sims.plant.places import disk_of_number, sense
-from rotorrig.sims.plant.sizes import ANY_PHASE, LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {

@@ -10,10 +10,9 @@ import math
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import ANY_PHASE, LogUniform, Uniform, Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, bend, law
 from rotorrig.sims.plant.places import bending_spans, sense
-from rotorrig.sims.plant.sizes import ANY_PHASE, LogUniform, Uniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {
@@ -26,7 +25,7 @@ RANGE = {"compliance": LogUniform(1e-6, 1e-4), "angle": ANY_PHASE, "position": U
 
 
 def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
-    """Return what the open crack does not carry."""
+    """Return the moment that the open crack does not carry."""
     half = rig.shaft.diameter / 2
     angle = sense(rig) * values["angle"]
     acting = []

@@ -8,9 +8,8 @@ springs turned by a.
 from dataclasses import replace
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 from rotorrig.sims.plant.places import sought_bearings
-from rotorrig.sims.plant.sizes import LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {"stiffness": 2000.0}  # N/m, kxy and kyx

@@ -6,9 +6,8 @@ for some tens of millimetres between two tips, which a shaft of 10 mm cannot off
 
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.chain import Chain
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import AnyProbe, LogUniform, Values
 from rotorrig.sims.plant.places import probe_of_number, same_plane
-from rotorrig.sims.plant.sizes import AnyProbe, LogUniform
 
 PARAMETERS: dict[str, float] = {
     "share": 0.02,  # of the other probe's signal

@@ -7,10 +7,9 @@ The springs are set with the weight on, so the centre is where the shaft rests.
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.places import sought_bearings
-from rotorrig.sims.plant.sizes import LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {"k3": 5e10}  # N/m^3: at 250 um 3.1 kN/m more of secant stiffness

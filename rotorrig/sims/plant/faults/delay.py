@@ -7,8 +7,7 @@ All probes are delayed alike, the keyphasor is not.
 
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.chain import Chain
-from rotorrig.sims.plant.faults.base import Values
-from rotorrig.sims.plant.sizes import LogUniform
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 
 PARAMETERS: dict[str, float] = {"time": 1.5e-4}  # s
 SIZE = ("time",)

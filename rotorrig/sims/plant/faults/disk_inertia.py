@@ -7,10 +7,9 @@ It times the tilt's acceleration.
 from dataclasses import replace
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 from rotorrig.sims.plant.places import disk_of_number
 from rotorrig.sims.plant.shaft import Rotor
-from rotorrig.sims.plant.sizes import LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {

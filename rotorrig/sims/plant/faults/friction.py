@@ -11,10 +11,9 @@ import math
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.places import sought_bearings
-from rotorrig.sims.plant.sizes import LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {

@@ -11,10 +11,9 @@ import math
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.places import sought_bearings, true_bearing
-from rotorrig.sims.plant.sizes import LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 RATIO = 4.0  # between relaxation times; the loss factor then ripples by 1 %
@@ -34,7 +33,7 @@ def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
     share = values["loss_factor"] * 2.0 / math.pi * math.log(RATIO)  # of the stiffness, per element of the chain
     wt = [math.tau * values["frequency"] * SLOWEST / RATIO**i for i in range(ELEMENTS)]
     stiffened = share * sum(x * x / (1.0 + x * x) for x in wt)
-    found = [(b.position, true_bearing(truth, b)) for b in sought_bearings(rig)]
+    laws = [(b.position, true_bearing(truth, b)) for b in sought_bearings(rig)]
     return tuple(
         Force(
             on=at(position),
@@ -43,7 +42,7 @@ def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
             memory=2 + 2 * ELEMENTS,
             from_rest=True,
         )
-        for position, b in found
+        for position, b in laws
     )
 
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.chain import MAINS, Chain
-from rotorrig.sims.plant.faults.base import Values
-from rotorrig.sims.plant.sizes import ANY_PHASE, LogUniform
+from rotorrig.sims.plant.faults.base import ANY_PHASE, LogUniform, Values
 
 PARAMETERS: dict[str, float] = {
     "amount": 1e-6,  # m, what a probe makes of it

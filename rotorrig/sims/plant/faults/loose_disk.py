@@ -10,10 +10,9 @@ import math
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.places import disk_of_number, sense
-from rotorrig.sims.plant.sizes import LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {
@@ -30,13 +29,13 @@ def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
     loss = values["clearance"] / (rig.shaft.diameter / 2 + values["clearance"])
     carried = [u for u in (*truth.unbalances, *truth.trial) if u.disk == disk.name]
     return tuple(
-        Force(on=at(disk.position), law=wandered, constants=(u.amount, sense(rig) * u.angle, loss), memory=1)
+        Force(on=at(disk.position), law=wandering_unbalance, constants=(u.amount, sense(rig) * u.angle, loss), memory=1)
         for u in carried
     )
 
 
 @law
-def wandered(turn: Turn, motion: Motion, p: NDArray, before: NDArray, after: NDArray) -> tuple[float, float]:
+def wandering_unbalance(turn: Turn, motion: Motion, p: NDArray, before: NDArray, after: NDArray) -> tuple[float, float]:
     """Return (fx, fy) [N]; p = unbalance, signed angle, share of a turn lost; remembers the angle lost."""
     after[0] = before[0] + p[2] * turn.omega * turn.step
     was = turn.angle + p[1]

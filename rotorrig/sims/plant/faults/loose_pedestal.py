@@ -7,10 +7,9 @@ stiffness has two values in one turn (Muszynska and Goldman, Chaos, Solitons & F
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.places import sought_bearings, true_bearing
-from rotorrig.sims.plant.sizes import LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {
@@ -22,11 +21,11 @@ RANGE = {"loss": LogUniform(0.03, 0.5), "lift": LogUniform(1e-6, 4e-5)}
 
 
 def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
-    """Return what the open pedestal does not carry."""
-    found = [(b.position, true_bearing(truth, b)) for b in sought_bearings(rig)]
+    """Return the force that the open pedestal does not carry."""
+    laws = [(b.position, true_bearing(truth, b)) for b in sought_bearings(rig)]
     return tuple(
         Force(on=at(position), law=opening, constants=(values["loss"] * b.kyy, values["lift"]), from_rest=True)
-        for position, b in found
+        for position, b in laws
     )
 
 

@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Uniform, Values
 from rotorrig.sims.plant.places import sought_bearings, true_bearing
 from rotorrig.sims.plant.shaft import Rotor
-from rotorrig.sims.plant.sizes import LogUniform, Uniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {
@@ -42,7 +41,7 @@ def structure(rig: RigConfig, truth: Truth, rotor: Rotor, values: Values) -> Rot
 
 def _on_a_pedestal(rotor: Rotor, station: int, K: NDArray, C: NDArray, values: Values) -> Rotor:
     """Return `rotor` with the bearing `K`, `C` at `station` on a mass with springs instead of on the ground."""
-    wide = rotor.widened()
+    wide = rotor.with_coordinate()
     journal, mass = [station, station + wide.n], [wide.n - 1, 2 * wide.n - 1]
     for whole, bearing in ((wide.K, K), (wide.C, C)):
         whole[np.ix_(mass, mass)] += bearing

@@ -7,9 +7,8 @@ before a round target hardly wider than the tip: the chapter's shaft has 10 mm, 
 from dataclasses import replace
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import AnyProbe, LogUniform, Values
 from rotorrig.sims.plant.places import probe_of_number
-from rotorrig.sims.plant.sizes import AnyProbe, LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {

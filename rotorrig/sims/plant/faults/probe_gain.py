@@ -7,9 +7,8 @@ The volts per metre depend on the target's conductivity and permeability and on 
 from dataclasses import replace
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import AnyProbe, LogUniform, Values
 from rotorrig.sims.plant.places import probe_of_number
-from rotorrig.sims.plant.sizes import AnyProbe, LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {

@@ -10,9 +10,8 @@ import math
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Uniform, Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
-from rotorrig.sims.plant.sizes import LogUniform, Uniform
 from rotorrig.sims.plant.truth import Truth
 
 SMOOTH = 2e-2  # m/s, slip below which friction fades, against chatter about zero

@@ -9,10 +9,9 @@ import math
 import numpy as np
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.chain import Chain, seen_at
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.chain import Chain, phasors_at
+from rotorrig.sims.plant.faults.base import ANY_PHASE, AnyProbe, LogUniform, Values
 from rotorrig.sims.plant.places import probe_of_number, same_plane
-from rotorrig.sims.plant.sizes import ANY_PHASE, AnyProbe, LogUniform
 
 PARAMETERS: dict[str, float] = {
     "eccentricity": 6e-6,  # m, once per turn
@@ -41,5 +40,5 @@ def sensors(rig: RigConfig, chain: Chain, values: Values) -> Chain:
     track = chain.track.copy()
     for probe in same_plane(rig, probe_of_number(rig, values["probe"])):
         x, y = chain.direction[probe]
-        track[probe] += seen_at(pattern, math.atan2(y, x), rig)
+        track[probe] += phasors_at(pattern, math.atan2(y, x), rig)
     return chain._replace(track=track)

@@ -10,10 +10,9 @@ import math
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import ANY_PHASE, LogUniform, Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, bend, law, sway
 from rotorrig.sims.plant.places import bending_spans, sense
-from rotorrig.sims.plant.sizes import ANY_PHASE, LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {

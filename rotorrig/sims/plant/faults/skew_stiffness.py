@@ -8,9 +8,8 @@ backward whirl. Here it does not depend on speed.
 from dataclasses import replace
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 from rotorrig.sims.plant.places import sense, sought_bearings
-from rotorrig.sims.plant.sizes import LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {"stiffness": 1000.0}  # N/m; unstable above the bearing's damping times w: 3500 N/m

@@ -6,9 +6,8 @@ The compliances of bearing and seat add up, in both directions alike; only the s
 from dataclasses import replace
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 from rotorrig.sims.plant.places import held_bearings
-from rotorrig.sims.plant.sizes import LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {"compliance": 1.25e-6}  # m/N of the seat, one per bearing

@@ -8,10 +8,9 @@ shaft where it rests, so the spring added pulls it there.
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import LogUniform, Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.places import sought_bearings, true_bearing
-from rotorrig.sims.plant.sizes import LogUniform
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {
@@ -25,10 +24,10 @@ RANGE = {"gain": LogUniform(0.005, 0.15, either_sign=True)}
 def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
     """Return the spring that speed adds to each bearing sought."""
     share = values["gain"] / values["reference"] ** 2
-    found = [(b.position, true_bearing(truth, b)) for b in sought_bearings(rig)]
+    laws = [(b.position, true_bearing(truth, b)) for b in sought_bearings(rig)]
     return tuple(
         Force(on=at(position), law=spring, constants=(share * b.kxx, share * b.kyy), from_rest=True)
-        for position, b in found
+        for position, b in laws
     )
 
 

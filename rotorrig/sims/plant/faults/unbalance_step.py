@@ -10,10 +10,9 @@ import math
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.faults.base import Values
+from rotorrig.sims.plant.faults.base import ANY_PHASE, LogUniform, OneOf, Values
 from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.places import disk_of_number, sense
-from rotorrig.sims.plant.sizes import ANY_PHASE, LogUniform, OneOf
 from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {
@@ -41,11 +40,11 @@ def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
     speed, time = (values["speed"], values["time"]) if truth.run == values["run"] else (0.0, 0.0)
     disk = disk_of_number(rig, values["disk"])
     constants = (values["amount"], sense(rig) * values["angle"], speed, time)
-    return (Force(on=at(disk.position), law=moved, constants=constants, memory=2),)
+    return (Force(on=at(disk.position), law=lost_unbalance, constants=constants, memory=2),)
 
 
 @law
-def moved(turn: Turn, motion: Motion, p: NDArray, before: NDArray, after: NDArray) -> tuple[float, float]:
+def lost_unbalance(turn: Turn, motion: Motion, p: NDArray, before: NDArray, after: NDArray) -> tuple[float, float]:
     """Return (fx, fy) [N]; p = change of unbalance, signed angle, speed and time of it.
 
     Remembers whether it happened, and the highest speed so far.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.plant.draw import draw, draw_fault, nameplate
-from rotorrig.sims.plant.faults.base import fault, names
+from rotorrig.sims.plant.faults.base import fault_names, load_fault
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.plant.truth import FaultSpec, Truth
 
@@ -27,24 +27,24 @@ def short_run(rig: RigConfig, truth: Truth, pieces: tuple[float, ...] = (0.6,)) 
 
 
 def test_the_folder_is_the_list_of_faults() -> None:
-    assert {"bow", "crack", "loose_disk"} <= set(names())
-    assert "base" not in names()
+    assert {"bow", "crack", "loose_disk"} <= set(fault_names())
+    assert "base" not in fault_names()
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", fault_names())
 def test_every_fault_says_what_it_takes_and_has_something_to_do(name: str) -> None:
-    module: Any = fault(name)
+    module: Any = load_fault(name)
     assert module.SIZE
     assert set(module.SIZE) <= set(module.RANGE) <= set(module.PARAMETERS)
     assert any(hasattr(module, hook) for hook in HOOKS)
     assert module.__doc__
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", fault_names())
 def test_a_fault_of_no_size_leaves_the_counts_as_they_were_and_one_of_some_size_does_not(
     rk4: RigConfig, name: str
 ) -> None:
-    off = FaultSpec(name=name, parameters=dict.fromkeys(fault(name).SIZE, 0.0))
+    off = FaultSpec(name=name, parameters=dict.fromkeys(load_fault(name).SIZE, 0.0))
     early = {"speed": 200.0} if name == "unbalance_step" else {}
     healthy = short_run(rk4, draw(rk4, seed=5))
     assert np.array_equal(short_run(rk4, draw(rk4, seed=5, faults=[off])), healthy)
@@ -52,29 +52,29 @@ def test_a_fault_of_no_size_leaves_the_counts_as_they_were_and_one_of_some_size_
     assert not np.array_equal(short_run(rk4, draw(rk4, seed=5, faults=there)), healthy)
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", fault_names())
 def test_a_very_small_fault_moves_the_shaft_very_little(rk4: RigConfig, name: str) -> None:
     """It grows out of the healthy rig: a hundred-thousandth of its usual size moves no probe by 0.2 um."""
-    module = fault(name)
+    module = load_fault(name)
     small = FaultSpec(name=name, parameters={size: 1e-5 * module.PARAMETERS[size] for size in module.SIZE})
     change = short_run(rk4, nameplate(rk4, faults=[small])) - short_run(rk4, nameplate(rk4))
     assert np.abs(change).max() <= 2  # counts of 0.09 um
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", fault_names())
 def test_counts_with_a_fault_do_not_depend_on_the_size_of_the_blocks(rk4: RigConfig, name: str) -> None:
     truth = draw(rk4, seed=3, faults=[draw_fault(rk4, name, seed=3)])
     pieces = (0.0, 0.0001, 0.0123, 0.3, 0.3456, 0.5)
     assert np.array_equal(short_run(rk4, truth, pieces), short_run(rk4, truth))
 
 
-@pytest.mark.parametrize("name", sorted(set(names()) - {"loose_pedestal"}))  # which knows up from down
+@pytest.mark.parametrize("name", sorted(set(fault_names()) - {"loose_pedestal"}))  # which knows up from down
 def test_a_rig_and_its_mirror_image_turning_the_other_way_read_the_same(rk4: RigConfig, name: str) -> None:
     """y becomes -y, the rotation y to x; angles on the shaft count in the sense of rotation and stay."""
     sideways = rk4.model_copy(update={"gravity": "-x"})
     probes = tuple(p.model_copy(update={"angle": -p.angle}) for p in rk4.probes)
     mirror = sideways.model_copy(update={"probes": probes, "rotation": "y-to-x"})
-    values = dict(fault(name).PARAMETERS)
+    values = dict(load_fault(name).PARAMETERS)
     if name == "unbalance_step":
         values["speed"] = 200.0
     fixed = FIXED_IN_SPACE.get(name)
@@ -86,9 +86,9 @@ def test_a_rig_and_its_mirror_image_turning_the_other_way_read_the_same(rk4: Rig
     assert np.abs(here - there).max() <= 1
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", fault_names())
 def test_blind_sizes_are_drawn_within_their_range_and_repeat(rk4: RigConfig, name: str) -> None:
-    module = fault(name)
+    module = load_fault(name)
     drawn = [draw_fault(rk4, name, seed=seed, runs=2).parameters for seed in range(40)]
     for parameter, span in module.RANGE.items():
         low, high = getattr(span, "low", 0.0), getattr(span, "high", len(rk4.probes) - 1)

@@ -5,7 +5,7 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.draw import nameplate
-from rotorrig.sims.plant.faults.base import deviated
+from rotorrig.sims.plant.faults.base import apply_deviations
 from rotorrig.sims.plant.shaft import build
 from rotorrig.sims.plant.truth import FaultSpec
 
@@ -13,11 +13,13 @@ from rotorrig.sims.plant.truth import FaultSpec
 def test_a_round_rotor_becomes_critical_twice_along_the_diagonals(jeffcott: RigConfig) -> None:
     """k + kxy along x = y and k - kxy across it; the disk's spring is the shaft's 73.63 kN/m."""
     faults = [FaultSpec(name="cross_stiffness", parameters={"stiffness": 4000.0})]
-    truth = deviated(jeffcott, nameplate(jeffcott, faults=faults))
+    truth = apply_deviations(jeffcott, nameplate(jeffcott, faults=faults))
     expected = np.sqrt([73.631e3 - 4000.0, 73.631e3 + 4000.0])
     assert build(jeffcott, truth).critical_speeds(2) == pytest.approx(expected, rel=2e-4)
 
 
 def test_only_the_bearings_sought_have_it_and_it_is_symmetric(rk4: RigConfig) -> None:
-    truth = deviated(rk4, nameplate(rk4, faults=[FaultSpec(name="cross_stiffness", parameters={"stiffness": -900.0})]))
+    truth = apply_deviations(
+        rk4, nameplate(rk4, faults=[FaultSpec(name="cross_stiffness", parameters={"stiffness": -900.0})])
+    )
     assert [(b.kxy, b.kyx) for b in truth.bearings] == [(0.0, 0.0), (0.0, 0.0), (-900.0, -900.0)]

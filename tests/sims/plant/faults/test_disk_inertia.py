@@ -5,7 +5,7 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.draw import nameplate
-from rotorrig.sims.plant.faults.base import restructured
+from rotorrig.sims.plant.faults.base import apply_structure
 from rotorrig.sims.plant.shaft import Rotor, build
 from rotorrig.sims.plant.truth import FaultSpec
 
@@ -13,7 +13,7 @@ from rotorrig.sims.plant.truth import FaultSpec
 def with_inertia(rig: RigConfig, polar: float, transverse: float) -> Rotor:
     faults = [FaultSpec(name="disk_inertia", parameters={"polar": polar, "transverse": transverse})]
     truth = nameplate(rig, faults=faults)
-    return restructured(rig, truth, build(rig, truth))
+    return apply_structure(rig, truth, build(rig, truth))
 
 
 def test_it_is_a_disk_with_those_moments_on_the_nameplate(rk4: RigConfig) -> None:

@@ -8,7 +8,7 @@ from scipy import linalg
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.draw import nameplate
-from rotorrig.sims.plant.faults.base import restructured
+from rotorrig.sims.plant.faults.base import apply_structure
 from rotorrig.sims.plant.shaft import Rotor, build
 from rotorrig.sims.plant.truth import FaultSpec
 
@@ -17,7 +17,7 @@ VALUES = {"compliance": 4e-6, "frequency": 28.0, "aspect": 0.5}
 
 def standing(rig: RigConfig) -> Rotor:
     truth = nameplate(rig, faults=[FaultSpec(name="pedestal", parameters=VALUES)])
-    return restructured(rig, truth, build(rig, truth))
+    return apply_structure(rig, truth, build(rig, truth))
 
 
 def test_at_rest_the_compliances_of_bearing_and_pedestal_add_up(rk4: RigConfig) -> None:

@@ -14,8 +14,10 @@ U = {"disk": 1e-5}
 SPEEDS = SpeedRange(50.0, 377.0)
 
 
-def passed(model: RotorModel) -> passed_modes.Passage:
-    return passed_modes.passage(passed_modes.spectra(model, SPEEDS), unbalance_pattern(model, U)[:, None])
+def passed(model: RotorModel) -> passed_modes.PassedModes:
+    return passed_modes.fit_passed_modes(
+        passed_modes.solve_spectra(model, SPEEDS), unbalance_pattern(model, U)[:, None]
+    )
 
 
 def at(omega, coefficients):
@@ -32,9 +34,9 @@ def test_the_passed_modes_are_the_rotors_own(small):
 
 def test_poles_near_the_speeds_are_passed_and_the_widest_gap_bounds_them():
     distance = np.array([4.0, 5.0, 280.0, 285.0, 300.0, 900.0])
-    assert passed_modes._passed(distance, far=100.0) == 2
-    assert passed_modes._passed(distance, far=290.0) == 5
-    assert passed_modes._passed(distance, far=1e4) == 5  # all there are but one
+    assert passed_modes._count_passed(distance, far=100.0) == 2
+    assert passed_modes._count_passed(distance, far=290.0) == 5
+    assert passed_modes._count_passed(distance, far=1e4) == 5  # all there are but one
 
 
 @pytest.mark.parametrize("c", [1.0, 15.0])

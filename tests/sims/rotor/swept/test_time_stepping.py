@@ -34,7 +34,7 @@ def test_a_constant_system_is_stepped_exactly():
     at, mid = (np.polynomial.polynomial.polyval(times, p).T[:, None] + 0j for times in (t, t[:-1] + h / 2))
     start = np.array([[0.3 + 0j, -0.2j]])
     operator = np.full((3, 1, 1), L)
-    a, rate = time_stepping.advanced(
+    a, rate = time_stepping.step_modes(
         operator, time_stepping.propagators(operator[1:], h), np.ones((2, 2)) + 0j, at, mid, start
     )
     c2 = -p[2] / L
@@ -54,9 +54,11 @@ def test_a_turning_frame_changes_nothing_but_the_frame():
     steps, start = time_stepping.propagators(L, h), np.array([[0.7 + 0j]])
     still = (f * phase).reshape(3, 1, 1)
     operator = np.concatenate([L, L])
-    want = time_stepping.advanced(operator, steps, np.ones((1, 2)) + 0j, still[::2], still[1:2], start)[0][1] / phase[2]
+    want = (
+        time_stepping.step_modes(operator, steps, np.ones((1, 2)) + 0j, still[::2], still[1:2], start)[0][1] / phase[2]
+    )
     turned = f.reshape(3, 1, 1)
-    got = time_stepping.advanced(operator, steps, phase[None, 1:], turned[::2], turned[1:2], start)[0][1]
+    got = time_stepping.step_modes(operator, steps, phase[None, 1:], turned[::2], turned[1:2], start)[0][1]
     np.testing.assert_allclose(got, want, rtol=1e-12)
 
 
@@ -68,7 +70,7 @@ def test_a_push_is_the_change_times_the_motion(rng):
     a, a_mid = rng.normal(size=(3, 2, 3)) + 0j, rng.normal(size=(2, 2, 3)) + 0j
     force, mid = np.ones((3, 2, 6), dtype=complex), np.ones((2, 2, 6), dtype=complex)
     still, turning = coefficients.reshape(2, 2, -1)
-    time_stepping.push(still, turning, power, alpha, a, a_mid, force, mid)
+    time_stepping.add_operator_change(still, turning, power, alpha, a, a_mid, force, mid)
     L, T = coefficients[..., 0] + 1j * coefficients[..., 1]
 
     def pushed(x, a):
