@@ -269,7 +269,7 @@ def test_a_small_file_does_not_unpack_to_more_memory_than_it_may(
         writer.finish()
     size = path.stat().st_size
     unpacked, faults = 0, []
-    for record in mcap_records.records(path):
+    for record in mcap_records.read_records(path):
         if isinstance(record, mcap_records.Fault):
             faults.append(record.what)
         elif isinstance(record, Message):

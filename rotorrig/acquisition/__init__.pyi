@@ -1,15 +1,15 @@
 from .recording import Event as Event
 from .recording import MotorSample as MotorSample
 from .recording import RawRecording as RawRecording
-from .recording import Recorded as Recorded
+from .recording import WaveformSource as WaveformSource
 from .replay import ReplayDaq as ReplayDaq
-from .replay import cut_from as cut_from
+from .replay import trim_before as trim_before
 
 __all__ = [
     "Event",
     "MotorSample",
     "RawRecording",
-    "Recorded",
     "ReplayDaq",
-    "cut_from",
+    "WaveformSource",
+    "trim_before",
 ]

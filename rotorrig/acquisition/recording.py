@@ -1,4 +1,4 @@
-"""`RawRecording`: everything a sweep left behind, raw, with what is needed to make metres of it."""
+"""`RawRecording`: everything a sweep recorded, as raw counts with their calibration."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from rotorrig.rig.probes import Block, DaqInfo
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
-    """Something that happened during a recording: a mark of the plan, a trip, a gap. See docs/sweeps.md."""
+    """Event during a recording: a mark of the plan, a trip, a gap. See docs/sweeps.md."""
 
     t_ns: int  # sample clock
     kind: str  # "mark", "trial", "pause", "gap", "overrun", "note", or an ending: "stop", "abort", "trip", "emergency"
@@ -23,7 +23,7 @@ class Event:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotorSample:
-    """What the motor controller reported, at the sample clock's time of asking."""
+    """Reading of the motor controller, at the sample clock's time of asking."""
 
     t_ns: int
     speed: float  # rad/s
@@ -44,16 +44,16 @@ class Counts(Protocol):
     def __getitem__(self, samples: slice, /) -> NDArray[np.int32]: ...
 
 
-class Recorded(Protocol):
-    """What a recording has to offer to whoever wants its waveforms, wherever they are kept."""
+class WaveformSource(Protocol):
+    """Recording as a source of waveforms, in memory or in its file."""
 
     @property
     def rig(self) -> RigConfig:
-        """The rig it was made on."""
+        """Config of the rig it was made on."""
 
     @property
     def daq(self) -> DaqInfo:
-        """What the counts mean."""
+        """DAQ and scale of the counts."""
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -61,7 +61,7 @@ class Recorded(Protocol):
 
     @property
     def source(self) -> Provenance:
-        """Where it comes from."""
+        """Origin: file, config and code version."""
 
     def segments(self) -> Sequence[tuple[int, Counts]]:
         """Return gap-free stretches as (first sample, counts (sample, channel))."""
@@ -92,11 +92,11 @@ class RawRecording:
                 runs[-1].append(block)
             else:
                 runs.append([block])
-        return [(run[0].first_sample, _joined([block.counts for block in run])) for run in runs]
+        return [(run[0].first_sample, _join([block.counts for block in run])) for run in runs]
 
 
-def _joined(parts: list[NDArray[np.int32]]) -> NDArray[np.int32]:
-    """Return counts (sample, channel) put together; parts that lie side by side in one array are not copied."""
+def _join(parts: list[NDArray[np.int32]]) -> NDArray[np.int32]:
+    """Concatenate counts (sample, channel); parts that lie side by side in one array are not copied."""
     whole, first = parts[0].base, parts[0]
     if isinstance(whole, np.ndarray) and whole.dtype == first.dtype and whole.shape[1:] == first.shape[1:]:
         begin = (_address(first) - _address(whole)) // max(whole.strides[0], 1)

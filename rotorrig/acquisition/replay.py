@@ -1,7 +1,7 @@
-"""A recording behaving as a live DAQ: what works on a rig can be tried on a file.
+"""Replay of a recording as a live DAQ: what works on a rig can be tried on a file.
 
-Nothing of what it hands on depends on the rate it is played at, only when: blocks come as they were recorded, gaps and
-overruns included, and events and motor readings in their places between them.
+The rate of replay changes when data come, not what comes: blocks as they were recorded, gaps and overruns included,
+and events and motor readings in their places between them.
 """
 
 import math
@@ -36,11 +36,11 @@ class ReplayDaq:
         self._next: int | None = None  # None: not started
         self._began = 0.0
         self._notes = _in_order(self.recording)
-        self._told = 0  # how many of them
+        self._notes_returned = 0  # how many of them
 
     @property
     def ended(self) -> bool:
-        """Whether the last block has been played."""
+        """True once the last block has been played."""
         return self._next is not None and self._next >= len(self.recording.blocks)
 
     def open(self) -> DaqInfo:
@@ -49,7 +49,7 @@ class ReplayDaq:
 
     def start(self) -> None:
         """Begin, or begin again, at the first block."""
-        self._next, self._began, self._told = 0, self._clock.now(), 0
+        self._next, self._began, self._notes_returned = 0, self._clock.now(), 0
 
     def read(self, timeout: float = 1.0) -> Block:
         """Return the next block when it is due. Raises LinkLost at the end, or if it is not due within `timeout`."""
@@ -67,17 +67,18 @@ class ReplayDaq:
         return self.recording.blocks[self._next - 1]
 
     def notes(self) -> tuple[Event | MotorSample, ...]:
-        """Return what else was recorded up to the end of the block last read and not returned yet, in order.
+        """Return events and motor readings up to the end of the block last read that were not returned yet, in order.
 
-        After the last block that is all that is left.
+        After the last block, all that are left.
         """
         if self._next is None or not self._next:
             return ()
         until = math.inf if self.ended else _end_ns(self.recording, self._next - 1)
-        begin = self._told
-        while self._told < len(self._notes) and self._notes[self._told].t_ns <= until:
-            self._told += 1
-        return self._notes[begin : self._told]
+        begin = end = self._notes_returned
+        while end < len(self._notes) and self._notes[end].t_ns <= until:
+            end += 1
+        self._notes_returned = end
+        return self._notes[begin:end]
 
     def stop(self) -> None:
         """End the stream; may be called twice."""
@@ -96,18 +97,18 @@ class ReplayDaq:
         self.close()
 
     def _seconds(self, index: int) -> float:
-        """Return how far into the recording a block is complete, which is when a DAQ would hand it over."""
+        """Return when a block is complete, in seconds from the recording's start: when a DAQ would hand it over."""
         if index < 0:
             return 0.0
         first, block = self.recording.blocks[0], self.recording.blocks[index]
         return (block.t_ns - first.t_ns) / 1e9 + len(block.counts) / self.recording.daq.sample_rate
 
 
-def cut_from(recording: RawRecording, seconds: float) -> RawRecording:
+def trim_before(recording: RawRecording, seconds: float) -> RawRecording:
     """Return a recording without what came before `seconds` on its clock; indices and times stay as they are.
 
-    Of the events before, trial masses stay, put to the cut, and the last that began or ended a run: it says which is
-    under way. Raises ConfigError if nothing would be left or `seconds` is no time.
+    Of the events before, trial masses are kept, moved to the cut, and the last that began or ended a run: it says
+    which run is under way. Raises ConfigError if nothing would be left or `seconds` is no time.
     """
     if not 0 <= seconds < math.inf:
         raise ConfigError(f"from: got {seconds:g} s, want 0 or later")
@@ -148,11 +149,11 @@ def _tail(block: Block, first: int, rate: float) -> Block:
 
 
 def _in_order(recording: RawRecording) -> tuple[Event | MotorSample, ...]:
-    """Return events and motor readings by time; of the same moment, as a sweep writes them: events first."""
+    """Return events and motor readings by time; at the same moment events first, as a sweep writes them."""
     return tuple(sorted((*recording.events, *recording.motor), key=lambda note: note.t_ns))
 
 
 def _end_ns(recording: RawRecording, index: int) -> int:
-    """Return when a block ends on the sample clock."""
+    """Return the end of a block on the sample clock [ns]."""
     block = recording.blocks[index]
     return block.t_ns + round(len(block.counts) * 1e9 / recording.daq.sample_rate)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition import Recorded
+from rotorrig.acquisition import WaveformSource
 from rotorrig.processing.noise import covariance as noise
 from rotorrig.processing.noise import line_remarks
 from rotorrig.processing.response import OrderTrackedResponse
@@ -26,7 +26,7 @@ BEYOND = "the window reaches beyond the samples"
 
 
 def track(
-    recording: Recorded,
+    recording: WaveformSource,
     settings: Tracking = USUAL,
     *,
     trial: Sequence[TrialMass] | None = None,
@@ -72,7 +72,7 @@ def track(
 
 
 def _without_slow_roll(
-    recording: Recorded,
+    recording: WaveformSource,
     settings: Tracking,
     shaft: ShaftAngle,
     spans: tuple[Span, ...],
@@ -106,7 +106,7 @@ def _without_slow_roll(
     )
 
 
-def recorded_trial_masses(recording: Recorded) -> list[tuple[float, dict[str, complex]]]:
+def recorded_trial_masses(recording: WaveformSource) -> list[tuple[float, dict[str, complex]]]:
     """Return since when [s] which unbalance [kg m] was on per disk, as a sweep noted it.
 
     Each note adds a mass to those before, until one says that none is on. Raises ConfigError if one cannot be read.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition import Recorded
+from rotorrig.acquisition import WaveformSource
 from rotorrig.rig import DataError
 from rotorrig.rig.probes import ProbeScale, channels_used
 
@@ -25,7 +25,7 @@ class Stretch:
 class Waveforms:
     """A recording's samples, read when they are asked for; time is the sample index over the sample rate."""
 
-    def __init__(self, recording: Recorded) -> None:
+    def __init__(self, recording: WaveformSource) -> None:
         """Take the samples of a recording. Raises DataError if there are none or too few channels."""
         rig, daq = recording.rig, recording.daq
         self.where = recording.source.source or rig.name

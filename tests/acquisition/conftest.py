@@ -10,8 +10,8 @@ from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
-from tests.acquisition.scripted_bench import Bench, MakeBench
-from tests.acquisition.scripted_rig import Shaft
+from tests.acquisition.sweep.scripted_bench import Bench, MakeBench
+from tests.acquisition.sweep.scripted_rig import Shaft
 
 ROOT = Path(__file__).parents[2]
 

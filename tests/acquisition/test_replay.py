@@ -6,7 +6,7 @@ import pytest
 
 from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
-from rotorrig.acquisition.replay import ReplayDaq, cut_from
+from rotorrig.acquisition.replay import ReplayDaq, trim_before
 from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.errors import ConfigError, LinkLost
 
@@ -100,7 +100,7 @@ def test_what_was_noted_after_the_last_block_is_not_lost(recording: RawRecording
 def test_a_cut_keeps_indices_and_times_and_the_run_under_way(recording: RawRecording) -> None:
     trial = Event(t_ns=0, kind="trial", text="disk: 12 g mm at 90 deg")
     events = (trial, *recording.events, Event(t_ns=300_000_000, kind="mark", text="down"))
-    cut = cut_from(dataclasses.replace(recording, events=events), 0.1234)
+    cut = trim_before(dataclasses.replace(recording, events=events), 0.1234)
     assert (cut.blocks[0].first_sample, cut.blocks[0].t_ns) == (1234, 123_400_000)
     assert np.array_equal(cut.blocks[0].counts, recording.blocks[6].counts[34:])
     assert cut.blocks[1:] == recording.blocks[7:]
@@ -115,11 +115,11 @@ def test_a_cut_keeps_indices_and_times_and_the_run_under_way(recording: RawRecor
 
 def test_a_cut_behind_the_end_of_a_run_does_not_take_it_up_again(recording: RawRecording) -> None:
     stop = Event(t_ns=100_000_000, kind="stop", text="plan finished")
-    cut = cut_from(dataclasses.replace(recording, events=(recording.events[0], stop)), 0.2)
+    cut = trim_before(dataclasses.replace(recording, events=(recording.events[0], stop)), 0.2)
     assert [event.kind for event in cut.events] == ["stop"]
 
 
 @pytest.mark.parametrize("seconds", [-1.0, 0.51, float("nan"), float("inf")])
 def test_a_cut_that_leaves_nothing_is_refused(recording: RawRecording, seconds: float) -> None:
     with pytest.raises(ConfigError, match="from: got"):
-        cut_from(recording, seconds)
+        trim_before(recording, seconds)

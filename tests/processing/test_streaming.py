@@ -56,9 +56,9 @@ def write(path: Path, record: Callable[..., RawRecording], count: int) -> None:
     one, blocks = cycles(record, count)
     with RecordingWriter(path, one.rig, one.daq, one.source) as writer:
         for number in range(2 * count):
-            writer.event(Event(t_ns=round(number * CYCLE * 1e9), kind="mark", text=("up", "down")[number % 2]))
+            writer.write_event(Event(t_ns=round(number * CYCLE * 1e9), kind="mark", text=("up", "down")[number % 2]))
         for block in blocks:
-            writer.block(block)
+            writer.write_block(block)
 
 
 @pytest.fixture(scope="module")

@@ -194,9 +194,9 @@ def write_run(path: Path, run: RunUp) -> Path:
     rig = rig_of(run.probes, run.rate)
     source = Provenance(config_hash=rig.hash, code_version="benchmark")
     with RecordingWriter(path, rig, daq_of(run), source, overwrite=True) as writer:
-        writer.event(Event(t_ns=0, kind="mark", text="up"))
+        writer.write_event(Event(t_ns=0, kind="mark", text="up"))
         for block in blocks(run, rig):
-            writer.block(block)
+            writer.write_block(block)
     return path
 
 

@@ -1,7 +1,4 @@
-"""Waveforms and vectors for other programs.
-
-CSV and universal files (UFF-58), one file a format, written whole or not at all.
-"""
+"""Export of waveforms and vectors: CSV and universal files (UFF-58), one file a format, written whole or not at all."""
 
 import lazy_loader
 

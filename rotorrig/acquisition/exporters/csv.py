@@ -1,6 +1,6 @@
-"""A recording's waveforms as CSV: time, keyphasor and probes in volts, as `importers.csv` reads them.
+"""Export of waveforms as CSV: time, keyphasor and probes in volts, as `importers.csv` reads them.
 
-Volts, not displacements: they are what was measured. A gap in the recording is a jump of the time column.
+Volts, not displacements: they are what was measured. A gap in the recording is a jump in the time column.
 """
 
 from collections.abc import Iterator

@@ -1,7 +1,7 @@
-"""A recording's waveforms as a universal file: a data set 58b, time response in volts, of every channel.
+"""Export of waveforms as a universal file: a data set 58b, time response in volts, for every channel.
 
-Its name is the channel's, its second line says what makes metres of volts. A gap in the recording parts it into pieces,
-each with its own start: nothing is filled in.
+It is named by its channel; its second line is the calibration from volts to metres. A gap in the recording splits it
+into data sets, each with its own start: nothing is filled in.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The bytes of universal file data sets 58, 58b (function at nodal DOF) and 164 (units).
+"""Universal file data sets 58, 58b (function at nodal DOF) and 164 (units) as bytes.
 
 Written here, as pyuff writes no order functions (type 27) and gives the byte count of half of a complex 58b. Records
 and columns as in https://www.ceas3.uc.edu/sdrluff, data sets 58 and 164.
@@ -18,7 +18,7 @@ _HEADER_LINES = 11  # of a 58b, before its bytes
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """What an axis is: specific data type, label, unit."""
+    """Axis of a data set: specific data type, label, unit."""
 
     kind: int = 0
     label: str = ""
@@ -27,7 +27,7 @@ class Axis:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Function:
-    """One data set. Its abscissa is `x`, or even from `start` by `step`."""
+    """One data set. Its abscissa is `x`, or evenly spaced from `start` by `step`."""
 
     kind: int  # function type
     lines: tuple[str, ...]  # of identification, up to five of 80 characters
@@ -48,16 +48,16 @@ def units_in_si() -> bytes:
     """Return data set 164 saying that lengths are metres."""
     numbers = "".join(f"{value:25.17E}".replace("E", "D") for value in (1.0, 1.0, 1.0))
     offset = f"{273.15:25.17E}".replace("E", "D")
-    return _framed(164, [f"{1:10d}{'SI: Meter (newton)':20s}{2:10d}", numbers, offset])
+    return _data_set(164, [f"{1:10d}{'SI: Meter (newton)':20s}{2:10d}", numbers, offset])
 
 
 def ascii_function(function: Function) -> bytes:
     """Return data set 58, its numbers as text."""
-    return _framed(58, [*_records(function), *_number_lines(function)])
+    return _data_set(58, [*_records(function), *_number_lines(function)])
 
 
 def binary_function(function: Function) -> bytes:
-    """Return data set 58b of even abscissa: little endian, IEEE 754."""
+    """Return data set 58b with evenly spaced abscissa: little endian, IEEE 754."""
     data = np.ascontiguousarray(function.values)
     body = data.astype("<c16" if np.iscomplexobj(data) else "<f8").tobytes()
     first = f"{58:6d}b{1:6d}{2:6d}{_HEADER_LINES:12d}{len(body):12d}{0:6d}{0:6d}{0:12d}{0:12d}"
@@ -65,7 +65,7 @@ def binary_function(function: Function) -> bytes:
     return head.encode("ascii") + body + f"{-1:6d}\n".encode("ascii")
 
 
-def _framed(number: int, lines: list[str]) -> bytes:
+def _data_set(number: int, lines: list[str]) -> bytes:
     text = "\n".join([f"{-1:6d}", f"{number:6d}", *lines, f"{-1:6d}"])
     return f"{text}\n".encode("ascii")
 

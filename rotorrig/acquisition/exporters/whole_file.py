@@ -1,4 +1,4 @@
-"""A file that is written whole or not at all."""
+"""Atomic writing of a file: whole or not at all."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,7 +10,7 @@ from rotorrig.rig import DataError
 
 @contextmanager
 def write_whole_file(path: Path) -> Iterator[PartFile]:
-    """Give a file for the length of the block; it takes its name when the block ends well. Raises DataError."""
+    """Open a file for the length of the `with` block; it takes its name if the block ends well. Raises DataError."""
     try:
         file = PartFile(path, overwrite=True)
     except OSError as error:

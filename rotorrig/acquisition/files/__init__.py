@@ -1,4 +1,4 @@
-"""The recording's file: MCAP with protobuf messages, written so that a crash costs little, read whole or on demand.
+"""Recording files: MCAP with protobuf messages, written so that a crash costs little, read whole or on demand.
 
 `recording_mcap.py` is what others use; below it stand the container (chunks, index, salvage), the schemas and messages,
 and the fsync thread.

@@ -1,4 +1,4 @@
-"""A `Block` as a message and back: raw counts, exact, in the form that zstd packs best.
+"""Coding of a `Block` as a message: raw counts, exact, in the form that zstd packs best.
 
 Channel after channel, each sample as its difference from the one before, the differences folded (0, -1, 1, -2, ... as
 0, 1, 2, 3, ...) so that small ones of either sign have zeros in their high bytes, then all low bytes, all high bytes.
@@ -32,7 +32,7 @@ DELTA, PLAIN = "delta", ""
 _WIDTHS = {"int16": 2, "int32": 4}  # bytes
 
 
-def packed(block: Block) -> dict[str, Any]:
+def pack_block(block: Block) -> dict[str, Any]:
     """Return a block as field values of WAVEFORM."""
     counts = block.counts
     narrow = np.iinfo(np.int16)
@@ -44,16 +44,16 @@ def packed(block: Block) -> dict[str, Any]:
         "samples": counts.shape[0],
         "channels": counts.shape[1],
         "dtype": dtype,
-        "counts": _coded(counts.T, width=_WIDTHS[dtype]),
+        "counts": _encode(counts.T, width=_WIDTHS[dtype]),
         "overrun": block.overrun,
         "coding": DELTA,
     }
 
 
-def unpacked(message: Any) -> Block:
+def unpack_block(message: Any) -> Block:
     """Return the block in a WAVEFORM message. Raises ValueError if its fields contradict one another."""
     samples, channels = shape_of(message)
-    return _unpacked(message, np.empty((samples, channels), dtype=np.int32))
+    return _unpack_into(message, np.empty((samples, channels), dtype=np.int32))
 
 
 def counts_of(message: Any) -> NDArray[Any]:
@@ -61,15 +61,15 @@ def counts_of(message: Any) -> NDArray[Any]:
     samples, channels = shape_of(message)
     shape, width = (channels, samples), _WIDTHS[message.dtype]
     if message.coding == DELTA:
-        return _decoded(message.counts, shape=shape, width=width)
+        return _decode(message.counts, shape=shape, width=width)
     return np.frombuffer(message.counts, f"<i{width}").reshape(shape)
 
 
-def unpacked_all(messages: list[Any]) -> tuple[Block, ...]:
-    """Return the blocks of many WAVEFORM messages, emptying the list; raises ValueError as `unpacked` does.
+def unpack_blocks(messages: list[Any]) -> tuple[Block, ...]:
+    """Return the blocks of many WAVEFORM messages, emptying the list; raises ValueError as `unpack_block` does.
 
-    Blocks that follow on one another lie side by side in memory, so that putting them together copies nothing; and a
-    message is let go once it is decoded, so that both forms of a long recording are never held at once.
+    Consecutive blocks lie side by side in memory, so that joining them copies nothing; and each message is released
+    once it is decoded, so that both forms of a long recording are never held at once.
     """
     blocks: list[Block] = []
     for run in _runs(messages):
@@ -77,13 +77,13 @@ def unpacked_all(messages: list[Any]) -> tuple[Block, ...]:
         counts = np.empty((sum(lengths), run[0].channels), dtype=np.int32)
         at = 0
         for number, length in enumerate(lengths):
-            blocks.append(_unpacked(run[number], counts[at : at + length]))
+            blocks.append(_unpack_into(run[number], counts[at : at + length]))
             run[number] = None
             at += length
     return tuple(blocks)
 
 
-def _coded(counts: NDArray[np.int32], *, width: int) -> bytes:
+def _encode(counts: NDArray[np.int32], *, width: int) -> bytes:
     """Return counts (channel, sample) as byte planes of folded differences, `width` bytes each; modulo 2^(8 width)."""
     whole = np.ascontiguousarray(counts, dtype=f"<i{width}")
     steps = whole.copy()
@@ -92,11 +92,11 @@ def _coded(counts: NDArray[np.int32], *, width: int) -> bytes:
     return np.ascontiguousarray(folded.view(np.uint8).reshape(-1, width).T).tobytes()
 
 
-def _decoded(data: bytes, *, shape: tuple[int, int], width: int) -> NDArray[Any]:
-    """Return counts (channel, sample) from what `_coded` made of them."""
+def _decode(data: bytes, *, shape: tuple[int, int], width: int) -> NDArray[Any]:
+    """Return counts (channel, sample), the inverse of `_encode`."""
     planes = np.frombuffer(data, np.uint8).reshape(width, *shape)
     folded = planes[-1].astype(f"<u{width}")
-    for plane in planes[-2::-1]:  # twice as quick as a transposed copy of the bytes
+    for plane in planes[-2::-1]:  # twice as fast as a transposed copy of the bytes
         folded <<= 8
         folded |= plane
     sign = folded & 1
@@ -105,7 +105,7 @@ def _decoded(data: bytes, *, shape: tuple[int, int], width: int) -> NDArray[Any]
     return np.cumsum(folded, axis=1, dtype=folded.dtype, out=folded).view(f"<i{width}")
 
 
-def _unpacked(message: Any, counts: NDArray[np.int32]) -> Block:
+def _unpack_into(message: Any, counts: NDArray[np.int32]) -> Block:
     """Decode a message into `counts` (sample, channel) and return the block."""
     counts[:] = counts_of(message).T
     return Block(counts=counts, first_sample=message.first_sample, t_ns=message.t_ns, overrun=message.overrun)

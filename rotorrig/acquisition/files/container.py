@@ -1,4 +1,4 @@
-"""MCAP files of this program: what every kind has in common, to write and to read.
+"""MCAP container common to all files of this program: writing, reading, salvage.
 
 Each carries the rig's config (TOML as read, and checked SI values as JSON), its kind and version, and where it came
 from. While it is being written it is called `<name>.part`, see part_file.
@@ -18,8 +18,8 @@ from mcap.records import Attachment, Channel, DataEnd, Footer, McapRecord, Messa
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
 from rotorrig.acquisition.files.fsync import Syncer
-from rotorrig.acquisition.files.mcap_records import Fault, Place, placed_records
-from rotorrig.acquisition.files.part_file import PartFile, part_of
+from rotorrig.acquisition.files.mcap_records import Fault, Place, records_with_places
+from rotorrig.acquisition.files.part_file import PartFile, part_path
 from rotorrig.acquisition.files.schemas import ENCODING, MessageType, register_schema
 from rotorrig.rig import DataError, Provenance, RigError
 from rotorrig.rig.config import RigConfig, description
@@ -30,7 +30,7 @@ CONFIG_TEXT, CONFIG_SI = "config.toml", "config.json"  # names of the attachment
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FileKind:
-    """What a file holds. The version rises when an older program would misread it; new fields and topics do not."""
+    """Kind of a file. Its version rises when an older program would misread it, not for new fields or topics."""
 
     name: str  # "run"
     version: int
@@ -48,7 +48,7 @@ class Stored:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contents:
-    """All of a file."""
+    """Contents of a file."""
 
     rig: RigConfig
     source: Provenance  # as stored: where the file came from
@@ -63,7 +63,7 @@ class DiskFull(DataError):
 
 
 class FileWriter:
-    """Writes one file. Leaving the `with` block by an error discards it; see `close` and `discard`."""
+    """Writer of one file. Leaving the `with` block by an error discards it; see `close` and `discard`."""
 
     def __init__(
         self,
@@ -95,26 +95,26 @@ class FileWriter:
         self._channels: dict[str, int] = {}
         self._sequence: defaultdict[str, int] = defaultdict(int)
         self._flush_every, self._flushed_ns = flush_every_ns, 0
-        with self._guarded():
+        with self._handle_disk_errors():
             self._mcap.start(library=f"rotorrig {source.code_version}")
-        self.metadata(HEADER, {"kind": kind.name, "version": str(kind.version), **asdict(source)})
+        self.add_metadata(HEADER, {"kind": kind.name, "version": str(kind.version), **asdict(source)})
         self.attach(CONFIG_SI, "application/json", json.dumps(rig.model_dump(mode="json"), indent=1).encode())
         if rig.text:
             self.attach(CONFIG_TEXT, "application/toml", rig.text.encode())
         self.flush()
 
-    def metadata(self, name: str, values: Mapping[str, str]) -> None:
+    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Add a metadata record. Raises DiskFull."""
-        with self._guarded():
+        with self._handle_disk_errors():
             self._mcap.add_metadata(name, dict(values))
 
     def attach(self, name: str, media_type: str, data: bytes) -> None:
         """Add an attachment. Raises DiskFull."""
-        with self._guarded():
+        with self._handle_disk_errors():
             self._mcap.add_attachment(0, 0, name, media_type, data)
 
-    def topic(self, topic: str, kind: MessageType) -> int:
-        """Describe a topic in the file, unless that is done, and return its channel; `write` does so when needed."""
+    def register_topic(self, topic: str, kind: MessageType) -> int:
+        """Register a topic unless that is done, and return its channel; `write` does so when needed."""
         if topic not in self._channels:
             if kind.name not in self._schemas:
                 self._schemas[kind.name] = register_schema(self._mcap, kind)
@@ -124,8 +124,8 @@ class FileWriter:
     def write(self, topic: str, kind: MessageType, t_ns: int, /, **values: Any) -> None:
         """Add one message with these field values. Raises DiskFull."""
         data = kind.cls(**values).SerializeToString()
-        with self._guarded():
-            self._mcap.add_message(self.topic(topic, kind), t_ns, data, t_ns, self._sequence[topic])
+        with self._handle_disk_errors():
+            self._mcap.add_message(self.register_topic(topic, kind), t_ns, data, t_ns, self._sequence[topic])
         self._sequence[topic] += 1
         if self._flush_every is not None and t_ns - self._flushed_ns >= self._flush_every:
             self.flush()
@@ -133,12 +133,12 @@ class FileWriter:
 
     @property
     def closed(self) -> bool:
-        """Whether it has its name, or is gone."""
+        """True once it has its name, or is gone."""
         return self._file.closed
 
     def flush(self) -> None:
         """Hand the chunk under way to the system, so that it outlives this process. Raises DiskFull."""
-        with self._guarded():
+        with self._handle_disk_errors():
             self._mcap.flush()
             self._file.mark()
 
@@ -148,7 +148,7 @@ class FileWriter:
             return
         self.flush()
         self._end_sync()
-        with self._guarded():
+        with self._handle_disk_errors():
             self._mcap.finish()
             self._file.sync()
         self._take_name()
@@ -171,7 +171,7 @@ class FileWriter:
             self.discard()
 
     @contextmanager
-    def _guarded(self) -> Iterator[None]:
+    def _handle_disk_errors(self) -> Iterator[None]:
         """Turn an OSError, the syncing thread's too, into DiskFull, after saving what can be saved."""
         try:
             yield
@@ -186,7 +186,7 @@ class FileWriter:
             else:
                 self._file.discard()
                 fate = "nothing of it is kept"
-            raise DiskFull(f"{self._path}: cannot be written on ({error.strerror}); {fate}") from error
+            raise DiskFull(f"{self._path}: cannot be written any further ({error.strerror}); {fate}") from error
 
     def _end_sync(self) -> None:
         if self._syncer is not None:
@@ -197,7 +197,7 @@ class FileWriter:
             self._file.take_name()
         except OSError as error:
             raise DataError(
-                f"{self._path}: cannot be given its name ({error.strerror}); look for {part_of(self._path).name}"
+                f"{self._path}: cannot be given its name ({error.strerror}); look for {part_path(self._path).name}"
             ) from error
 
 
@@ -207,7 +207,7 @@ def read_file(
     kind: FileKind,
     types: tuple[MessageType, ...],
     salvage: bool = False,
-    aside: Callable[[Stored, Place], bool] | None = None,
+    divert: Callable[[Stored, Place], bool] | None = None,
 ) -> Contents:
     """Read a file of this `kind`; messages of other types than `types` are left out.
 
@@ -216,8 +216,8 @@ def read_file(
     that is missing, no MCAP, none of ours, of another kind, of a newer version, cut or damaged.
     """
     _refuse_missing(path)
-    parts = _Parts(path, kind, {t.name: t for t in types}, aside)
-    for record, place in placed_records(path):
+    parts = _Parts(path, kind, {t.name: t for t in types}, divert)
+    for record, place in records_with_places(path):
         if isinstance(record, Fault) and not salvage:
             raise DataError(_damage(path, record, kind, parts.metadata))
         parts.add(record, place)
@@ -234,16 +234,16 @@ def read_file(
 
 
 class _Parts:
-    """Collects a file's records by what they are."""
+    """Collector of a file's records by their type."""
 
     def __init__(
         self,
         path: Path,
         kind: FileKind,
         types: Mapping[str, MessageType],
-        aside: Callable[[Stored, Place], bool] | None,
+        divert: Callable[[Stored, Place], bool] | None,
     ) -> None:
-        self._path, self._kind, self._types, self._aside = path, kind, types, aside
+        self._path, self._kind, self._types, self._aside = path, kind, types, divert
         self._schemas: dict[int, str] = {}
         self._channels: dict[int, Channel] = {}
         self.attachments: dict[str, bytes] = {}
@@ -270,7 +270,9 @@ class _Parts:
 
     def _add_message(self, message: Message, place: Place) -> None:
         if (channel := self._channels.get(message.channel_id)) is None:
-            raise DataError(f"{self._path}: channel {message.channel_id} is nowhere described, its messages are lost")
+            raise DataError(
+                f"{self._path}: channel {message.channel_id} is not described anywhere, its messages are lost"
+            )
         kind = self._types.get(self._schemas.get(channel.schema_id, ""))
         if kind is None:
             return
@@ -294,10 +296,10 @@ def _bare_ending() -> bytes:
 def _refuse_missing(path: Path) -> None:
     if path.is_dir():
         raise DataError(f"{path}: is a folder, want a file")
-    if not path.exists() and part_of(path).exists():
+    if not path.exists() and part_path(path).exists():
         raise DataError(
-            f"{path}: is not there, but {part_of(path).name} is, cut short (or under way); "
-            f"`rotor salvage {part_of(path)} --out saved.mcap` saves what it holds"
+            f"{path}: is not there, but {part_path(path).name} is, cut short (or under way); "
+            f"`rotor salvage {part_path(path)} --out saved.mcap` saves what it holds"
         )
     if not path.exists():
         raise DataError(f"{path}: is not there")
@@ -306,8 +308,8 @@ def _refuse_missing(path: Path) -> None:
 def _damage(path: Path, fault: Fault, kind: FileKind, metadata: dict[str, dict[str, str]]) -> str:
     if HEADER not in metadata:
         return f"{path}: is cut or damaged at byte {fault.start}, before it says what it is; want a {kind.name} file"
-    said = "is unfinished" if fault.cut else "is damaged"
-    return f"{path}: {said} at byte {fault.start} ({fault.what}); {kind.remedy.format(path=path)}"
+    damage = "is unfinished" if fault.cut else "is damaged"
+    return f"{path}: {damage} at byte {fault.start} ({fault.what}); {kind.remedy.format(path=path)}"
 
 
 def _check_header(path: Path, kind: FileKind, header: dict[str, str]) -> None:

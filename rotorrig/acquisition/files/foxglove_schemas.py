@@ -1,4 +1,4 @@
-"""Two of Foxglove's message types, which Foxglove and Rerun draw by themselves: points in space, and lines of a log.
+"""Foxglove's message types PointCloud and Log, which Foxglove and Rerun draw by themselves.
 
 Field numbers, full names and enumerations as published: https://docs.foxglove.dev/docs/visualization/message-schemas
 (PointCloud, PackedElementField, Log), Protobuf. The optional pose of a cloud is left out: its frame is the rig's.

@@ -1,4 +1,4 @@
-"""Power cuts: what was written is put on the medium about once a second, on a thread that nothing waits for.
+"""Periodic fsync against power cuts: about once a second, on a thread that nothing waits for.
 
 An fsync takes 7.5 ms on a good SSD and seconds on a bad day of an SD card. Writing goes on meanwhile, as far as the
 file system lets it.
@@ -14,7 +14,7 @@ class Syncer:
     """Syncs an open file until closed; owns a descriptor of its own, so that the file may be closed at any time."""
 
     def __init__(self, fd: int, *, every: float = SYNC_EVERY) -> None:
-        """Begin. Raises OSError if there is no descriptor to be had."""
+        """Start the thread. Raises OSError if there is no descriptor to be had."""
         self.fault: OSError | None = None  # why it ended by itself: the medium took back what the system had accepted
         self._fd = os.dup(fd)
         self._every = every

@@ -1,7 +1,7 @@
-"""The records of an MCAP file one by one, without trusting a single length in it.
+"""Reader of an MCAP file's records one by one, which trusts no length in the file.
 
-A walk over https://mcap.dev/spec, rather than the `mcap` package's reader, because that one allocates what a length
-field asks for, says of an unfinished file that a record is too long, and cannot go on behind a damaged record.
+It walks the file by https://mcap.dev/spec instead of using the `mcap` package's reader, which allocates what a length
+field asks for, reports an unfinished file as a record too long, and cannot go on behind a damaged record.
 """
 
 import mmap
@@ -52,32 +52,32 @@ class Fault:
 
 
 class Place(NamedTuple):
-    """Where a record is: the offset of its chunk, or its own outside of one, and its number in there."""
+    """Position of a record: the offset of its chunk, or its own outside of one, and its number in the chunk."""
 
     offset: int
     number: int
 
 
-def records(path: Path) -> Iterator[McapRecord | Fault]:
+def read_records(path: Path) -> Iterator[McapRecord | Fault]:
     """Yield the data section's records, chunks opened, up to its end; a `Fault` for every stretch that is damaged.
 
     Behind a damaged chunk the walk goes on; where a length cannot be trusted it looks for the next whole chunk. A
     file that ends before its data section does yields a `Fault` with `cut` last. Raises DataError if the file cannot
     be read or is no MCAP file.
     """
-    for record, _ in placed_records(path):
+    for record, _ in records_with_places(path):
         yield record
 
 
-def placed_records(path: Path) -> Iterator[tuple[McapRecord | Fault, Place]]:
-    """Yield the same with the place of each, where `chunk_at` finds it again."""
+def records_with_places(path: Path) -> Iterator[tuple[McapRecord | Fault, Place]]:
+    """Yield the same records with their places, where `chunk_at` finds them again."""
     try:
         with path.open("rb") as file:
             if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
                 raise DataError(f"{path}: is no MCAP file (its first bytes are not MCAP's), want one of this program's")
             with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-                for offset, found in _walk(data):
-                    for number, record in enumerate(found):
+                for offset, records in _walk(data):
+                    for number, record in enumerate(records):
                         yield record, Place(offset, number)
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror})") from error
@@ -92,11 +92,11 @@ def chunk_at(file: BinaryIO, offset: int) -> list[McapRecord | Fault]:
     opcode, length = _HEAD.unpack(head)
     if opcode != Opcode.CHUNK or length > 2 * CHUNK_LIMIT:
         return [Fault(offset, offset, "this is no chunk", cut=False)]
-    return _opened(opcode, file.read(length), offset)
+    return _open_record(opcode, file.read(length), offset)
 
 
 def _walk(data: mmap.mmap) -> Iterator[tuple[int, list[McapRecord | Fault]]]:
-    """Yield the records, those of a chunk together, and where they or their chunk begin."""
+    """Yield the records, those of a chunk together, with the offset of the record or its chunk."""
     offset, unpacked, released = len(MCAP0_MAGIC), 0, 0
     limit = min(TOTAL_LIMIT, SPARE_LIMIT + RATIO_LIMIT * len(data))
     while True:
@@ -109,33 +109,33 @@ def _walk(data: mmap.mmap) -> Iterator[tuple[int, list[McapRecord | Fault]]]:
             yield offset, [*_ending_faults(data, offset, end)]
             return
         if end > len(data) or not 0 < opcode < 0x80:
-            following = _next_chunk(data, offset + 1)
+            following = _find_next_chunk(data, offset + 1)
             what = "the file ends too early" if following is None else "this is no record"
             end = len(data) if following is None else following
             yield offset, [Fault(offset, end, what, cut=following is None)]
             if following is None:
                 return
         else:
-            found = _opened(opcode, data[offset + _HEAD.size : end], offset)
-            unpacked += sum(len(r.data) for r in found if isinstance(r, Message))
+            records = _open_record(opcode, data[offset + _HEAD.size : end], offset)
+            unpacked += sum(len(r.data) for r in records if isinstance(r, Message))
             if unpacked > limit:
                 yield offset, [Fault(offset, len(data), f"more than {limit / 2**30:.2g} GiB unpacked", cut=False)]
                 return
-            yield offset, found
+            yield offset, records
         offset = end
         if offset - released > RELEASE:
             released = _release(data, offset)
 
 
-def _opened(opcode: int, body: bytes, offset: int) -> list[McapRecord | Fault]:
-    """Return the record of that body, or those inside it if it is a chunk, or what is wrong with it; `offset` is its.
+def _open_record(opcode: int, body: bytes, offset: int) -> list[McapRecord | Fault]:
+    """Return the record in `body`, or those inside it if it is a chunk, or the fault; `offset` is that of the record.
 
     A fault reaches to the body's end.
     """
     end = offset + _HEAD.size + len(body)
     try:
         if opcode == Opcode.CHUNK:
-            return [*breakup_chunk(_checked_chunk(body), validate_crc=True)]
+            return [*breakup_chunk(_check_chunk(body), validate_crc=True)]
         if opcode not in _READERS:
             return []
         if opcode == Opcode.ATTACHMENT and zlib.crc32(body[:-4]) != int.from_bytes(body[-4:], "little"):
@@ -145,7 +145,7 @@ def _opened(opcode: int, body: bytes, offset: int) -> list[McapRecord | Fault]:
         return [Fault(offset, end, f"{Opcode(opcode).name.lower()} record: {error or type(error).__name__}", cut=False)]
 
 
-def _checked_chunk(body: bytes) -> Chunk:
+def _check_chunk(body: bytes) -> Chunk:
     """Return the chunk if it unpacks to no more than it may; raises ValueError."""
     chunk = Chunk.read(_stream(body))
     if chunk.compression not in ("", "zstd"):
@@ -197,8 +197,8 @@ def _release(data: mmap.mmap, end: int) -> int:
     return end
 
 
-def _next_chunk(data: mmap.mmap, start: int) -> int | None:
-    """Return where the next chunk that can be opened begins, None if there is none."""
+def _find_next_chunk(data: mmap.mmap, start: int) -> int | None:
+    """Return the offset of the next chunk that can be opened, None if there is none."""
     name = data.find(_ZSTD_NAME, start)
     while name >= 0:
         offset = name - _CHUNK_FIXED - _HEAD.size
@@ -206,8 +206,8 @@ def _next_chunk(data: mmap.mmap, start: int) -> int | None:
             opcode, length = _HEAD.unpack_from(data, offset)
             end = offset + _HEAD.size + length
             if opcode == Opcode.CHUNK and end <= len(data):
-                found = _opened(opcode, data[offset + _HEAD.size : end], offset)
-                if not any(isinstance(record, Fault) for record in found):
+                records = _open_record(opcode, data[offset + _HEAD.size : end], offset)
+                if not any(isinstance(record, Fault) for record in records):
                     return offset
         name = data.find(_ZSTD_NAME, name + 1)
     return None

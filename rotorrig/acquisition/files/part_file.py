@@ -1,4 +1,4 @@
-"""A file under a provisional name, `<name>.part`, that takes its own name only when whole.
+"""File under a provisional name, `<name>.part`, that takes its own name only when whole.
 
 So a file of that name is never half a file, a crash leaves the `.part` with everything written until then, and the
 good file of an earlier run is not lost to a bad one.
@@ -11,31 +11,31 @@ from pathlib import Path
 from rotorrig.rig import DataError
 
 
-def part_of(path: Path) -> Path:
-    """Return the name a file has while it is being written."""
+def part_path(path: Path) -> Path:
+    """Return the provisional name of a file being written."""
     return path.with_name(path.name + ".part")
 
 
 def refuse_existing(path: Path) -> None:
-    """Raise DataError if `path` is there, or what a crash left of it."""
+    """Raise DataError if `path` exists, or a `.part` that a crash left."""
     if path.exists():
         raise DataError(f"{path}: is there already, want a name that is free")
-    if part_of(path).exists():
+    if part_path(path).exists():
         raise DataError(
-            f"{part_of(path)}: is there, of a recording cut short or under way; "
-            f"`rotor salvage {part_of(path)} --out saved.mcap` saves what it holds, then remove it"
+            f"{part_path(path)}: is there, of a recording cut short or under way; "
+            f"`rotor salvage {part_path(path)} --out saved.mcap` saves what it holds, then remove it"
         )
 
 
 class PartFile:
-    """An unbuffered binary file for one writer; what was written outlives this process at once."""
+    """Unbuffered binary file with one writer; what was written outlives this process at once."""
 
     def __init__(self, path: Path, *, overwrite: bool) -> None:
         """Create `<path>.part`. Raises OSError; DataError unless `overwrite` if that or `path` is there already."""
         if not overwrite:
             refuse_existing(path)
         self._path = path
-        self._file = part_of(path).open("wb" if overwrite else "xb", buffering=0)
+        self._file = part_path(path).open("wb" if overwrite else "xb", buffering=0)
         self._marks: deque[int] = deque(maxlen=4)  # newest last
 
     def write(self, data: bytes) -> int:
@@ -65,7 +65,7 @@ class PartFile:
         os.fsync(self._file.fileno())
 
     def mark(self) -> None:
-        """Say that what was written so far can stand alone, once `end_early` has put its ending behind it."""
+        """Mark what was written so far as a valid file once `end_early` has put its ending behind it."""
         self._marks.append(self.tell())
 
     def end_early(self, ending: bytes) -> int:
@@ -85,19 +85,19 @@ class PartFile:
 
     @property
     def closed(self) -> bool:
-        """Whether it has its name, or is gone."""
+        """True once it has its name, or is gone."""
         return self._file.closed
 
     def take_name(self) -> None:
         """Close the file and give it its name, replacing an older one. Raises OSError."""
         self._file.close()
-        part_of(self._path).replace(self._path)
+        part_path(self._path).replace(self._path)
         _sync_folder(self._path.parent)  # the new name outlives a power cut too
 
     def discard(self) -> None:
         """Close the file and remove it."""
         self._file.close()
-        part_of(self._path).unlink(missing_ok=True)
+        part_path(self._path).unlink(missing_ok=True)
 
 
 def _sync_folder(path: Path) -> None:

@@ -1,8 +1,8 @@
-"""Recordings as files: write one while it is made, read it, salvage one that was cut. Topics and fields: docs/files.md.
+"""Recording files: write one while it is made, read it, salvage one that was cut. Topics and fields: docs/files.md.
 
-Waveforms are raw counts, the channels' calibration beside them. While recording, a chunk is handed to the system every
-tenth of a second, so that a crash costs less than a quarter, blocks on their way included; what was written then stays
-in `<name>.part`, which only a whole file loses.
+Waveforms are raw counts with the channels' calibration beside them. While recording, a chunk is handed to the system
+every tenth of a second, so that a crash costs less than a quarter of one, blocks on their way included; what was
+written stays in `<name>.part` until the file is whole.
 
 The MCAP container itself (`FileWriter`, `read_file`) serves other stages' files as well.
 """
@@ -17,7 +17,7 @@ from typing import Any, Self
 from rotorrig.acquisition.files import block_message
 from rotorrig.acquisition.files.container import Contents, DiskFull, FileKind, FileWriter, Stored, read_file
 from rotorrig.acquisition.files.mcap_records import Place
-from rotorrig.acquisition.files.part_file import part_of, refuse_existing
+from rotorrig.acquisition.files.part_file import part_path, refuse_existing
 from rotorrig.acquisition.files.schemas import message_type
 from rotorrig.acquisition.files.stored_recording import BlockIndex, StoredRecording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
@@ -69,7 +69,7 @@ MOTOR = message_type(
 
 
 class RecordingWriter:
-    """Writes a recording as it is made. However its `with` block is left, the file is closed and valid."""
+    """Writer of a recording as it is made. However its `with` block is left, the file is closed and valid."""
 
     def __init__(
         self, path: Path, rig: RigConfig, daq_info: DaqInfo, source: Provenance, *, overwrite: bool = False
@@ -80,20 +80,20 @@ class RecordingWriter:
         )
         self._samples = 0
         for topic, kind in _TOPICS.items():  # all in the first chunk, so that none of the others needs another
-            self._file.topic(topic, kind)
+            self._file.register_topic(topic, kind)
         self._file.write("/daq", DAQ, 0, **_calibration(rig, daq_info))
         self._file.flush()
 
-    def block(self, block: Block) -> None:
+    def write_block(self, block: Block) -> None:
         """Add a block. Raises DiskFull."""
-        self._file.write("/waveform", block_message.WAVEFORM, block.t_ns, **block_message.packed(block))
+        self._file.write("/waveform", block_message.WAVEFORM, block.t_ns, **block_message.pack_block(block))
         self._samples += len(block.counts)
 
-    def event(self, event: Event) -> None:
+    def write_event(self, event: Event) -> None:
         """Add an event. Raises DiskFull."""
         self._file.write("/events", EVENT, event.t_ns, **asdict(event))
 
-    def motor(self, sample: MotorSample) -> None:
+    def write_motor(self, sample: MotorSample) -> None:
         """Add a reading of the motor controller. Raises DiskFull."""
         self._file.write("/motor", MOTOR, sample.t_ns, **asdict(sample))
 
@@ -109,7 +109,7 @@ class RecordingWriter:
         if not self._samples:
             self._file.discard()
         if not self._file.closed and complete:
-            self._file.metadata(END, {"samples": str(self._samples)})
+            self._file.add_metadata(END, {"samples": str(self._samples)})
         self._file.close()
 
     def __enter__(self) -> Self:
@@ -123,7 +123,7 @@ class RecordingWriter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Salvaged:
-    """What was saved of a cut or damaged recording."""
+    """Result of a salvage: what was saved of a cut or damaged recording."""
 
     blocks: int
     samples: int
@@ -139,7 +139,7 @@ def read_recording(path: Path) -> RawRecording:
 
     Raises DataError, in one sentence, for anything but a whole run file.
     """
-    return _recording(path, _contents(path))
+    return _build_recording(path, _read_contents(path))
 
 
 def open_recording(path: Path) -> StoredRecording:
@@ -150,14 +150,14 @@ def open_recording(path: Path) -> StoredRecording:
     """
     blocks = BlockIndex()
 
-    def aside(message: Stored, place: Place) -> bool:
+    def divert(message: Stored, place: Place) -> bool:
         if message.topic == "/waveform":
             blocks.add(message.values, place)
         return message.topic == "/waveform"
 
     try:
-        contents = _contents(path, aside=aside)
-        head = _recording(path, contents)
+        contents = _read_contents(path, divert=divert)
+        head = _build_recording(path, contents)
         _check_order(zip(blocks.first, blocks.samples, blocks.channels, strict=True), head.daq)
     except ValueError as error:
         raise DataError(f"{path}: {error}") from error
@@ -165,16 +165,16 @@ def open_recording(path: Path) -> StoredRecording:
 
 
 def write_recording(path: Path, recording: RawRecording, *, overwrite: bool = False) -> None:
-    """Write a recording that is there already. Raises DataError, also if it holds no samples."""
+    """Write a recording held in memory. Raises DataError, also if it holds no samples."""
     if not recording.samples:
         raise DataError(f"{path}: is not written, the recording holds no samples")
     with RecordingWriter(path, recording.rig, recording.daq, recording.source, overwrite=overwrite) as writer:
         for block in recording.blocks:
-            writer.block(block)
+            writer.write_block(block)
         for event in recording.events:
-            writer.event(event)
+            writer.write_event(event)
         for sample in recording.motor:
-            writer.motor(sample)
+            writer.write_motor(sample)
         writer.close(complete=recording.complete)
 
 
@@ -184,28 +184,28 @@ def salvage(path: Path, out: Path, *, overwrite: bool = False) -> Salvaged:
     Every whole chunk is saved, also behind a damaged one. The result says that it was cut. Raises DataError if
     nothing can be saved.
     """
-    if path.resolve() in (out.resolve(), part_of(out).resolve()):
+    if path.resolve() in (out.resolve(), part_path(out).resolve()):
         raise DataError(f"{out}: would be written over {path.name}, which is to be salvaged; want another name")
     if not overwrite:
         refuse_existing(out)
-    contents = _contents(path, salvage=True)
-    found = _recording(path, contents)
-    if not found.samples:
+    contents = _read_contents(path, salvage=True)
+    recording = _build_recording(path, contents)
+    if not recording.samples:
         raise DataError(f"{path}: holds no samples that can be read, there is nothing to salvage")
     lost = sum(fault.end - fault.start for fault in contents.faults)
-    whole = found.complete and not contents.faults
+    whole = recording.complete and not contents.faults
     if not whole:
-        last = found.blocks[-1] if found.blocks else None
-        end = last.t_ns + round(len(last.counts) * 1e9 / found.daq.sample_rate) if last else 0
+        last = recording.blocks[-1] if recording.blocks else None
+        end = last.t_ns + round(len(last.counts) * 1e9 / recording.daq.sample_rate) if last else 0
         note = Event(t_ns=end, kind="note", text=f"salvaged from {path.name}: {lost} bytes could not be read")
-        found = replace(found, events=(*found.events, note), complete=False)
-    write_recording(out, found, overwrite=overwrite)
+        recording = replace(recording, events=(*recording.events, note), complete=False)
+    write_recording(out, recording, overwrite=overwrite)
     return Salvaged(
-        blocks=len(found.blocks),
-        samples=found.samples,
-        seconds=found.samples / found.daq.sample_rate,
-        events=len(found.events),
-        motor=len(found.motor),
+        blocks=len(recording.blocks),
+        samples=recording.samples,
+        seconds=recording.samples / recording.daq.sample_rate,
+        events=len(recording.events),
+        motor=len(recording.motor),
         lost_bytes=lost,
         whole=whole,
     )
@@ -215,7 +215,7 @@ _TOPICS = {"/daq": DAQ, "/waveform": block_message.WAVEFORM, "/events": EVENT, "
 
 
 def _calibration(rig: RigConfig, info: DaqInfo) -> dict[str, Any]:
-    """Return what turns counts into metres, as field values of DAQ."""
+    """Return the calibration from counts to metres, as field values of DAQ."""
     probes = {probe.channel: probe for probe in rig.probes}
     names = {channel: probe.name for channel, probe in probes.items()}
     if rig.keyphasor:
@@ -228,11 +228,13 @@ def _calibration(rig: RigConfig, info: DaqInfo) -> dict[str, Any]:
     }
 
 
-def _contents(path: Path, *, salvage: bool = False, aside: Callable[[Stored, Place], bool] | None = None) -> Contents:
-    return read_file(path, kind=RUN, types=tuple(_TOPICS.values()), salvage=salvage, aside=aside)
+def _read_contents(
+    path: Path, *, salvage: bool = False, divert: Callable[[Stored, Place], bool] | None = None
+) -> Contents:
+    return read_file(path, kind=RUN, types=tuple(_TOPICS.values()), salvage=salvage, divert=divert)
 
 
-def _recording(path: Path, contents: Contents) -> RawRecording:
+def _build_recording(path: Path, contents: Contents) -> RawRecording:
     of: dict[str, list[Any]] = {topic: [] for topic in _TOPICS}
     for message in contents.messages:
         if message.topic in of:
@@ -242,7 +244,7 @@ def _recording(path: Path, contents: Contents) -> RawRecording:
     try:
         daq = _daq_info(of["/daq"][0])
         contents.messages.clear()  # the list just made holds them alone, and lets them go one by one
-        blocks = block_message.unpacked_all(of["/waveform"])
+        blocks = block_message.unpack_blocks(of["/waveform"])
         _check_order(((b.first_sample, *b.counts.shape) for b in blocks), daq)
     except ValueError as error:
         raise DataError(f"{path}: {error}") from error
@@ -261,7 +263,7 @@ def _recording(path: Path, contents: Contents) -> RawRecording:
 
 
 def _daq_info(message: Any) -> DaqInfo:
-    """Return the message as DaqInfo; raises ValueError if a number cannot be true."""
+    """Return the message as DaqInfo; raises ValueError for an impossible number."""
     info = DaqInfo(
         model=message.model,
         serial=message.serial,

@@ -1,4 +1,4 @@
-"""Protobuf message types made at run time from a table of fields, and their channels in an MCAP file.
+"""Protobuf message types, made at run time from a table of fields, and their schemas in an MCAP file.
 
 No generated code and no protoc: a file carries its own descriptors, so Foxglove, Rerun and the official `mcap` reader
 decode it without this program. Field numbers follow the table's order: add fields at its end, never in between.

@@ -1,4 +1,4 @@
-"""A recording that stays in its file: an index of its blocks in memory, and the counts of a stretch when asked for."""
+"""Recording that stays in its file: an index of its blocks in memory, the counts read when asked for."""
 
 from array import array
 from collections import OrderedDict
@@ -24,7 +24,7 @@ CACHE = (
 
 
 class BlockIndex:
-    """Where the blocks of a file are: 40 bytes of each."""
+    """Index of the blocks of a file, 40 bytes each."""
 
     def __init__(self) -> None:
         self.first, self.samples, self.channels = array("q"), array("q"), array("q")
@@ -42,7 +42,7 @@ class BlockIndex:
 
 
 class StoredRecording:
-    """What `RawRecording` is, without its blocks in memory; a context manager that closes the file."""
+    """Recording like `RawRecording`, without its blocks in memory; a context manager that closes the file."""
 
     def __init__(self, path: Path, head: RawRecording, blocks: BlockIndex) -> None:
         """Take a recording's file, what is known of it without its blocks, and where they are."""
@@ -96,7 +96,7 @@ class StoredCounts:
 
 
 class _BlockFile:
-    """Reads blocks of an open file by their samples, the latest chunks kept."""
+    """Reader of an open file's blocks by their samples, with a cache of the latest chunks."""
 
     def __init__(self, path: Path, blocks: BlockIndex) -> None:
         self._path, self._file = path, path.open("rb")
@@ -124,7 +124,7 @@ class _BlockFile:
         """Return the counts (channel, sample) of a block."""
         offset, number = int(self._offset[block]), int(self._number[block])
         if offset not in self._chunks:
-            self._chunks[offset] = chunk = self._decoded(offset)
+            self._chunks[offset] = chunk = self._decode_chunk(offset)
             self._bytes += sum(counts.nbytes for counts in chunk.values())
             while self._bytes > CACHE and len(self._chunks) > 1:
                 _, oldest = self._chunks.popitem(last=False)
@@ -134,14 +134,14 @@ class _BlockFile:
             raise DataError(f"{self._path}: has changed since it was opened, at byte {offset}")
         return self._chunks[offset][number]
 
-    def _decoded(self, offset: int) -> dict[int, NDArray[Any]]:
+    def _decode_chunk(self, offset: int) -> dict[int, NDArray[Any]]:
         """Return the counts of a chunk's blocks by their number in it."""
-        found: dict[int, NDArray[Any]] = {}
+        counts: dict[int, NDArray[Any]] = {}
         begin, end = np.searchsorted(self._offset, [offset, offset + 1])
         mine = set(self._number[begin:end].tolist())
         for number, record in enumerate(chunk_at(self._file, offset)):
             if isinstance(record, Fault):
                 raise DataError(f"{self._path}: has changed since it was opened, at byte {record.start}")
             if number in mine and isinstance(record, Message):
-                found[number] = block_message.counts_of(block_message.WAVEFORM.cls.FromString(record.data))
-        return found
+                counts[number] = block_message.counts_of(block_message.WAVEFORM.cls.FromString(record.data))
+        return counts

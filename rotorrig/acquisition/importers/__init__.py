@@ -1,7 +1,4 @@
-"""Waveforms from elsewhere.
-
-CSV, universal files, TDMS and WAV, one file a format, by one mapping of channels to probes.
-"""
+"""Import of waveforms: CSV, universal files, TDMS and WAV, one file a format, one mapping of channels to probes."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Which channel of a foreign recording is which probe, and what a 1 in it stands for: a small TOML file, checked.
+"""Mapping of an imported file's channels to probes, with their units: a small TOML file, checked.
 
 rate = "25.6 kHz"       # where the file does not say; the same for all channels
 
@@ -8,7 +8,7 @@ channel = "AI0"         # its name in the file, or its number from 1
 unit = "1 V"            # what a 1 in the file stands for, volts or any length; left out: what the file says
 override = true         # the file says another unit, which is wrong
 
-[time]                  # of a CSV whose time column is called otherwise
+[time]                  # of a CSV whose time column has another name
 column = "t"
 unit = "1 ms"
 """
@@ -37,7 +37,7 @@ class TimeColumn(Part):
 
 
 class ChannelMapping(Part):
-    """All of a mapping file."""
+    """Contents of a mapping file."""
 
     notes: str = ""
     rate: Rate | None = None
@@ -59,7 +59,7 @@ def load_channels(path: Path, rig: RigConfig) -> ChannelMapping:
 
 
 def _fault(mapping: ChannelMapping, rig: RigConfig) -> str:
-    """Return what is wrong with it, empty if nothing."""
+    """Return what is wrong with the mapping, empty if nothing."""
     known = [*(["keyphasor"] if rig.keyphasor else []), *(probe.name for probe in rig.probes)]
     seen: set[str] = set()
     for i, channel in enumerate(mapping.channels):

@@ -1,4 +1,4 @@
-"""Which channels of a foreign file are the config's: by their names or a mapping, each with what makes volts of it."""
+"""Match of an imported file's channels to the config's, by name or mapping, each with its scale to volts."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ KEYPHASOR = "keyphasor"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Format:
-    """How a kind of file calls its parts, for sentences."""
+    """Vocabulary of a file format, for error messages."""
 
     name: str  # "CSV"
     channel: str  # what it calls a channel: "column"
@@ -23,12 +23,12 @@ class Format:
     first: int = 1  # number of the first scan
     heading: str = ""  # where channels are named: ", row 1"
     example: str = "{name}"  # how a channel the config wants would stand in the file
-    unnamed: str = "none"  # said where no channel has a name
+    unnamed: str = "none"  # shown where no channel has a name
 
 
 @dataclass(frozen=True, slots=True)
-class Offer:
-    """A channel of a foreign file: what it may be called, the first name to show, and its unit if the file says."""
+class FileChannel:
+    """Channel of an imported file: its names, the first of which is shown, and its unit if the file gives one."""
 
     names: tuple[str, ...]
     unit: str = ""
@@ -36,18 +36,18 @@ class Offer:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A channel that is read: value * factor + offset is volts."""
+    """Channel to be read: value * factor + offset is volts."""
 
     name: str  # the probe's, or "keyphasor"
     unit: str
-    index: int  # of the offer
+    index: int  # in the file
     factor: float
     offset: float = 0.0
     is_length: bool = False
 
 
-def wanted(
-    path: Path, rig: RigConfig, offers: Sequence[Offer], mapping: ChannelMapping | None, *, form: Format
+def match_channels(
+    path: Path, rig: RigConfig, available: Sequence[FileChannel], mapping: ChannelMapping | None, *, form: Format
 ) -> tuple[Channel, ...]:
     """Return the config's channels, keyphasor first, probes in its order. Raises DataError for one that is not there.
 
@@ -56,54 +56,66 @@ def wanted(
     channels: list[Channel] = []
     for name in channel_names(rig):
         asked = mapping.of(name) if mapping else None
-        index = find(path, offers, name, asked.channel if asked else name, form=form)
-        channels.append(_channel(path, rig, name, index, offers[index], asked, form=form))
+        index = find_channel(path, available, name, asked.channel if asked else name, form=form)
+        channels.append(_channel(path, rig, name, index, available[index], asked, form=form))
         if (twice := next((c for c in channels[:-1] if c.index == index), None)) is not None:
-            label = offers[index].names[0]
+            label = available[index].names[0]
             raise DataError(f"{path}: {form.channel} '{label}' is mapped to '{twice.name}' and '{name}', want one each")
     return tuple(channels)
 
 
 def channel_names(rig: RigConfig) -> tuple[str, ...]:
-    """Return what an import looks for."""
+    """Return the names an import looks for."""
     return (*([KEYPHASOR] if rig.keyphasor else []), *(probe.name for probe in rig.probes))
 
 
-def find(path: Path, offers: Sequence[Offer], name: str, place: str | int, *, form: Format) -> int:
-    """Return the index of the offer at `place`, a name or a number from 1, wanted as `name`. Raises DataError."""
+def find_channel(path: Path, available: Sequence[FileChannel], name: str, place: str | int, *, form: Format) -> int:
+    """Return the index of the channel at `place`, a name or a number from 1, for `name`. Raises DataError."""
     if isinstance(place, int):
-        if not 1 <= place <= len(offers):
-            raise DataError(f"{path}: has {len(offers)} {form.channel}s, the mapping wants number {place} for '{name}'")
+        if not 1 <= place <= len(available):
+            raise DataError(
+                f"{path}: has {len(available)} {form.channel}s, the mapping wants number {place} for '{name}'"
+            )
         return place - 1
-    found = [i for i, offer in enumerate(offers) if place in offer.names]
-    if len(found) > 1:
-        raise DataError(f"{path}{form.heading}: {_count(len(found))} {form.channel}s are named '{place}', want one")
-    if not found:
-        shown = ", ".join(f"'{offer.names[0]:.40}'" for offer in offers if offer.names) or form.unnamed
+    indices = [i for i, file_channel in enumerate(available) if place in file_channel.names]
+    if len(indices) > 1:
+        raise DataError(f"{path}{form.heading}: {_count(len(indices))} {form.channel}s are named '{place}', want one")
+    if not indices:
+        shown = (
+            ", ".join(f"'{file_channel.names[0]:.40}'" for file_channel in available if file_channel.names)
+            or form.unnamed
+        )
         raise DataError(
             f"{path}{form.heading}: has no {form.channel} '{form.example.format(name=place)}', "
             f"{'the config wants it' if place == name else f'the mapping wants it for {name}'}; the file has {shown}"
         )
-    return found[0]
+    return indices[0]
 
 
 def _channel(
-    path: Path, rig: RigConfig, name: str, index: int, offer: Offer, asked: MappedChannel | None, *, form: Format
+    path: Path,
+    rig: RigConfig,
+    name: str,
+    index: int,
+    file_channel: FileChannel,
+    asked: MappedChannel | None,
+    *,
+    form: Format,
 ) -> Channel:
-    where = f"{path}{form.heading}: {form.channel} '{offer.names[0]}'"
+    where = f"{path}{form.heading}: {form.channel} '{file_channel.names[0]}'"
     probe = None if name == KEYPHASOR else rig.probe(name)
     wants = "V or mV" if probe is None else "V or a length such as um"
-    unit = asked.unit if asked and asked.unit else f"1 {offer.unit}" if offer.unit else ""
+    unit = asked.unit if asked and asked.unit else f"1 {file_channel.unit}" if file_channel.unit else ""
     if not unit:
         raise DataError(f"{where} says no unit, want one in a mapping: what a 1 stands for, such as '1 V'")
     factor, is_length = signal_factor(unit, length=probe is not None) or (0.0, False)
     if not factor:  # neither one, or 0 of it
         raise DataError(f"{where} is in [{unit.removeprefix('1 ')}], want {wants}")
-    if asked and asked.unit and offer.unit and not asked.override:
-        stated = signal_factor(f"1 {offer.unit}", length=True)
+    if asked and asked.unit and file_channel.unit and not asked.override:
+        stated = signal_factor(f"1 {file_channel.unit}", length=True)
         if stated is None or stated[1] != is_length or not math.isclose(stated[0], factor):
             raise DataError(
-                f"{where} is in [{offer.unit}] as the file says, but the mapping says a 1 is {asked.unit}; "
+                f"{where} is in [{file_channel.unit}] as the file says, but the mapping says a 1 is {asked.unit}; "
                 "want them to agree, the mapping's unit left out, or override = true beside it"
             )
     if is_length and probe:

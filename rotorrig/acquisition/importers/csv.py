@@ -1,4 +1,4 @@
-"""A CSV of waveforms into a RawRecording: a time column, the keyphasor and the config's probes, any unit they name.
+"""Import of waveforms from CSV: a time column, the keyphasor and the config's probes, in any unit they name.
 
     time [s], keyphasor [V], 1x [um], 1y [um]
     0.0000, -1.02, 12.3, -4.1
@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
-from rotorrig.acquisition.importers.channels import Format, Offer, find, wanted
-from rotorrig.acquisition.importers.waveforms import recording_of
+from rotorrig.acquisition.importers.channels import FileChannel, Format, find_channel, match_channels
+from rotorrig.acquisition.importers.waveforms import make_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig, to_si
@@ -42,7 +42,7 @@ FORM = Format(
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One column that is read; `factor` makes seconds of the times, None leaves the values as they are."""
+    """Column to be read; `factor` turns its times into seconds."""
 
     name: str
     index: int
@@ -50,7 +50,7 @@ class Column:
 
 
 def read_csv(path: Path, rig: RigConfig, mapping: ChannelMapping | None = None) -> RawRecording:
-    """Read a CSV of waveforms, sampled evenly, as the recording of a rig.
+    """Read a CSV of evenly sampled waveforms as the recording of a rig.
 
     The file's numbers become int32 counts, exact to less than 1 nm or 1 uV. Raises DataError naming the row and
     column of whatever cannot be used; row 1 is the heading.
@@ -59,18 +59,18 @@ def read_csv(path: Path, rig: RigConfig, mapping: ChannelMapping | None = None) 
         with path.open(encoding="utf-8-sig", newline="") as file:
             heading = _heading(path, file)
             delimiter = _delimiter(heading)
-            offers = _offers(heading, delimiter, mapping)
-            time = _time(path, offers, mapping)
-            channels = wanted(path, rig, offers, mapping, form=FORM)
+            available = _offers(heading, delimiter, mapping)
+            time = _time(path, available, mapping)
+            channels = match_channels(path, rig, available, mapping, form=FORM)
             columns = ([time] if time else []) + [Column(c.name, c.index) for c in channels]
             pieces = list(_pieces(path, file, delimiter, columns))
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror})") from error
     except UnicodeDecodeError as error:
         raise DataError(f"{path}: is not UTF-8 text, want a CSV file") from error
-    rate, said = _rate(path, pieces, time, mapping)
+    rate, rate_source = _rate(path, pieces, time, mapping)
     values = [piece[:, 1:] if time else piece for piece in pieces]
-    return recording_of(path, rig, channels, values, rate=rate, said=said, form=FORM)
+    return make_recording(path, rig, channels, values, rate=rate, rate_source=rate_source, form=FORM)
 
 
 def _heading(path: Path, file: TextIO) -> str:
@@ -84,28 +84,28 @@ def _delimiter(heading: str) -> str:
     return max(",;\t", key=heading.count)
 
 
-def _offers(heading: str, delimiter: str, mapping: ChannelMapping | None) -> list[Offer]:
-    """Return what each cell of the heading offers, in order; without a mapping only "name [unit]" has a name."""
-    offers = []
+def _offers(heading: str, delimiter: str, mapping: ChannelMapping | None) -> list[FileChannel]:
+    """Return the channel in each cell of the heading, in order; without a mapping only "name [unit]" has a name."""
+    available = []
     for cell in (text.strip().strip('"').strip() for text in heading.split(delimiter)):
         name, _, rest = (part.strip() for part in cell.partition("["))
         unit = rest.removesuffix("]").strip()
         if name and unit and rest.endswith("]") and not set("[]") & set(name + unit):
-            offers.append(Offer((name, cell), unit))
+            available.append(FileChannel((name, cell), unit))
         else:
-            offers.append(Offer((cell,) if mapping else ()))
-    return offers
+            available.append(FileChannel((cell,) if mapping else ()))
+    return available
 
 
-def _time(path: Path, offers: Sequence[Offer], mapping: ChannelMapping | None) -> Column | None:
-    """Return the column of times; None where the mapping says the rate instead."""
+def _time(path: Path, available: Sequence[FileChannel], mapping: ChannelMapping | None) -> Column | None:
+    """Return the column of times; None where the mapping gives the rate instead."""
     asked = mapping.time if mapping else None
     if asked is None and mapping and mapping.rate:
         return None
-    index = find(path, offers, "time", asked.column if asked else "time", form=FORM)
+    index = find_channel(path, available, "time", asked.column if asked else "time", form=FORM)
     if asked and asked.unit:
         return Column("time", index, asked.unit)
-    unit = offers[index].unit
+    unit = available[index].unit
     try:
         return Column("time", index, to_si(f"1 {unit}", "time"))
     except ValueError as error:
@@ -142,7 +142,7 @@ def _numbers(path: Path, lines: list[str], row: int, delimiter: str, columns: Se
 
 
 def _bad_cell(path: Path, lines: list[str], row: int, delimiter: str, columns: Sequence[Column]) -> str:
-    """Find the first cell that is no number and say so."""
+    """Return the error for the first cell that is not a number."""
     for number, line in enumerate(lines, start=row):
         cells = line.split(delimiter)
         if not line.strip():
@@ -167,7 +167,7 @@ def _is_number(cell: str) -> bool:
 def _rate(
     path: Path, pieces: Sequence[NDArray[np.float64]], time: Column | None, mapping: ChannelMapping | None
 ) -> tuple[float, str]:
-    """Return the sample rate [Hz] and how it is known."""
+    """Return the sample rate [Hz] and where it comes from."""
     if time is None and mapping and mapping.rate:
         return mapping.rate, "as the mapping says"
     rate, start = _sampling(path, [piece[:, 0] for piece in pieces])

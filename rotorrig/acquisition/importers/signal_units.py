@@ -4,9 +4,9 @@ from rotorrig.rig.config import to_si
 
 
 def signal_factor(text: str, *, length: bool) -> tuple[float, bool] | None:
-    """Return what a 1 stands for, in V or m, and whether it is a length; None if it is neither.
+    """Return the value of a unit in V or m, and whether it is a length; None if it is neither.
 
-    With `length` False only a voltage will do. Programs write units as they like, so "Volts" and "MIL" are taken for
+    With `length` False only a voltage is accepted. Programs spell units in many ways, so "Volts" and "MIL" are read as
     "volts" and "mil"; capitals count in short ones, where they tell M from m.
 
     >>> signal_factor("2 mV", length=True), signal_factor("1 MIL", length=True), signal_factor("1 kg", length=True)

@@ -1,4 +1,4 @@
-"""Foreign files that hold each channel by itself (UFF, TDMS, WAV): the wanted ones, if they belong together."""
+"""Import from files that hold each channel by itself (UFF, TDMS, WAV): the config's channels, of one rate."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.importers.channel_mapping import ChannelMapping
-from rotorrig.acquisition.importers.channels import Channel, Format, Offer, wanted
-from rotorrig.acquisition.importers.waveforms import Scale, recording_of
+from rotorrig.acquisition.importers.channels import Channel, FileChannel, Format, match_channels
+from rotorrig.acquisition.importers.waveforms import Scale, make_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
@@ -20,9 +20,9 @@ SAME_RATE = 1e-6  # relative; a clock's ppm is no other rate
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Signal:
-    """A channel as its file describes it."""
+    """Channel as its file describes it."""
 
-    names: tuple[str, ...]  # what it may be called; the first is shown
+    names: tuple[str, ...]  # any of them names it; the first is shown
     unit: str = ""  # empty: the file does not say
     rate: float = 0.0  # Hz; 0: the file does not say
     start: float = 0.0  # s, of the first sample
@@ -39,21 +39,23 @@ def read_signals(
     form: Format,
     scale: Callable[[Sequence[Channel]], Scale | None] = lambda channels: None,
 ) -> RawRecording:
-    """Return the wanted ones of `signals` as the recording of a rig; `scale` says which counts were behind them.
+    """Return the config's channels among `signals` as the recording of a rig; `scale` gives the DAQ's counts, if known.
 
     Raises DataError for a channel that is missing or of another rate, length or start, and for a value that cannot be.
     """
-    channels = wanted(path, rig, [Offer(s.names, s.unit) for s in signals], mapping, form=form)
+    channels = match_channels(path, rig, [FileChannel(s.names, s.unit) for s in signals], mapping, form=form)
     picked = [signals[channel.index] for channel in channels]
     _check_alike(path, channels, picked, form)
-    rate, said = _rate(path, picked[0], mapping)
+    rate, rate_source = _rate(path, picked[0], mapping)
     values = np.stack([_read(path, channel, signal, form) for channel, signal in zip(channels, picked, strict=True)])
     pieces = (values[:, at : at + PIECE].T for at in range(0, values.shape[1], PIECE))
-    return recording_of(path, rig, channels, pieces, rate=rate, said=said, form=form, scale=scale(channels))
+    return make_recording(
+        path, rig, channels, pieces, rate=rate, rate_source=rate_source, form=form, scale=scale(channels)
+    )
 
 
 def _check_alike(path: Path, channels: Sequence[Channel], signals: Sequence[Signal], form: Format) -> None:
-    """Raise DataError unless all have the first one's rate, start and length."""
+    """Raise DataError unless all have the rate, start and length of the first."""
     first = signals[0]
     step = 1.0 / first.rate if first.rate else 0.0
     if first.samples < 3:
@@ -72,7 +74,7 @@ def _check_alike(path: Path, channels: Sequence[Channel], signals: Sequence[Sign
 
 
 def _rate(path: Path, signal: Signal, mapping: ChannelMapping | None) -> tuple[float, str]:
-    """Return the sample rate [Hz] and how it is known."""
+    """Return the sample rate [Hz] and where it comes from."""
     asked = mapping.rate if mapping else None
     if not signal.rate and not asked:
         raise DataError(f"{path}: says no sample rate, want one in a mapping, such as rate = '25.6 kHz'")

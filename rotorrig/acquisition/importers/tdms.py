@@ -1,6 +1,6 @@
-"""A TDMS file of waveforms into a RawRecording: LabVIEW's and NI-DAQmx's channels, scaled as their properties say.
+"""Import of waveforms from TDMS: LabVIEW's and NI-DAQmx's channels, scaled by their properties.
 
-A channel is called by its name, or by group and name ("Measured/AI0") where two groups have the same. Its unit is the
+A channel is named by its name, or by group and name ("Measured/AI0") where two groups have the same. Its unit is the
 property `unit_string` (or `NI_UnitDescription`), its rate and start are `wf_increment`, `wf_start_offset` and
 `wf_start_time`. Format: NI, TDMS File Format Internal Structure.
 """
@@ -33,7 +33,7 @@ log_manager.set_level(logging.ERROR)  # what it warns of, a recording is refused
 
 def read_tdms(path: Path, rig: RigConfig, mapping: ChannelMapping | None = None) -> RawRecording:
     """Read a TDMS file as the recording of a rig. Raises DataError for one that cannot be used."""
-    with _in_a_sentence(path), path.open("rb") as raw:
+    with _data_errors(path), path.open("rb") as raw:
         check_segments(path, raw)
         with nptdms.TdmsFile.open(BoundedFile(raw, path.stat().st_size)) as file:
             check_chunks(path, file._reader._segments)  # nptdms shows them in no other way
@@ -43,7 +43,7 @@ def read_tdms(path: Path, rig: RigConfig, mapping: ChannelMapping | None = None)
 
 
 @contextmanager
-def _in_a_sentence(path: Path) -> Iterator[None]:
+def _data_errors(path: Path) -> Iterator[None]:
     """Turn whatever nptdms makes of hostile bytes into a DataError."""
     try:
         yield

@@ -1,4 +1,4 @@
-"""What a TDMS file must not say of itself before nptdms is let at it, which believes every number in a file."""
+"""Limits a TDMS file must keep before nptdms reads it, which trusts every number in a file."""
 
 import os
 import re
@@ -21,7 +21,7 @@ _SCALE = re.compile(r"NI_Scale\[(\d{1,9})\d*\]_Scale_Type")
 
 
 class BoundedFile:
-    """A binary file that never sets aside more memory than it has bytes, whatever a reader asks for."""
+    """Binary file that never allocates more memory than it has bytes, whatever a reader asks for."""
 
     def __init__(self, file: BinaryIO, size: int) -> None:
         self._file, self._size = file, size
@@ -101,9 +101,9 @@ def check_chunks(path: Path, segments: Any) -> None:
 
 def check_scales(where: str, properties: Mapping[str, Any]) -> None:
     """Raise DataError if the properties describe a longer chain of scales than any DAQ's."""
-    found = [int(match[1]) + 1 for name in properties if (match := _SCALE.fullmatch(name))]
+    numbered = [int(match[1]) + 1 for name in properties if (match := _SCALE.fullmatch(name))]
     stated = properties.get("NI_Number_Of_Scales", 0)
-    if max([*found, stated if isinstance(stated, int) else 0]) > MOST_SCALES:
+    if max([*numbered, stated if isinstance(stated, int) else 0]) > MOST_SCALES:
         raise DataError(f"{where}: has more than {MOST_SCALES} scales, want fewer")
 
 

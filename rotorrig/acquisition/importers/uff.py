@@ -1,6 +1,6 @@
-"""Universal files (UFF, UNV) of waveforms into a RawRecording: their data sets 58 and 58b of type 1, time response.
+"""Import of waveforms from universal files (UFF, UNV): data sets 58 and 58b of type 1, time response.
 
-A data set is called by its response entity, its first line of identification or its node and direction ("1x", "2:+Y").
+A data set is named by its response entity, its first line of identification or its node and direction ("1x", "2:+Y").
 Its unit is the ordinate's label or, for a displacement without one, metres by data set 164. Other data sets are left
 out. Field by field: https://www.ceas3.uc.edu/sdrluff, data set 58.
 """
@@ -36,7 +36,7 @@ def read_uff(path: Path, rig: RigConfig, mapping: ChannelMapping | None = None) 
     """Read a universal file of waveforms as the recording of a rig. Raises DataError for one that cannot be used."""
     if not path.is_file():
         raise DataError(f"{path}: cannot be read (it is not there, or no file)")
-    file = _opened(path)
+    file = _open_file(path)
     kinds = [int(kind) for kind in file.get_set_types()]
     length = next((_length_unit(path, file, n) for n, kind in enumerate(kinds) if kind == UNITS), None)
     signals = [
@@ -47,7 +47,7 @@ def read_uff(path: Path, rig: RigConfig, mapping: ChannelMapping | None = None) 
     return read_signals(path, rig, signals, mapping, form=FORM)
 
 
-def _opened(path: Path) -> Any:
+def _open_file(path: Path) -> Any:
     try:
         file = pyuff.UFF(str(path))
         sets = file.get_n_sets()
@@ -131,7 +131,7 @@ def _even_rate(where: str, head: dict[str, Any]) -> tuple[float, float]:
     step, start = head["abscissa_inc"], head["abscissa_min"]
     if not (0 < step < math.inf and math.isfinite(start)):
         raise DataError(f"{where}: has an abscissa from {start} by {step}, want times that rise evenly")
-    return roundest(1 / (step * (1 + DIGITS)), 1 / (step * (1 - DIGITS))), start
+    return fewest_digits(1 / (step * (1 + DIGITS)), 1 / (step * (1 - DIGITS))), start
 
 
 def _uneven_rate(where: str, x: NDArray[np.float64]) -> tuple[float, float]:
@@ -143,13 +143,13 @@ def _uneven_rate(where: str, x: NDArray[np.float64]) -> tuple[float, float]:
     if (worst := float(off.max())) > JITTER / rate:
         raise DataError(f"{where}: has times up to {worst * 1e3:.3g} ms off an even {rate:.6g} Hz, want even ones")
     near = 2 * DIGITS
-    return roundest(rate * (1 - near), rate * (1 + near)), float(x[0])
+    return fewest_digits(rate * (1 - near), rate * (1 + near)), float(x[0])
 
 
-def roundest(low: float, high: float) -> float:
+def fewest_digits(low: float, high: float) -> float:
     """Return the number of fewest digits between `low` and `high`: an increment is printed with few of them.
 
-    >>> roundest(51199.7, 51200.3), roundest(25599.9, 25600.1), roundest(10240.4, 10240.6)
+    >>> fewest_digits(51199.7, 51200.3), fewest_digits(25599.9, 25600.1), fewest_digits(10240.4, 10240.6)
     (51200.0, 25600.0, 10240.5)
     """
     for digits in range(1, 16):

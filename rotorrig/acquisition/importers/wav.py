@@ -1,4 +1,4 @@
-"""A WAV file of waveforms into a RawRecording: PCM of 8 to 32 bits or floating point, any number of channels.
+"""Import of waveforms from WAV: PCM of 8 to 32 bits or floating point, any number of channels.
 
 A WAV names neither channels nor units, so a mapping does (`channel_mapping`): channels count from 1, and `unit` is what
 full scale stands for, the number 1.0 of a floating-point file. RIFF/WAVE as in IBM and Microsoft, Multimedia
@@ -33,7 +33,7 @@ _FMT = struct.Struct("<HHIIHH")  # format, channels, rate, bytes per second, byt
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """What the `fmt ` chunk says, and where the scans are."""
+    """Sample format by the `fmt ` chunk, and place of the scans."""
 
     is_float: bool
     channels: int
@@ -87,17 +87,17 @@ def _layout(path: Path, file: BinaryIO) -> Layout:
                 raise DataError(f"{path}: has its samples before the 'fmt ' chunk that describes them")
             if length == UNKNOWN:
                 length = size - start if long_size is None else long_size
-            return _placed(path, layout, start, length, size)
+            return _locate_samples(path, layout, start, length, size)
         body = file.read(min(length, 40))
         if name == b"fmt ":
-            layout = _described(path, body)
+            layout = _read_format(path, body)
         elif name == b"ds64" and len(body) >= 16:
             long_size = struct.unpack_from("<Q", body, 8)[0]
         file.seek(start + length + length % 2)
     raise DataError(f"{path}: ends before its samples (there is no 'data' chunk)")
 
 
-def _described(path: Path, body: bytes) -> Layout:
+def _read_format(path: Path, body: bytes) -> Layout:
     if len(body) < _FMT.size:
         raise DataError(f"{path}: its 'fmt ' chunk has {len(body)} bytes, want {_FMT.size} or more")
     coding, channels, rate, _, per_scan, bits = _FMT.unpack_from(body)
@@ -115,7 +115,7 @@ def _described(path: Path, body: bytes) -> Layout:
     return Layout(is_float=coding == _FLOAT, channels=channels, rate=rate, width=width)
 
 
-def _placed(path: Path, layout: Layout, start: int, length: int, size: int) -> Layout:
+def _locate_samples(path: Path, layout: Layout, start: int, length: int, size: int) -> Layout:
     if length > size - start:
         raise DataError(f"{path}: is cut short, {size - start} of {length} bytes of samples are there")
     per_scan = layout.width * layout.channels

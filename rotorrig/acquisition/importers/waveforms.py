@@ -1,4 +1,4 @@
-"""Values of foreign channels as a RawRecording: int32 counts, exact to less than 1 nm or 1 uV."""
+"""Conversion of imported values to a RawRecording: int32 counts, exact to less than 1 nm or 1 uV."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -16,32 +16,32 @@ from rotorrig.rig.probes import Block, DaqInfo, channels_used
 RESOLUTION = 1e-9  # m, twice the rounding error of a displacement made counts
 FINEST = 1e-6  # V per count at the most: 0.13 nm on an 8 mm probe, and a range of 2147 V
 FULL_SCALE = 2**31
-RATES = (1.0, 1e9)  # Hz; beyond them the file says something else than it means
+RATES = (1.0, 1e9)  # Hz; a rate beyond them is a mistake in the file
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scale:
-    """The DAQ behind a file that still holds its counts: with it a clipped input is seen."""
+    """Scale of the DAQ behind a file that still holds its counts: with it a clipped input is seen."""
 
     volts_per_count: tuple[float, ...]  # of each channel that is read
     full_scale_counts: int
 
 
-def recording_of(
+def make_recording(
     path: Path,
     rig: RigConfig,
     channels: Sequence[Channel],
     pieces: Iterable[NDArray[np.float64]],
     *,
     rate: float,
-    said: str,
+    rate_source: str,
     form: Format,
     scale: Scale | None = None,
 ) -> RawRecording:
-    """Return `pieces` of values (sample, channel), as the file has them, as a recording of the rig at `rate` [Hz].
+    """Return `pieces` of values (sample, channel), in the file's units, as a recording of the rig at `rate` [Hz].
 
-    `said` is how the times were known, for the note that says what was assumed. Raises DataError for a value that is
-    no number or too large for its unit, and for a rate no recording has.
+    `rate_source` says where the rate comes from, for the note on what was assumed. Raises DataError for a value that
+    is not a number or too large for its unit, and for a rate no recording has.
     """
     if not RATES[0] <= rate <= RATES[1]:
         raise DataError(f"{path}: says a sample rate of {rate:.6g} Hz, want one from {RATES[0]:g} to {RATES[1]:g} Hz")
@@ -50,7 +50,7 @@ def recording_of(
         rig=rig,
         daq=info,
         blocks=tuple(_blocks(path, pieces, channels, rig, info, form)),
-        events=(Event(t_ns=0, kind="note", text=_assumed(path, channels, rate, said, form, scale)),),
+        events=(Event(t_ns=0, kind="note", text=_import_note(path, channels, rate, rate_source, form, scale)),),
         motor=(),
         source=Provenance(
             config_hash=rig.hash, code_version=code_version(), source=path.name, source_hash=file_hash(path)
@@ -98,7 +98,7 @@ def _blocks(
     scale = np.array(info.volts_per_count)[places]
     first = 0
     for values in pieces:
-        with np.errstate(over="ignore", invalid="ignore"):  # what is too large is found below, with its place
+        with np.errstate(over="ignore", invalid="ignore"):  # too large values are reported below, with their place
             scaled = (values * factor + offset) / scale
             bad = np.argwhere(~(np.abs(scaled) <= info.full_scale_counts))  # NaN is not
         if len(bad):
@@ -118,11 +118,13 @@ def _misfit(where: str, value: float, channel: Channel, limit: float) -> str:
     return f"{where}: is too large for a signal in [{channel.unit}], want less than {limit:.0f} V; is the unit right?"
 
 
-def _assumed(path: Path, channels: Sequence[Channel], rate: float, said: str, form: Format, scale: Scale | None) -> str:
-    """Say what the file did not: it goes into the recording."""
+def _import_note(
+    path: Path, channels: Sequence[Channel], rate: float, rate_source: str, form: Format, scale: Scale | None
+) -> str:
+    """Return the note on what the file did not say and the import assumed; it goes into the recording."""
     units = ", ".join(f"{c.name} [{c.unit}]" for c in channels)
     lengths = [c.name for c in channels if c.is_length]
-    words = f"imported from {path.name}: {units}; {rate:.9g} Hz {said}"
+    words = f"imported from {path.name}: {units}; {rate:.9g} Hz {rate_source}"
     if lengths:
         words += (
             f"; {', '.join(lengths)} taken as displacement towards the probe from its gap voltage, "

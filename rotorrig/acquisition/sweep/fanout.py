@@ -31,15 +31,15 @@ class _Pause(Enum):
 class Writer(Protocol):
     """Recording file as the recorder uses it."""
 
-    def block(self, block: Block) -> None:
+    def write_block(self, block: Block) -> None:
         """Add a block."""
         ...
 
-    def event(self, event: Event) -> None:
+    def write_event(self, event: Event) -> None:
         """Add an event."""
         ...
 
-    def motor(self, sample: MotorSample) -> None:
+    def write_motor(self, sample: MotorSample) -> None:
         """Add a reading of the motor controller."""
         ...
 
@@ -108,11 +108,11 @@ class Recorder:
             case _Pause.PAUSE:
                 self._writer.flush()
             case Block():
-                self._writer.block(item)
+                self._writer.write_block(item)
             case Event():
-                self._writer.event(item)
+                self._writer.write_event(item)
             case MotorSample():
-                self._writer.motor(item)
+                self._writer.write_motor(item)
 
 
 class Viewer:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from rotorrig.acquisition import Event, MotorSample, RawRecording, ReplayDaq, cut_from
+from rotorrig.acquisition import Event, MotorSample, RawRecording, ReplayDaq, trim_before
 from rotorrig.acquisition.files import read_recording
 from rotorrig.app.terminal import progress_bars
 from rotorrig.rig import ConfigError
@@ -24,7 +24,7 @@ def play(path: Path, *, rate: str, view: bool, track: Path | None = None, begin:
     pace = _pace(rate)
     recording = read_recording(path)
     if begin:
-        recording = cut_from(recording, begin)
+        recording = trim_before(recording, begin)
     with ExitStack() as stack:
         live = stack.enter_context(_live_view(recording)) if view else None
         played = _played(recording, pace, live)

@@ -73,7 +73,7 @@ CONVENTION = {
 def write_response(path: Path, response: OrderTrackedResponse) -> None:
     """Write `response` to `path`. Raises DataError if it cannot be written."""
     with FileWriter(path, kind=KIND, rig=response.rig, source=response.source) as file:
-        file.metadata("convention", CONVENTION)
+        file.add_metadata("convention", CONVENTION)
         file.write("/response", TABLE, 0, **_table(response))
         for name, dtype in ARRAYS.items():
             array = np.ascontiguousarray(getattr(response, name), dtype=dtype)

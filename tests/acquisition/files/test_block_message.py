@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from rotorrig.acquisition.files.block_message import WAVEFORM, packed, unpacked, unpacked_all
+from rotorrig.acquisition.files.block_message import WAVEFORM, pack_block, unpack_block, unpack_blocks
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block
 from rotorrig.sims.plant.draw import draw
@@ -20,7 +20,7 @@ def block(counts: np.ndarray) -> Block:
     counts=hnp.arrays(np.int32, st.tuples(st.integers(0, 30), st.integers(1, 9))),
 )
 def test_any_counts_come_back_as_they_were(counts: np.ndarray) -> None:
-    read = unpacked(WAVEFORM.cls(**packed(block(counts))))
+    read = unpack_block(WAVEFORM.cls(**pack_block(block(counts))))
     assert read.counts.dtype == np.int32
     assert np.array_equal(read.counts, counts)
     assert (read.first_sample, read.t_ns, read.overrun) == (7, 11, True)
@@ -29,31 +29,31 @@ def test_any_counts_come_back_as_they_were(counts: np.ndarray) -> None:
 def test_bytes_are_planes_of_folded_differences_channel_after_channel() -> None:
     # channel 0: 1, 2, -256: differences 1, 1, -258, folded (0, -1, 1, -2, ... = 0, 1, 2, 3, ...) 2, 2, 515 = 0x203
     # channel 1: -1, 258, 258: differences -1, 259, 0, folded 1, 518 = 0x206, 0
-    fields = packed(block(np.array([[1, -1], [2, 258], [-256, 258]], dtype=np.int32)))
+    fields = pack_block(block(np.array([[1, -1], [2, 258], [-256, 258]], dtype=np.int32)))
     assert (fields["dtype"], fields["coding"]) == ("int16", "delta")
     assert fields["counts"] == bytes.fromhex("020203 010600 000002 000200")
 
 
 def test_a_difference_beyond_the_range_wraps_and_comes_back() -> None:
     counts = np.array([[-32768], [32767], [-32768]], dtype=np.int32)  # 65535 is -1 modulo 2^16, folded 1
-    fields = packed(block(counts))
+    fields = pack_block(block(counts))
     assert fields["counts"] == bytes.fromhex("ff0102 ff0000")  # -32768 folds to 65535, then 1, then +1 to 2
-    assert np.array_equal(unpacked(WAVEFORM.cls(**fields)).counts, counts)
+    assert np.array_equal(unpack_block(WAVEFORM.cls(**fields)).counts, counts)
 
 
 def test_plain_counts_of_version_1_are_read() -> None:
-    fields = packed(block(np.zeros((2, 2), dtype=np.int32))) | {
+    fields = pack_block(block(np.zeros((2, 2), dtype=np.int32))) | {
         "coding": "",
         "counts": bytes.fromhex("01000200ffff0201"),
     }
-    assert np.array_equal(unpacked(WAVEFORM.cls(**fields)).counts, [[1, -1], [2, 258]])
+    assert np.array_equal(unpack_block(WAVEFORM.cls(**fields)).counts, [[1, -1], [2, 258]])
 
 
 def test_blocks_that_follow_each_other_lie_side_by_side() -> None:
     counts = np.arange(60, dtype=np.int32).reshape(20, 3)
     parts = [Block(counts=counts[i : i + 5] + shift, first_sample=i + shift, t_ns=i) for i, shift in SIDE_BY_SIDE]
-    messages = [WAVEFORM.cls(**packed(part)) for part in parts]
-    blocks = unpacked_all(messages)
+    messages = [WAVEFORM.cls(**pack_block(part)) for part in parts]
+    blocks = unpack_blocks(messages)
     assert messages == []
     assert [np.array_equal(a.counts, b.counts) for a, b in zip(blocks, parts, strict=True)] == [True] * 4
     assert blocks[0].counts.base is blocks[1].counts.base
@@ -68,13 +68,13 @@ def test_a_simulated_run_up_takes_less_than_045_of_its_int16(rig_config: RigConf
     plant.command(400.0, 100.0, True)
     counts = plant.advance(5.0)  # through the critical speeds
     chunks = [counts[i : i + 1000] for i in range(0, len(counts) - 999, 1000)]  # a tenth of a second each
-    packed_bytes = sum(len(zstandard.compress(packed(block(chunk))["counts"])) for chunk in chunks)
+    packed_bytes = sum(len(zstandard.compress(pack_block(block(chunk))["counts"])) for chunk in chunks)
     assert packed_bytes < 0.45 * 2 * counts[: 1000 * len(chunks)].size
 
 
 @pytest.mark.parametrize(("value", "dtype"), [(32767, "int16"), (-32768, "int16"), (32768, "int32"), (-32769, "int32")])
 def test_sixteen_bits_are_used_only_where_they_suffice(value: int, dtype: str) -> None:
-    assert packed(block(np.array([[value]], dtype=np.int32)))["dtype"] == dtype
+    assert pack_block(block(np.array([[value]], dtype=np.int32)))["dtype"] == dtype
 
 
 @pytest.mark.parametrize(
@@ -89,6 +89,6 @@ def test_sixteen_bits_are_used_only_where_they_suffice(value: int, dtype: str) -
     ],
 )
 def test_fields_that_contradict_one_another_are_refused(wrong: dict[str, object]) -> None:
-    message = WAVEFORM.cls(**(packed(block(np.zeros((2, 5), dtype=np.int32))) | wrong))
+    message = WAVEFORM.cls(**(pack_block(block(np.zeros((2, 5), dtype=np.int32))) | wrong))
     with pytest.raises(ValueError, match=r"dtype|coding|counts for"):
-        unpacked(message)
+        unpack_block(message)

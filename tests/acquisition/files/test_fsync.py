@@ -10,7 +10,7 @@ from rotorrig.acquisition.files.fsync import Syncer
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter, read_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.errors import DataError
-from tests.acquisition.file_parts import same_blocks
+from tests.acquisition.files.file_parts import same_blocks
 
 
 class SlowMedium:
@@ -48,7 +48,7 @@ def test_a_medium_that_takes_its_time_holds_up_no_block(
     monkeypatch.setattr(os, "fsync", medium)
     assert medium.begun.wait(10)
     for block in recording.blocks:  # while the first sync is still under way
-        writer.block(block)
+        writer.write_block(block)
     writer.flush()
     assert path.with_name("run.mcap.part").stat().st_size > 50_000
     medium.go_on.set()
@@ -65,11 +65,11 @@ def test_a_medium_that_takes_back_what_it_had_accepted_ends_the_recording(
     writer = RecordingWriter(path, recording.rig, recording.daq, recording.source)
     monkeypatch.setattr(os, "fsync", medium)
     for block in recording.blocks[:20]:
-        writer.block(block)
+        writer.write_block(block)
     medium.go_on.set()
     with pytest.raises(DataError, match=r"No space left on device.*it ends early and keeps"):
         while True:
-            writer.block(recording.blocks[20])
+            writer.write_block(recording.blocks[20])
     assert len(read_recording(path).blocks) >= 12
 
 

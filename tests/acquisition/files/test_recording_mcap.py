@@ -16,7 +16,7 @@ from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance, file_hash
-from tests.acquisition.file_parts import chunks, same_blocks
+from tests.acquisition.files.file_parts import chunks, same_blocks
 
 ROOT = Path(__file__).parents[3]
 DOCS = ROOT / "docs/files.md"
@@ -74,7 +74,7 @@ def test_a_recording_without_a_sample_leaves_no_file(recording: RawRecording, tm
     with pytest.raises(DataError, match="holds no samples"):
         write_recording(tmp_path / "run.mcap", dataclasses.replace(recording, blocks=()))
     with RecordingWriter(tmp_path / "run.mcap", recording.rig, recording.daq, recording.source) as writer:
-        writer.event(recording.events[0])
+        writer.write_event(recording.events[0])
     assert not any(tmp_path.iterdir())
 
 

@@ -14,7 +14,7 @@ from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import ConfigError, DataError, LinkLost
 from rotorrig.rig.motor.base import MotorState, Stop
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
-from tests.acquisition.scripted_bench import PLAN, Bench, MakeBench, Watching, at_sample
+from tests.acquisition.sweep.scripted_bench import PLAN, Bench, MakeBench, Watching, at_sample
 
 
 def test_a_plan_is_run_in_order_and_the_rotor_stopped_down_the_ramp(bench: MakeBench) -> None:
@@ -292,14 +292,14 @@ def test_a_defect_of_the_program_stops_the_rotor_too(bench: MakeBench) -> None:
 
 def test_a_recorder_that_fails_ends_the_sweep(bench: MakeBench) -> None:
     rig = bench()
-    write = rig.writer.block
+    write = rig.writer.write_block
 
     def full(block: Block) -> None:
         if block.first_sample >= 10_000:
-            raise DataError("run.mcap: cannot be written on (No space left on device)")
+            raise DataError("run.mcap: cannot be written any further (No space left on device)")
         write(block)
 
-    rig.writer.block = full  # type: ignore[method-assign]
+    rig.writer.write_block = full  # type: ignore[method-assign]
     with pytest.raises(DataError, match="No space left"):
         rig.sweep()
     assert rig.motor.commands[-1] == ("stop", Stop.EMERGENCY)

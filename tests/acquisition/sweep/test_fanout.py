@@ -24,14 +24,14 @@ class ListWriter:
         self.pause = threading.Event()
         self._fails_at, self._gate = fails_at, gate
 
-    def block(self, item: Block | Event | MotorSample) -> None:
+    def write_block(self, item: Block | Event | MotorSample) -> None:
         if self._gate:
             self._gate.wait(10)
         if len(self.items) == self._fails_at:
             raise DataError("disk is full")
         self.items.append(item)
 
-    event = motor = block
+    write_event = write_motor = write_block
 
     def flush(self) -> None:
         self.flushed.append(len(self.items))

@@ -12,7 +12,7 @@ from rotorrig.acquisition.sweep.motor_control import DirectControl, Reading, Thr
 from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.rig.motor.base import Stop
-from tests.acquisition.scripted_rig import ScriptedMotor, Shaft
+from tests.acquisition.sweep.scripted_rig import ScriptedMotor, Shaft
 
 SOON = 5.0  # s of patience on a busy machine; what is waited for takes milliseconds
 

@@ -9,7 +9,7 @@ from rotorrig.acquisition.sweep.plans import Dwell, Mark, Ramp
 from rotorrig.rig.errors import LinkLost
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.probes.base import Block
-from tests.acquisition.scripted_bench import MakeBench, Watching, at_sample
+from tests.acquisition.sweep.scripted_bench import MakeBench, Watching, at_sample
 
 
 @pytest.mark.parametrize("refusal", [LinkLost("drive: no answer"), OSError("port is gone"), RuntimeError("defect")])

@@ -11,7 +11,7 @@ import pytest
 from benchmarks.parts.blind.run import record
 from rotorrig.acquisition.files.recording_mcap import read_recording, write_recording
 from rotorrig.acquisition.recording import Event
-from rotorrig.acquisition.replay import cut_from
+from rotorrig.acquisition.replay import trim_before
 from rotorrig.app.commands import replay
 from rotorrig.processing.files.response_mcap import read_response, write_response
 from rotorrig.processing.pipeline import track
@@ -74,14 +74,14 @@ def test_from_a_time_on_it_is_the_recording_cut_there(folder: Path, tmp_path: Pa
     for rate in ("max", "200"):
         out = tmp_path / f"{rate}.mcap"
         assert replay.play(folder / "run.mcap", rate=rate, view=False, track=out, begin=9.00005) > 5
-    write_response(tmp_path / "cut.mcap", track(cut_from(read_recording(folder / "run.mcap"), 9.00005)))
+    write_response(tmp_path / "cut.mcap", track(trim_before(read_recording(folder / "run.mcap"), 9.00005)))
     assert (tmp_path / "max.mcap").read_bytes() == (tmp_path / "200.mcap").read_bytes()
     assert (tmp_path / "max.mcap").read_bytes() == (tmp_path / "cut.mcap").read_bytes()
 
 
 def test_a_cut_recording_read_from_its_own_file_gives_the_same_vectors(folder: Path, tmp_path: Path) -> None:
     replay.play(folder / "run.mcap", rate="max", view=False, track=tmp_path / "replayed.mcap", begin=9.0)
-    write_recording(tmp_path / "cut.mcap", cut_from(read_recording(folder / "run.mcap"), 9.0))
+    write_recording(tmp_path / "cut.mcap", trim_before(read_recording(folder / "run.mcap"), 9.0))
     ours, theirs = read_response(tmp_path / "replayed.mcap"), track(read_recording(tmp_path / "cut.mcap"))
     assert ours.runs == theirs.runs
     assert np.array_equal(ours.z, theirs.z, equal_nan=True)  # the row with the gap

@@ -10,7 +10,7 @@ from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import ConfigError
 
-RK4 = (Path(__file__).parents[2] / "configs" / "rk4.toml").read_text()
+RK4 = (Path(__file__).parents[3] / "configs" / "rk4.toml").read_text()
 
 
 def rig(profile: str, *, limits: str = "") -> RigConfig:

@@ -12,9 +12,9 @@ from mcap.reader import make_reader
 
 from rotorrig.acquisition.files.recording_mcap import read_recording, salvage
 from rotorrig.rig.probes.base import Block
-from tests.acquisition.file_parts import with_index
+from tests.acquisition.files.file_parts import with_index
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 CONFIG = ROOT / "configs/rk4.toml"
 
 WRITE_FOREVER = """
@@ -33,7 +33,7 @@ writer = RecordingWriter(Path(sys.argv[2]), rig, info, Provenance(config_hash=ri
 try:
     for i in range(1_000_000):
         counts = np.random.default_rng(i).integers(-9999, 9999, (200, 5), dtype=np.int32)
-        writer.block(Block(counts=counts, first_sample=200 * i, t_ns=20_000_000 * i))
+        writer.write_block(Block(counts=counts, first_sample=200 * i, t_ns=20_000_000 * i))
         print(i, flush=True)
 except RigError as error:
     print(error, file=sys.stderr)
@@ -84,7 +84,7 @@ def test_a_full_disk_is_one_sentence_and_leaves_a_valid_file(tmp_path: Path, a_c
     path = tmp_path / "run.mcap"
     done = limited(CONFIG, path, a_chunk_ends + spare)
     assert done.stderr.count("\n") == 1
-    assert "run.mcap: cannot be written on (File too large); it ends early and keeps the 0.1" in done.stderr
+    assert "run.mcap: cannot be written any further (File too large); it ends early and keeps the 0.1" in done.stderr
     with path.open("rb") as file:  # the official reader finds it valid
         assert sum(1 for _ in make_reader(file, validate_crcs=True).iter_messages(topics="/waveform")) > 40
     read = read_recording(path)
@@ -110,7 +110,10 @@ def test_a_disk_that_fills_up_holds_a_valid_file_of_what_went_onto_it(tmp_path: 
     script = f'mount -t tmpfs -o size=400k none "{disk}" && cd "{disk}" && "$@"; cp run.mcap "{out}"; ls > "{listed}"'
     words = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", script, "sh"]
     done = subprocess.run([*words, *writing(CONFIG, Path("run.mcap"))], capture_output=True, text=True, cwd=ROOT)
-    assert "run.mcap: cannot be written on (No space left on device); it ends early and keeps the 0." in done.stderr
+    assert (
+        "run.mcap: cannot be written any further (No space left on device); it ends early and keeps the 0."
+        in done.stderr
+    )
     assert listed.read_text() == "run.mcap\n"
     with out.open("rb") as file:
         assert sum(1 for _ in make_reader(file, validate_crcs=True).iter_messages(topics="/waveform")) > 100

@@ -11,7 +11,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.provenance import Provenance
-from tests.acquisition.file_parts import chunks, same_blocks
+from tests.acquisition.files.file_parts import chunks, same_blocks
 
 SLOW = settings(
     max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True
@@ -130,7 +130,7 @@ def test_no_more_than_a_tenth_of_a_second_is_held_back(
 ) -> None:
     with RecordingWriter(tmp_path / "run.mcap", rig, daq_info, source) as writer:
         for number, block in enumerate(recording.blocks):
-            writer.block(block)
+            writer.write_block(block)
             if block.t_ns < 100_000_000:
                 continue
             copy = tmp_path / "copy.part"

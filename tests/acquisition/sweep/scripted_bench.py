@@ -13,7 +13,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
-from tests.acquisition.scripted_rig import ScriptedDaq, ScriptedMotor, Shaft
+from tests.acquisition.sweep.scripted_rig import ScriptedDaq, ScriptedMotor, Shaft
 
 PLAN: tuple[Step, ...] = (
     Mark(label="slow roll"),
