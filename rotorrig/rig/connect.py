@@ -1,4 +1,4 @@
-"""The only place that picks a driver by the name a config gives.
+"""Drivers by the name a config gives: the only place that chooses one.
 
 Drivers are imported when they are chosen: a rig without CAN needs no CAN library, one without an NI board no nidaqmx.
 """

@@ -1,4 +1,4 @@
-"""What can go wrong, one class per thing a caller can do about it.
+"""Error classes, one per thing a caller can do about it.
 
 Every message says what was got, what is wanted and where. The command line prints it as it stands and exits
 non-zero; a traceback is a defect of this program, never the answer to a user's mistake.

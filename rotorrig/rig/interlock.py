@@ -1,6 +1,6 @@
-"""The interlock: what stops the rotor whatever the plan says. Cheap enough to see every sample.
+"""Interlock: limits that stop the rotor whatever the plan says, checked on every sample.
 
-`check` looks at every Block, `check_motor` at what the drive reports; both raise LimitExceeded in one sentence. A link
+`check` takes every Block, `check_motor` every reading of the drive; both raise LimitExceeded in one sentence. A link
 that dies is raised by its driver, as LinkLost. Vibration has a limit per probe, and others inside a critical band.
 """
 
@@ -42,7 +42,7 @@ class Interlock:
         self._turning_since: float | None = None  # keyphasor.time at which the drive was first seen to turn
 
     def check(self, block: Block) -> None:
-        """Look at one block. Raises LimitExceeded."""
+        """Check one block. Raises LimitExceeded."""
         self.follow(block)
         if self._vibration is None or not len(block.counts):
             return
@@ -51,12 +51,12 @@ class Interlock:
         self._check_probes(block.counts, self._vibration)
 
     def follow(self, block: Block) -> None:
-        """Take note of the speed in a block, and of nothing else: the rotor is being stopped already."""
+        """Update the speed from a block without checking it: the rotor is being stopped already."""
         if self.keyphasor:
             self.keyphasor.update(block)
 
     def check_motor(self, state: MotorState) -> None:
-        """Look at one reading of the drive. Raises LimitExceeded."""
+        """Check one reading of the drive. Raises LimitExceeded."""
         if state.fault:
             speed = state.speed or (self.keyphasor.steady_speed if self.keyphasor else 0.0)  # its output may be off
             raise LimitExceeded(f"drive: has tripped with '{state.fault}' at {speed * RPM:.0f} rpm")
@@ -102,7 +102,7 @@ class Interlock:
     def _centre(
         self, signals: list[NDArray[np.int32]], low: NDArray[np.int32], high: NDArray[np.int32]
     ) -> NDArray[np.float64]:
-        """Return what vibration is measured from, (probe,) counts, and move the running mean by the block.
+        """Update the running mean by the block; return the centre of vibration, (probe,) counts.
 
         The mean of the first blocks may be that of half a turn; until it has settled the middle between the block's
         extremes stands in for it, which makes too little of a slow turn but never too much.
@@ -120,7 +120,7 @@ class Interlock:
         return f" at {speed * RPM:.0f} rpm" if speed else ""
 
     def _check_pulses(self, state: MotorState, keyphasor: KeyphasorSpeed) -> None:
-        """See that the rotor turns when the drive says so, within some turns."""
+        """Check that the keyphasor pulses while the drive reports a speed."""
         if not state.running or state.speed <= 0:
             self._turning_since = None
             return
@@ -135,7 +135,7 @@ class Interlock:
 
 
 class VibrationLimits:
-    """How far each probe may see the shaft move about its mean, 0-peak, at a speed."""
+    """Vibration limits of each probe over speed: 0-peak about the mean, inside and outside critical bands."""
 
     def __init__(self, limits: Limits, names: tuple[str, ...]) -> None:
         self._outside = np.array([limits.probes.get(name, limits.vibration) for name in names])
@@ -145,7 +145,7 @@ class VibrationLimits:
         ]
 
     def at(self, speed: float) -> tuple[NDArray[np.float64], str]:
-        """Return the limits (probe,) [m] at a speed [rad/s], and which band they are of, to be said after them."""
+        """Return the limits (probe,) [m] at a speed [rad/s], and the name of their band, for the error."""
         for band, limit in self._bands:
             if band.low <= speed <= band.high:
                 return limit, f" in the critical band {band.low * RPM:.0f}-{band.high * RPM:.0f} rpm"

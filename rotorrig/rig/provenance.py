@@ -1,4 +1,4 @@
-"""Where a file came from: hashes of what made it, and the version of the code that did."""
+"""Provenance of a file: hashes of its inputs and the version of the code."""
 
 import hashlib
 import subprocess
@@ -10,7 +10,7 @@ from pathlib import Path
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Provenance:
-    """What a result was made from; every file this program writes carries one."""
+    """Inputs and code version of a result; every file this program writes carries one."""
 
     config_hash: str  # sha256 of the checked config, first 16 hex digits
     code_version: str  # package version, with the commit where there is one

@@ -9,7 +9,7 @@ from docs.make_docs import DOCS, pages
 from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.config.devices import ModbusRtu
 from rotorrig.rig.config.nameplate import Disk, Probe
-from rotorrig.rig.config.validation import checked
+from rotorrig.rig.config.validation import validate_table
 from tests.documents.pages import blocks, text_of
 
 GENERATED = pages()
@@ -56,7 +56,7 @@ def test_the_limits_shown_are_limits(rig_config: RigConfig) -> None:
     own = parse(rk4[: rk4.index("[limits]")] + table + rk4[rk4.index("[plans.default]") :], where="your-rig.md")
     assert own.limits is not None and own.limits.critical_ramp is not None
     assert own.limits.overspeed == rig_config.limits.overspeed
-    assert checked(RigConfig, own.model_dump(), where="again", context={"si": True}).hash == own.hash
+    assert validate_table(RigConfig, own.model_dump(), where="again", context={"si": True}).hash == own.hash
 
 
 def _section(heading: str) -> str:

@@ -15,7 +15,7 @@ from rotorrig.processing.files.bode_table import read_table
 from rotorrig.rig.config.description import load
 from rotorrig.rig.errors import BadFrame, RigError
 from rotorrig.rig.motor import line_frames
-from rotorrig.rig.probes.stream.frames import FrameDecoder, Info, daq_info
+from rotorrig.rig.probes.stream.frames import FrameDecoder, Info, decode_info
 from tests.fuzz.corpus import BODE_CSV, BODE_MAPPING, CHANNELS, RK4
 
 Read = Callable[[bytes, Path], None]
@@ -88,12 +88,12 @@ def _daq(data: bytes, folder: Path) -> None:
         for at in range(0, len(stream), 100):
             for frame in decoder.feed(stream[at : at + 100]):
                 if isinstance(frame, Info):
-                    _ignoring_bad(daq_info, frame.payload)
+                    _ignoring_bad(decode_info, frame.payload)
         decoder.give_up()
 
 
 def _daq_info(data: bytes, folder: Path) -> None:
-    daq_info(data)
+    decode_info(data)
 
 
 def _line(data: bytes, folder: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 from rotorrig.rig import connect
 from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.config.devices import ModbusTcp
-from rotorrig.rig.config.validation import checked
+from rotorrig.rig.config.validation import validate_table
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.motor.modbus_motor import ModbusMotor
 from rotorrig.rig.probes.stream.daq import StreamDaq
@@ -32,7 +32,7 @@ def test_a_port_overrides_the_configs(rk4: RigConfig) -> None:
 
 def test_a_drive_may_hang_on_ethernet(rk4: RigConfig) -> None:
     text = """driver = "modbus-tcp"\nhost = "192.168.1.7"\nprofile = "m-max"\nmax_speed = "4200 rpm" """
-    table = checked(ModbusTcp, tomllib.loads(text), where="motor")
+    table = validate_table(ModbusTcp, tomllib.loads(text), where="motor")
     motor = connect.motor(rk4.model_copy(update={"motor": table}))
     assert isinstance(motor, ModbusMotor)
     assert motor.link == "Modbus TCP, 192.168.1.7:502, unit 1"

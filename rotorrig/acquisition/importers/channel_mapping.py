@@ -17,7 +17,7 @@ from pathlib import Path
 
 from rotorrig.acquisition.importers.signal_units import signal_factor
 from rotorrig.rig import ConfigError
-from rotorrig.rig.config import Part, Rate, RigConfig, Time, checked, read_toml
+from rotorrig.rig.config import Part, Rate, RigConfig, Time, read_toml, validate_table
 
 
 class MappedChannel(Part):
@@ -52,7 +52,7 @@ class ChannelMapping(Part):
 def load_channels(path: Path, rig: RigConfig) -> ChannelMapping:
     """Read and check a mapping against the rig. Raises ConfigError: file, key, got, wanted."""
     table, _ = read_toml(path, want="a mapping")
-    mapping = checked(ChannelMapping, table, where=str(path))
+    mapping = validate_table(ChannelMapping, table, where=str(path))
     if fault := _fault(mapping, rig):
         raise ConfigError(f"{path}: {fault}")
     return mapping

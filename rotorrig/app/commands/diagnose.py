@@ -14,7 +14,7 @@ from rotorrig.identify.verdict import Cause
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import read_response
 from rotorrig.rig import DataError
-from rotorrig.rig.config import Extension, RigConfig, extended_by
+from rotorrig.rig.config import Extension, RigConfig, extend
 
 
 def read_responses(paths: Sequence[Path], *, config: RigConfig | None = None) -> list[OrderTrackedResponse]:
@@ -99,7 +99,7 @@ def extended_rig(rig: RigConfig, found: Diagnosis) -> RigConfig | None:
     chosen = {cause.label: _extension(cause) for cause in found.causes if cause.chosen}
     if not chosen:
         return None
-    return extended_by(rig, tuple(({effect.label: effect for effect in rig.effects} | chosen).values()))
+    return extend(rig, tuple(({effect.label: effect for effect in rig.effects} | chosen).values()))
 
 
 def _extension(cause: Cause) -> Extension:

@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import Literal
 
 from rotorrig.rig import ConfigError
-from rotorrig.rig.config import Angle, Length, Part, RampRate, RigConfig, Speed, TrialMass, checked, read_toml
+from rotorrig.rig.config import Angle, Length, Part, RampRate, RigConfig, Speed, TrialMass, read_toml, validate_table
 
 TURN = 6.3  # rad, the largest unit of a phase
 DIRECTIONS = {"up": 1, "down": -1, "dwell": 0}
@@ -114,7 +114,7 @@ class TableMapping(Part):
 def load_mapping(path: Path, rig: RigConfig) -> TableMapping:
     """Read and check a mapping against the rig. Raises ConfigError: file, key, got, wanted."""
     table, _ = read_toml(path, want="a mapping")
-    mapping = checked(TableMapping, table, where=str(path))
+    mapping = validate_table(TableMapping, table, where=str(path))
     for fault in (_vector_fault(mapping, rig), _run_fault(mapping, rig), _statement_fault(mapping)):
         if fault:
             raise ConfigError(f"{path}: {fault}")

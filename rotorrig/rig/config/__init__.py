@@ -14,7 +14,7 @@ from rotorrig.rig.config.devices import (
     OpenDaq,
 )
 from rotorrig.rig.config.drive_profiles import load_profile, profile_names
-from rotorrig.rig.config.extended_config import extended_by
+from rotorrig.rig.config.extended_config import extend
 from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.config.nameplate import (
     COEFFICIENTS,
@@ -39,7 +39,7 @@ from rotorrig.rig.config.sweep_plans import DwellAt, Plan, RunUpCoastDown, RunUp
 from rotorrig.rig.config.toml_file import read_toml
 from rotorrig.rig.config.trial_mass import NO_TRIAL, TrialMass, read_trial_mass, trial_unbalance
 from rotorrig.rig.config.units import RPM, UM, micrometres, reads, to_si
-from rotorrig.rig.config.validation import checked
+from rotorrig.rig.config.validation import validate_table
 
 __all__ = [
     "COEFFICIENTS",
@@ -82,8 +82,7 @@ __all__ = [
     "TrialMass",
     "TrialMassRuns",
     "Tube",
-    "checked",
-    "extended_by",
+    "extend",
     "load",
     "load_profile",
     "micrometres",
@@ -94,4 +93,5 @@ __all__ = [
     "reads",
     "to_si",
     "trial_unbalance",
+    "validate_table",
 ]

@@ -35,9 +35,9 @@ from rotorrig.rig.config.nameplate import (
     UnbalanceAmount,
 )
 from rotorrig.rig.config.sweep_plans import Plan, TrialMassRuns
-from rotorrig.rig.config.toml_file import parsed_toml, read_toml
+from rotorrig.rig.config.toml_file import parse_toml, read_toml
 from rotorrig.rig.config.trial_mass import read_trial_mass
-from rotorrig.rig.config.validation import checked
+from rotorrig.rig.config.validation import validate_table
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.provenance import short_hash
 
@@ -60,7 +60,7 @@ def _symmetric(key: str) -> Callable[[dict[str, Any]], tuple[float, float]]:
 
 
 class Identify(Part):
-    """What `rotor identify` looks for: stiffness and damping of bearings, unbalance, and what else is not known.
+    """Unknowns of `rotor identify`: stiffness and damping of bearings, unbalance, and shaft properties.
 
     Bearings in one group share a set of coefficients: `["a", "b"]` is one group, `[["a"], ["b"]]` are two.
     """
@@ -120,7 +120,7 @@ class Identify(Part):
 
 
 class Prior(Part):
-    """How well the nameplate is known, one standard deviation: nuisances of every fit, never discoveries."""
+    """Uncertainty of the nameplate, one standard deviation each: nuisances of every fit, never discoveries."""
 
     youngs_modulus: float = Field(0.01, gt=0)  # relative
     disk_mass: float = Field(0.01, gt=0)  # relative
@@ -299,7 +299,7 @@ def load(path: Path) -> RigConfig:
 
 def parse(text: str, *, where: str) -> RigConfig:
     """Check a config's text; `where` names it in errors. Raises ConfigError."""
-    return _rig(parsed_toml(text, where=where), text, where=where)
+    return _rig(parse_toml(text, where=where), text, where=where)
 
 
 def _rig(table: dict[str, Any], text: str, *, where: str) -> RigConfig:
@@ -308,13 +308,13 @@ def _rig(table: dict[str, Any], text: str, *, where: str) -> RigConfig:
         raise ConfigError(
             f"{where}: units: got {units!r}, want 'SI' for bare numbers in SI, or none and text with units"
         )
-    rig = checked(RigConfig, table, where=where, context={"si": units == "SI"})
+    rig = validate_table(RigConfig, table, where=where, context={"si": units == "SI"})
     rig._text = text
     return rig
 
 
 def from_si(table: dict[str, Any], *, text: str = "", where: str = "embedded config") -> RigConfig:
     """Rebuild a config from `RigConfig.model_dump()`, as our own files carry it. Raises ConfigError."""
-    rig = checked(RigConfig, table, where=where, context={"si": True})
+    rig = validate_table(RigConfig, table, where=where, context={"si": True})
     rig._text = text
     return rig

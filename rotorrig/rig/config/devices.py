@@ -36,7 +36,7 @@ class Keyphasor(Part):
 
 
 class _Controller(Part):
-    """What every motor controller is told."""
+    """Settings of every motor controller."""
 
     max_speed: Speed  # of the shaft
     watchdog: Time = 2.0  # silence after which the drive is to stop by itself, where it can
@@ -62,7 +62,7 @@ class _Inverter(_Controller):
 
     @property
     def keeps_ramp(self) -> bool:
-        """Whether it keeps the ramp it has while it turns, so that a plan can have but one."""
+        """True if it keeps the ramp it has while it turns, so that a plan can have but one."""
         return load_profile(self.profile).keeps_ramp
 
 

@@ -17,12 +17,12 @@ class DriveProfile(Protocol):
 
     @property
     def ramp_by_hand(self) -> bool:
-        """Whether its ramp is set at the drive and cannot be written over Modbus."""
+        """True if its ramp is set at the drive and cannot be written over Modbus."""
         ...
 
     @property
     def keeps_ramp(self) -> bool:
-        """Whether it keeps the ramp it has while it turns, so that a plan can have but one."""
+        """True if it keeps the ramp it has while it turns, so that a plan can have but one."""
         ...
 
 

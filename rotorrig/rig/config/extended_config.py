@@ -1,4 +1,4 @@
-"""A config with effects in its model, and the TOML that says so: `extended_by(rig, effects)`.
+"""Extension of a config by effects: the rig and its TOML, `extend(rig, effects)`.
 
 The text the rig was read from is kept, comments and all, and only its `[[effects]]` are written anew; a config without
 such a text is written in bare SI numbers, under `units = "SI"`.
@@ -17,7 +17,7 @@ _TABLE = re.compile(r"\s*\[")  # a line that begins a table
 _EFFECTS = re.compile(r"\s*\[\[?\s*effects\b")
 
 
-def extended_by(rig: RigConfig, effects: Sequence[Extension]) -> RigConfig:
+def extend(rig: RigConfig, effects: Sequence[Extension]) -> RigConfig:
     """Return the rig with `effects` in its model and no others; its `text` is the config to write."""
     tables = "\n".join([_HEAD, *(_table(effect) for effect in effects)]) if effects else ""
     bare = _without_effects(rig.text)

@@ -61,7 +61,7 @@ class Tube:
 
     @property
     def end(self) -> float:
-        """Where it ends, m from the coupling."""
+        """Position of its end, m from the coupling."""
         return self.start + self.length
 
 
@@ -261,7 +261,7 @@ class Bearing(Part):
 
     @property
     def over_speed(self) -> bool:
-        """Whether any coefficient depends on the speed."""
+        """True if any coefficient depends on the speed."""
         return any(isinstance(getattr(self, name), OverSpeed) for name in COEFFICIENTS)
 
     def constant(self, name: str) -> float:

@@ -1,4 +1,4 @@
-"""What a config may ask of a sweep, one table a kind; acquisition.plans makes steps of them."""
+"""Tables of sweep plans, one per kind; acquisition.sweep.plans makes steps of them."""
 
 import math
 from typing import Annotated, Literal, Self
@@ -63,7 +63,7 @@ class Stepped(Part):
 
     @property
     def listed(self) -> bool:
-        """Whether every speed was named."""
+        """True if every speed was named."""
         return bool(self.speeds)
 
     @property

@@ -1,4 +1,4 @@
-"""A TOML file as a table, or one sentence on why it is none, whatever its bytes are."""
+"""Reading of TOML files, with one sentence for what is no valid TOML."""
 
 import tomllib
 from pathlib import Path
@@ -20,10 +20,10 @@ def read_toml(path: Path, *, want: str) -> tuple[dict[str, Any], str]:
         raise ConfigError(f"{path}: cannot be read ({reason}), want {want} in TOML") from error
     if len(data) > LARGEST:
         raise ConfigError(f"{path}: has more than {LARGEST >> 20} MiB, want {want} in TOML")
-    return parsed_toml(text, where=str(path)), text.replace("\r\n", "\n")
+    return parse_toml(text, where=str(path)), text.replace("\r\n", "\n")
 
 
-def parsed_toml(text: str, *, where: str) -> dict[str, Any]:
+def parse_toml(text: str, *, where: str) -> dict[str, Any]:
     """Return the table in `text`; `where` names it in errors. Raises ConfigError."""
     try:
         return tomllib.loads(text)

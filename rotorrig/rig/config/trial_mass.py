@@ -4,7 +4,7 @@ import cmath
 from collections.abc import Collection, Iterable
 
 from rotorrig.rig.config.nameplate import Angle, Part, UnbalanceAmount
-from rotorrig.rig.config.validation import checked
+from rotorrig.rig.config.validation import validate_table
 from rotorrig.rig.errors import ConfigError
 
 NO_TRIAL = "none"  # what a recording says when every trial mass has been taken off
@@ -31,7 +31,7 @@ def read_trial_mass(text: str, *, planes: Collection[str]) -> TrialMass:
     if disk not in planes:
         raise ConfigError(f"trial mass '{text}': the config has no disk or plane '{disk}', want one of {list(planes)}")
     table = {"disk": disk, "amount": amount, "angle": angle}
-    return checked(TrialMass, table, where=f"trial mass '{text}'")
+    return validate_table(TrialMass, table, where=f"trial mass '{text}'")
 
 
 def trial_unbalance(masses: Iterable[TrialMass]) -> dict[str, complex]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def registry() -> "pint.UnitRegistry":
     """Return the one unit registry, made on first use: our own files, in SI, do not need it."""
     try:
-        return _cached(_folder())
+        return _load_cached(_folder())
     except Exception:  # a home that is missing, full or read-only; a cache of which a disk has lost a part
         return _registry(None)
 
@@ -32,15 +32,15 @@ def registry() -> "pint.UnitRegistry":
 def _registry(cache: Path | None) -> "pint.UnitRegistry":
     import pint
 
-    return pint.UnitRegistry(cache_folder=cache, preprocessors=[_field_names])
+    return pint.UnitRegistry(cache_folder=cache, preprocessors=[_use_field_names])
 
 
-def _field_names(text: str) -> str:
+def _use_field_names(text: str) -> str:
     """Return `text` with the field's mil, a thousandth of an inch, under pint's name for it: pint's mil is an angle."""
     return re.sub(r"\bmils?\b", "thou", text)
 
 
-def _cached(folder: Path) -> "pint.UnitRegistry":
+def _load_cached(folder: Path) -> "pint.UnitRegistry":
     """Return the registry from the cache in `folder`, which is made if there is none."""
     if folder.is_dir():
         return _registry(folder)

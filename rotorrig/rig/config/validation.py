@@ -1,4 +1,4 @@
-"""Check a table as a model, and say what is wrong with it in one sentence: file, key, got, wanted."""
+"""Validation of a table as a model, with errors in one sentence: file, key, got, wanted."""
 
 import difflib
 from typing import Any, TypeVar, get_args
@@ -11,7 +11,7 @@ from rotorrig.rig.errors import ConfigError
 Table = TypeVar("Table", bound=BaseModel)
 
 
-def checked(model: type[Table], table: object, *, where: str, context: dict[str, Any] | None = None) -> Table:
+def validate_table(model: type[Table], table: object, *, where: str, context: dict[str, Any] | None = None) -> Table:
     """Validate `table` as `model`; raises ConfigError in one sentence: file, key, got, wanted."""
     try:
         return model.model_validate(table, context=context)
@@ -25,25 +25,25 @@ def _sentence(model: type[BaseModel], error: ValidationError, where: str) -> str
     ]  # follows from another
     # an unknown key explains the missing one beside it, so it speaks first
     fault = next((f for f in faults if f["type"] == "extra_forbidden"), faults[0])
-    place, around, inside = _resolved(model, fault["loc"])
+    place, around, inside = _resolve(model, fault["loc"])
     key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in place).lstrip(".")
     match fault["type"]:
         case "missing":
-            said = f"{key}: is missing"
+            sentence = f"{key}: is missing"
         case "extra_forbidden":
             known = [name for table in around for name in table.model_fields]
-            said = f"{key}: unknown key, {_hint(str(place[-1]), known)}"
+            sentence = f"{key}: unknown key, {_hint(str(place[-1]), known)}"
         case "union_tag_not_found":
-            said = f"{key}.{_discriminator(fault)}: is missing, want one of {', '.join(_tags(*inside))}"
+            sentence = f"{key}.{_discriminator(fault)}: is missing, want one of {', '.join(_tags(*inside))}"
         case "union_tag_invalid":
             got = fault["ctx"]["tag"]
-            said = f"{key}.{_discriminator(fault)}: got '{got}', {_hint(got, _tags(*inside))}"
+            sentence = f"{key}.{_discriminator(fault)}: got '{got}', {_hint(got, _tags(*inside))}"
         case "value_error":
-            said = (f"{key}: " if key else "") + str(fault["ctx"]["error"])
+            sentence = (f"{key}: " if key else "") + str(fault["ctx"]["error"])
         case _:
-            said = f"{key}: got {fault['input']!r}, {fault['msg'][:1].lower() + fault['msg'][1:]}"
+            sentence = f"{key}: got {fault['input']!r}, {fault['msg'][:1].lower() + fault['msg'][1:]}"
     more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
-    return f"{where}: {said}{more}"
+    return f"{where}: {sentence}{more}"
 
 
 def _hint(got: str, known: list[str]) -> str:
@@ -55,7 +55,7 @@ def _discriminator(fault: Any) -> str:
     return str(fault["ctx"]["discriminator"]).strip("'")
 
 
-def _resolved(
+def _resolve(
     model: type[BaseModel], loc: tuple[int | str, ...]
 ) -> tuple[list[int | str], list[type[BaseModel]], list[type[BaseModel]]]:
     """Return where `loc` is in the user's file, the tables around its last step and those inside it.
@@ -88,4 +88,4 @@ def _tables_in(annotation: Any) -> list[type[BaseModel]]:
     """Return the models inside `tuple[Disk, ...]`, `Keyphasor | None`, `dict[str, Plan]`."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
-    return [found for inner in get_args(annotation) for found in _tables_in(inner)]
+    return [table for inner in get_args(annotation) for table in _tables_in(inner)]

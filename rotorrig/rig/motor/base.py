@@ -1,4 +1,4 @@
-"""What every motor controller offers, whatever bus it hangs on."""
+"""Interface of every motor controller: its verbs, its state, the kinds of stop."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -9,7 +9,7 @@ REMEDY = "see to its cause, then clear it: `rotor check CONFIG --clear-fault`"  
 
 
 class Stop(StrEnum):
-    """How to bring the rotor to rest: down the ramp, by its own friction, or as fast as the drive can."""
+    """Kind of stop: down the ramp, by friction alone, or as fast as the drive can."""
 
     RAMP = "ramp"
     COAST = "coast"
@@ -18,7 +18,7 @@ class Stop(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotorInfo:
-    """What a controller says of itself when opened."""
+    """Identity and abilities of a controller, read when it is opened."""
 
     model: str
     link: str  # for a person: "Modbus RTU, /dev/pts/3, 19200 baud, address 100"

@@ -1,4 +1,4 @@
-"""The wire to one CANopen node: SDO reads and writes, the master's heartbeat, emergencies; any adapter of python-can.
+"""CAN link to one CANopen node: SDO reads and writes, the master's heartbeat, emergencies; any adapter of python-can.
 
 Safe for several threads; there is none of its own. The heartbeat goes out with the requests: a program that hangs falls
 silent, and the node, told to listen, stops the rotor. A stop goes out before requests that wait or are to be repeated.
@@ -19,7 +19,7 @@ from rotorrig.rig.errors import BadFrame, LinkLost, RigError
 from rotorrig.rig.motor import sdo_frames
 from rotorrig.rig.motor.sdo_frames import Aborted, Answer, Item, Segment, Value, Written
 from rotorrig.rig.motor.turns import Turns
-from rotorrig.rig.serial_port import why_closed
+from rotorrig.rig.serial_port import diagnose_port
 
 ANSWER_SECONDS = 0.2  # for one answer, beside the time of both frames on the bus
 RETRIES = 3
@@ -50,7 +50,7 @@ class CanLink:
     def __init__(self, table: CanOpen, *, name: str) -> None:
         """Open the bus. Raises LinkLost."""
         self.master = MASTER if table.node != MASTER else SPARE_MASTER
-        self.stops = 0  # how many have gone out; a `write` may be told which one it knows of
+        self.stops = 0  # how many have gone out; a `write` may be given the number its caller has seen
         self.emergency = 0  # error code of the last emergency, 0 when the node has said that all is well
         self.restarted = False  # the node has booted since we are here: its configuration is gone
         self._node, self._name, self._place = table.node, name, f"{table.interface} {table.channel}"
@@ -80,10 +80,10 @@ class CanLink:
             data = self._read_segments(item)
         return data.decode("ascii", errors="replace").rstrip("\0 ")
 
-    def write(self, item: Item, value: int, *, knowing: int | None = None) -> None:
-        """Set an object. Raises Refused, LinkLost; Overtaken if there have been other `stops` than `knowing` of."""
+    def write(self, item: Item, value: int, *, stops_before: int | None = None) -> None:
+        """Set an object. Raises Refused, LinkLost; Overtaken if there have been more `stops` than `stops_before`."""
         request = sdo_frames.encode_write(item, value)
-        self._exchange(request, item, lambda answer: isinstance(answer, Written), knowing=knowing)
+        self._exchange(request, item, lambda answer: isinstance(answer, Written), stops_before=stops_before)
 
     def stop(self, item: Item, value: int) -> None:
         """Set an object before whoever else waits. Raises Refused, LinkLost."""
@@ -133,13 +133,13 @@ class CanLink:
         fits: Callable[[Answer], bool],
         *,
         first: bool = False,
-        knowing: int | None = None,
+        stops_before: int | None = None,
     ) -> Answer:
         """Send a request until an answer comes that is about `item` and `fits`. Raises Refused, LinkLost, Overtaken."""
         for _ in range(1 + RETRIES):
             with self._turns.take(first=first):
                 self.stops += first
-                if knowing is not None and knowing != self.stops:
+                if stops_before is not None and stops_before != self.stops:
                     raise Overtaken(f"{self._name}: {item} was about to be written, but a stop came before")
                 answer = self._try(request, item, fits)
             if isinstance(answer, Aborted):
@@ -226,7 +226,7 @@ def _claim(table: CanOpen) -> serial.Serial | None:
     try:
         return serial.Serial(port, exclusive=True)
     except (OSError, ValueError) as error:
-        raise LinkLost(f"{port}: the CAN adapter's port cannot be opened ({why_closed(port)})") from error
+        raise LinkLost(f"{port}: the CAN adapter's port cannot be opened ({diagnose_port(port)})") from error
 
 
 def _open_bus(table: CanOpen) -> can.BusABC:

@@ -1,6 +1,6 @@
-"""A CiA 402 drive in velocity mode on CANopen: how it is configured, and the order of its commands.
+"""Driver of CiA 402 drives in velocity mode on CANopen: configuration and order of commands.
 
-What the words mean is in `cia402_frames`, how they get there in `can_link`. Everything goes by SDO, which every drive
+The words are in `cia402_frames`, the bus in `can_link`. Everything goes by SDO, which every drive
 has and confirms; what process data a drive offers differs from make to make.
 """
 
@@ -44,13 +44,13 @@ class CanOpenMotor:
             model = self._check_device()
             self._choose_mode()
             self._read_limits()
-            self._shutdown_ramps = self._offer(cia402.SHUTDOWN_OPTION, cia402.SHUTDOWN_DOWN_THE_RAMP)
-            self._offer(cia402.QUICK_STOP_OPTION, cia402.QUICK_STOP_DOWN_ITS_RAMP)
+            self._shutdown_ramps = self._try_write(cia402.SHUTDOWN_OPTION, cia402.SHUTDOWN_DOWN_THE_RAMP)
+            self._try_write(cia402.QUICK_STOP_OPTION, cia402.QUICK_STOP_DOWN_ITS_RAMP)
             watchdog = self._set_watchdog()
             if watchdog:
                 self._link.beat_every(watchdog / HEARTBEATS)
             self._link.start_node()
-            self._state()  # a node that hears our heartbeat still answers
+            self._read_state()  # a node that hears our heartbeat still answers
         except Refused as refusal:
             self.close()
             raise LinkLost(f"{refusal}; is it a drive with velocity mode?") from refusal
@@ -63,7 +63,7 @@ class CanOpenMotor:
     def read(self) -> MotorState:
         """Read the drive's state; its speed is its own belief, measured or not, unsigned. Raises LinkLost."""
         word = self._read(cia402.STATUSWORD)
-        state = self._decoded(word)
+        state = self._decode(word)
         enabled = state is State.OPERATION_ENABLED
         actual = abs(self._read(cia402.ACTUAL))
         target = abs(self._read(cia402.TARGET)) if enabled else 0
@@ -73,8 +73,8 @@ class CanOpenMotor:
             setpoint=target * self._unit,
             running=(enabled and target > 0) or (state in cia402.POWERED and actual > 0),
             # a unit of rounding: not every drive sets "target reached" in velocity mode
-            at_setpoint=target > 0 and (cia402.target_reached(word) or abs(actual - target) <= 1),
-            fault=self._fault(state),
+            at_setpoint=target > 0 and (cia402.is_target_reached(word) or abs(actual - target) <= 1),
+            fault=self._describe_fault(state),
         )
 
     def set_speed(self, speed: float, *, ramp: float) -> None:
@@ -86,14 +86,14 @@ class CanOpenMotor:
         """
         target = cia402.encode_speed(speed, unit=self._unit, slowest=self._slowest, fastest=self._fastest)
         slope = cia402.encode_ramp(ramp, unit=self._unit)
-        knowing = self._link.stops
-        self._refuse_tripped(self._state())
+        stops_before = self._link.stops
+        self._refuse_tripped(self._read_state())
         self._refuse_restarted()
         self._link.start_node()  # one whose heartbeat stayed away, at rest, has left operational
-        self._set_slope(slope, knowing)
-        self._write(cia402.TARGET, target, knowing)  # none of before is followed once the drive is enabled,
-        self._enable(knowing)
-        self._write(cia402.TARGET, target, knowing)  # which clears it in drives that go by IEC 61800-7-201
+        self._set_slope(slope, stops_before)
+        self._write(cia402.TARGET, target, stops_before)  # none of before is followed once the drive is enabled,
+        self._enable(stops_before)
+        self._write(cia402.TARGET, target, stops_before)  # which clears it in drives that go by IEC 61800-7-201
 
     def stop(self, kind: Stop) -> None:
         """Bring the rotor to rest: RAMP at the last ramp, COAST unpowered, EMERGENCY down the drive's quick stop ramp.
@@ -154,23 +154,23 @@ class CanOpenMotor:
             time.sleep(CONFIRM_PAUSE_SECONDS)
 
     def _read_limits(self) -> None:
-        """Take over the drive's limits, and lower its upper one to the config's."""
+        """Read the drive's speed limits, and lower its upper one to the config's."""
         largest = self._link.read(cia402.LARGEST_AMOUNT)
         wanted = math.ceil(self._table.max_speed / self._unit - 1e-9)
-        if wanted < largest and self._offer(cia402.LARGEST_AMOUNT, wanted):
+        if wanted < largest and self._try_write(cia402.LARGEST_AMOUNT, wanted):
             largest = wanted
         self._fastest = min(self._table.max_speed, min(largest, cia402.FASTEST) * self._unit)
         self._slowest = self._link.read(cia402.LEAST_AMOUNT) * self._unit
 
     def _set_watchdog(self) -> float | None:
-        """Let the drive listen for our heartbeat; return its time [s], None if it cannot, or does not stop then."""
+        """Set the drive to watch our heartbeat; return the time-out [s], None if it cannot, or would not stop."""
         seconds = self._table.watchdog
         listens = self._link.master << 16 | math.ceil(seconds * 1000)
-        stops = self._offer(cia402.ABORT_OPTION, cia402.ABORT_BY_QUICK_STOP)
-        return seconds if stops and self._offer(cia402.MASTER_HEARTBEAT, listens) else None
+        stops = self._try_write(cia402.ABORT_OPTION, cia402.ABORT_BY_QUICK_STOP)
+        return seconds if stops and self._try_write(cia402.MASTER_HEARTBEAT, listens) else None
 
-    def _offer(self, item: Item, value: int) -> bool:
-        """Set an object a drive need not have; return whether it has taken it."""
+    def _try_write(self, item: Item, value: int) -> bool:
+        """Set an optional object; return whether the drive has taken it."""
         try:
             self._link.write(item, value)
         except Refused:
@@ -183,7 +183,7 @@ class CanOpenMotor:
         except Refused:
             return None
 
-    def _set_slope(self, slope: tuple[int, int], knowing: int) -> None:
+    def _set_slope(self, slope: tuple[int, int], stops_before: int) -> None:
         """Set both ramps, and see to it that an emergency stop is no slower; steeper is the drive's own business."""
         before, self._slope = self._slope, None
         if slope != before:
@@ -191,35 +191,35 @@ class CanOpenMotor:
             order = -1 if before and slope[1] > before[1] else 1
             for items in (cia402.ACCELERATION, cia402.DECELERATION):
                 for item, value in list(zip(items, slope, strict=True))[::order]:
-                    self._write(item, value, knowing)
+                    self._write(item, value, stops_before)
             delta, seconds = (self._read_if_there(item) for item in cia402.QUICK_STOP_RAMP)
             if delta is not None and seconds and delta / seconds < slope[0] / slope[1]:
                 for item, value in zip(cia402.QUICK_STOP_RAMP, slope, strict=True):
-                    self._write(item, value, knowing)
+                    self._write(item, value, stops_before)
         self._slope = slope
 
-    def _enable(self, knowing: int) -> None:
+    def _enable(self, stops_before: int) -> None:
         """Lead the drive to operation enabled, whatever its state is. Raises LimitExceeded, LinkLost."""
         deadline = time.monotonic() + CONFIRM_SECONDS
-        self._refuse_tripped(state := self._state())
+        self._refuse_tripped(state := self._read_state())
         if state is State.OPERATION_ENABLED:
-            self._write(cia402.CONTROLWORD, cia402.ENABLE_OPERATION, knowing)  # a shutdown may be under way
+            self._write(cia402.CONTROLWORD, cia402.ENABLE_OPERATION, stops_before)  # a shutdown may be under way
         while state is not State.OPERATION_ENABLED:
             if state in cia402.NEXT:
-                self._write(cia402.CONTROLWORD, cia402.NEXT[state], knowing)
+                self._write(cia402.CONTROLWORD, cia402.NEXT[state], stops_before)
             if time.monotonic() > deadline:
                 raise LinkLost(
                     f"{self._name}: the drive does not start, it stays {state}; "
                     "is its power on, and is it set to be controlled from the bus?"
                 )
-            before, state = state, self._state()
+            before, state = state, self._read_state()
             self._refuse_tripped(state)
             if state is before:
                 time.sleep(CONFIRM_PAUSE_SECONDS)
 
     def _wait_until_not(self, *left: State, command: str) -> None:
         deadline = time.monotonic() + CONFIRM_SECONDS
-        while (state := self._state()) in left:
+        while (state := self._read_state()) in left:
             if time.monotonic() > deadline:
                 raise LinkLost(
                     f"{self._name}: the drive took the command '{command}' but did not obey within "
@@ -227,26 +227,26 @@ class CanOpenMotor:
                 )
             time.sleep(CONFIRM_PAUSE_SECONDS)
 
-    def _state(self) -> State:
-        return self._decoded(self._read(cia402.STATUSWORD))
+    def _read_state(self) -> State:
+        return self._decode(self._read(cia402.STATUSWORD))
 
-    def _decoded(self, word: int) -> State:
+    def _decode(self, word: int) -> State:
         try:
             return cia402.decode_state(word)
         except BadFrame as error:
             raise LinkLost(f"{self._name}: {error}") from error
 
-    def _fault(self, state: State) -> str:
+    def _describe_fault(self, state: State) -> str:
         """Return what is wrong: the error of a trip, or else of an emergency not yet taken back; empty for nothing."""
         code = self._link.emergency
         if state in cia402.FAULTED:
             code = self._read_if_there(cia402.ERROR_CODE) or code
-            return cia402.error_text(code) if code else "fault without an error code"
-        return cia402.error_text(code) if code else ""
+            return cia402.describe_error(code) if code else "fault without an error code"
+        return cia402.describe_error(code) if code else ""
 
     def _refuse_tripped(self, state: State) -> None:
         if state in cia402.FAULTED:
-            raise LimitExceeded(f"drive: has tripped with '{self._fault(state)}'; {REMEDY}")
+            raise LimitExceeded(f"drive: has tripped with '{self._describe_fault(state)}'; {REMEDY}")
 
     def _refuse_restarted(self) -> None:
         if self._link.restarted:
@@ -258,9 +258,9 @@ class CanOpenMotor:
         except Refused as refusal:
             raise LinkLost(str(refusal)) from refusal
 
-    def _write(self, item: Item, value: int, knowing: int | None = None) -> None:
+    def _write(self, item: Item, value: int, stops_before: int | None = None) -> None:
         try:
-            self._link.write(item, value, knowing=knowing)
+            self._link.write(item, value, stops_before=stops_before)
         except Refused as refusal:
             raise LinkLost(str(refusal)) from refusal
 

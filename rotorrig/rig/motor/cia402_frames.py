@@ -1,4 +1,4 @@
-"""Words and numbers of a CiA 402 drive in velocity mode (vl), CiA 402-2 V3.0 (IEC 61800-7-201): pure.
+"""Objects and state words of a CiA 402 drive in velocity mode (vl), CiA 402-2 V3.0 (IEC 61800-7-201): pure functions.
 
 Speeds are in the drive's velocity unit, rpm unless its manual says otherwise; `unit` is that of the shaft in rad/s.
 """
@@ -115,15 +115,15 @@ def decode_state(word: int) -> State:
     raise BadFrame(f"statusword: got {word:04X}h, which is no state of CiA 402")
 
 
-def target_reached(word: int) -> bool:
+def is_target_reached(word: int) -> bool:
     """Return bit 10 of a statusword."""
     return bool(word & _TARGET_REACHED)
 
 
-def error_text(code: int) -> str:
+def describe_error(code: int) -> str:
     """Return an error code's meaning and number.
 
-    >>> error_text(0x3210), error_text(0x3130)
+    >>> describe_error(0x3210), describe_error(0x3130)
     ('DC link over-voltage (3210h)', 'voltage (3130h)')
     """
     return f"{_ERRORS.get(code) or _CLASSES.get(code >> 12, 'unknown error')} ({code:04X}h)"

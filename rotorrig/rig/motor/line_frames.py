@@ -1,4 +1,4 @@
-"""The lines of the motor line protocol, version 1 (docs/motor-line.md): pure, text to bytes and bytes to values."""
+"""Encoding and decoding of the motor line protocol, version 1 (docs/motor-line.md): pure functions."""
 
 import binascii
 import re
@@ -30,7 +30,7 @@ class Reply:
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What a controller is."""
+    """A controller's answer to ID: model and limits."""
 
     max_speed: float  # rad/s
     max_ramp: float  # rad/s^2
@@ -54,11 +54,11 @@ def decode_reply(line: bytes) -> Reply:
     >>> decode_reply(b"<02 OK*858B\n")
     Reply(number=2, text='', refusal='', reason='')
     """
-    found = _REPLY.fullmatch(line)
-    if not found or len(line) > LONGEST_LINE:
+    match = _REPLY.fullmatch(line)
+    if not match or len(line) > LONGEST_LINE:
         raise BadFrame(f"reply: got {line[:_SHOWN].hex(' ')}, want '<', number, text, '*' and CRC")
-    number, text, crc = found.groups()
-    if (want := crc16(line[: found.end(2)])) != int(crc, 16):
+    number, text, crc = match.groups()
+    if (want := crc16(line[: match.end(2)])) != int(crc, 16):
         raise BadFrame(f"reply: got {line[:_SHOWN].hex(' ')}, its CRC is {crc.decode()}, want {want:04X}")
     verdict, _, rest = text.decode("ascii").partition(" ")
     if verdict == "OK":
@@ -80,10 +80,10 @@ def crc16(data: bytes) -> int:
 
 def decode_identity(text: str) -> Identity:
     """Return the answer to ID. Raises BadFrame if it is not that of a controller of this protocol."""
-    found = _IDENTITY.fullmatch(text)
-    if not found:
+    match = _IDENTITY.fullmatch(text)
+    if not match:
         raise BadFrame(f"ID: got '{text}', want protocol version, max speed, max ramp, encoder or output, and model")
-    version, speed, ramp, source, model = found.groups()
+    version, speed, ramp, source, model = match.groups()
     if int(version) != PROTOCOL:
         raise BadFrame(f"ID: got protocol version {version}, want {PROTOCOL}")
     return Identity(int(speed) * _STEP, int(ramp) * _STEP, source == "encoder", model)
@@ -91,10 +91,10 @@ def decode_identity(text: str) -> Identity:
 
 def decode_state(text: str) -> MotorState:
     """Return the answer to STATE; `running` is whether the output is on. Raises BadFrame."""
-    found = _STATE.fullmatch(text)
-    if not found:
+    match = _STATE.fullmatch(text)
+    if not match:
         raise BadFrame(f"STATE: got '{text}', want speed, setpoint, phase and fault")
-    speed, setpoint, phase, fault = found.groups()
+    speed, setpoint, phase, fault = match.groups()
     return MotorState(
         speed=int(speed) * _STEP,
         setpoint=int(setpoint) * _STEP,

@@ -1,4 +1,4 @@
-"""The wire to a controller that speaks the line protocol: one request, one reply, told apart by their number.
+"""Serial link to a controller on the line protocol: one request, one reply, matched by their number.
 
 Safe for several threads. A request whose reply does not come is repeated under its number, which the controller answers
 again without doing it again; if another request has gone out meanwhile it takes a new number, the old one being late. A
@@ -12,7 +12,7 @@ import serial
 from rotorrig.rig.errors import BadFrame, LinkLost, RigError
 from rotorrig.rig.motor.line_frames import LONGEST_LINE, Reply, decode_reply, encode_request
 from rotorrig.rig.motor.turns import Turns
-from rotorrig.rig.serial_port import why_closed
+from rotorrig.rig.serial_port import diagnose_port
 
 ANSWER_SECONDS = 0.2  # for one reply, beside the time of both lines on the wire
 RETRIES = 3
@@ -48,7 +48,7 @@ class LineLink:
                 port, baudrate, timeout=POLL_SECONDS, write_timeout=WRITE_SECONDS, exclusive=True
             )
         except (OSError, ValueError) as error:
-            raise LinkLost(f"{port}: the controller's port cannot be opened ({why_closed(port)})") from error
+            raise LinkLost(f"{port}: the controller's port cannot be opened ({diagnose_port(port)})") from error
 
     def ask(self, text: str, *, first: bool = False, seconds: float = 0.0) -> str:
         """Return what the controller says to request `text` after OK.
@@ -58,11 +58,11 @@ class LineLink:
         a command that was asked for earlier.
         """
         number, tries, until = None, 0, time.monotonic() + seconds
-        knowing = self._stops
+        stops_before = self._stops
         while tries <= RETRIES or time.monotonic() < until:
             with self._turns.take(first=first):
                 self._stops += first
-                if knowing != self._stops and text.startswith(_COMMANDS):
+                if stops_before != self._stops and text.startswith(_COMMANDS):
                     raise LinkLost(
                         f"{self._name}: '{text}' was about to be sent, but a stop came before; it is given up"
                     )
@@ -70,7 +70,7 @@ class LineLink:
                     number = self._number = (self._number + 1) % 256
                 reply = self._try(number, text)
             if reply:
-                return self._accepted(reply, text)
+                return self._check_reply(reply, text)
             tries += 1
         raise LinkLost(
             f"{self._name}: asked '{text}', no valid answer in {tries} tries of {self._patience:.2g} s{self._noise()}"
@@ -87,7 +87,7 @@ class LineLink:
             self._serial.write(encode_request(number, text))
             until = time.monotonic() + self._patience
             while time.monotonic() < until:
-                for reply in self._arrived():
+                for reply in self._read_replies():
                     if reply.number == number:  # another is the late answer to a request before
                         return reply
         except serial.SerialTimeoutException:
@@ -96,8 +96,8 @@ class LineLink:
             raise LinkLost(f"{self._name}: asked '{text}', but the port is gone; was it unplugged?") from error
         return None
 
-    def _arrived(self) -> list[Reply]:
-        """Return the replies among what has come, dropping what is damaged."""
+    def _read_replies(self) -> list[Reply]:
+        """Read the port; return the whole replies, dropping damaged ones."""
         self._buffer += self._serial.read(self._serial.in_waiting or 1)
         *lines, rest = self._buffer.split(b"\n")
         self._buffer = rest[-2 * LONGEST_LINE :]
@@ -111,7 +111,7 @@ class LineLink:
                 self._stray = 0
         return replies
 
-    def _accepted(self, reply: Reply, text: str) -> str:
+    def _check_reply(self, reply: Reply, text: str) -> str:
         if reply.refusal:
             raise Refused(
                 f"{self._name}: refuses '{text}' with '{reply.refusal}': {reply.reason or 'no reason given'}",

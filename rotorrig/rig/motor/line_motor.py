@@ -1,6 +1,6 @@
-"""A home-built controller that speaks the line protocol of docs/motor-line.md: the order of its requests.
+"""Driver of home-built controllers on the line protocol of docs/motor-line.md: the order of the requests.
 
-What the lines say is in `line_frames`, how they get there in `line_link`.
+The lines are in `line_frames`, the port in `line_link`.
 """
 
 import math
@@ -100,14 +100,14 @@ class LineMotor:
             raise LinkLost(f"{self._name}: the controller's answer cannot be used: {error}") from error
 
     def _set_watchdog(self) -> float | None:
-        """Return the time [s] in force, None if the controller watches nothing."""
-        said = self._ask(f"WATCHDOG {math.ceil(self._watchdog * 1000)}")
-        if not said.isdecimal():
-            raise LinkLost(f"{self._name}: asked to set its watchdog, it says '{said}', want the time in ms")
-        return int(said) / 1000 or None
+        """Set the watchdog; return the time [s] in force, None if the controller has none."""
+        answer = self._ask(f"WATCHDOG {math.ceil(self._watchdog * 1000)}")
+        if not answer.isdecimal():
+            raise LinkLost(f"{self._name}: asked to set its watchdog, it says '{answer}', want the time in ms")
+        return int(answer) / 1000 or None
 
     def _confirm(self, obeyed: Callable[[str], bool], command: str) -> None:
-        """Wait for the state to say that a command has been obeyed."""
+        """Wait until the state shows that the controller has obeyed a command."""
         deadline = time.monotonic() + CONFIRM_SECONDS
         while not obeyed(state := self._ask("STATE")):
             if time.monotonic() > deadline:
@@ -118,7 +118,7 @@ class LineMotor:
             time.sleep(CONFIRM_PAUSE_SECONDS)
 
     def _ask(self, request: str, *, first: bool = False, seconds: float = 0.0) -> str:
-        """Ask and return the answer; what the controller refuses becomes what a caller can act on."""
+        """Ask and return the answer. Raises LimitExceeded or LinkLost for what the controller refuses."""
         link = self._link
         if link is None:
             raise LinkLost(f"{self._name}: asked '{request}', but the link is not open")

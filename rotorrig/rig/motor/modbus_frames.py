@@ -1,4 +1,4 @@
-"""Register words of a Modbus drive to values and back: pure; which registers and bits, a `Profile` says."""
+"""Encoding and decoding of a Modbus drive's register words, by its `Profile`: pure functions."""
 
 import math
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Reading:
 
     @property
     def output_on(self) -> bool:
-        """Whether it drives the motor."""
+        """True while the drive powers the motor."""
         return self.running or self.frequency > 0.0
 
     def __str__(self) -> str:
@@ -39,22 +39,22 @@ def decode_state(words: list[int], *, profile: Profile) -> Reading:
     running, at reference 60.0
     """
     p = profile
-    said = dict(zip(p.state, words, strict=True))
-    frequency = abs(signed(said[p.output_frequency])) * p.output_step
-    setpoint = None if p.setpoint is None else said[p.setpoint]
-    if p.status is None:  # what the numbers tell
+    word_at = dict(zip(p.state, words, strict=True))
+    frequency = abs(from_twos_complement(word_at[p.output_frequency])) * p.output_step
+    setpoint = None if p.setpoint is None else word_at[p.setpoint]
+    if p.status is None:  # judged by its frequency alone
         moving = frequency > 0.0
-        reached = moving and setpoint == said[p.output_frequency]
+        reached = moving and setpoint == word_at[p.output_frequency]
         return Reading(
             running=moving,
             accelerating=False,
             decelerating=False,
-            faulted=said[p.fault] != 0,
+            faulted=word_at[p.fault] != 0,
             at_reference=reached,
             frequency=frequency,
             setpoint=setpoint,
         )
-    status = said[p.status]
+    status = word_at[p.status]
     if status & p.accelerating and status & p.decelerating:
         raise BadFrame(f"status: got 0x{status:04x}, accelerating and decelerating at once")
     return Reading(
@@ -68,20 +68,20 @@ def decode_state(words: list[int], *, profile: Profile) -> Reading:
     )
 
 
-def signed(word: int) -> int:
+def from_twos_complement(word: int) -> int:
     """Return a register's word as a number in two's complement.
 
-    >>> signed(0xFFFF), signed(0x7FFF)
+    >>> from_twos_complement(0xFFFF), from_twos_complement(0x7FFF)
     (-1, 32767)
     """
     return word - 0x1_0000 if word & 0x8000 else word
 
 
-def fault_text(number: int, *, profile: Profile) -> str:
+def describe_fault(number: int, *, profile: Profile) -> str:
     """Return a fault's name and number, "overvoltage (F5)".
 
     >>> from rotorrig.rig.motor.profiles.powerflex400 import PROFILE
-    >>> fault_text(5, profile=PROFILE), fault_text(99, profile=PROFILE)
+    >>> describe_fault(5, profile=PROFILE), describe_fault(99, profile=PROFILE)
     ('overvoltage (F5)', 'fault F99, see its manual')
     """
     code = f"{profile.fault_letter}{number}"
@@ -91,7 +91,7 @@ def fault_text(number: int, *, profile: Profile) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scale:
-    """How a reference counts: `low` Hz at 0, then `step` Hz per count."""
+    """Scale of the reference: `low` Hz at 0, then `step` Hz per count."""
 
     step: float
     low: float = 0.0

@@ -1,6 +1,6 @@
-"""Exchanges with one Modbus device over a serial line or TCP: one at a time, an urgent one next, each soon given up.
+"""Modbus link to one device over a serial line or TCP: one exchange at a time, urgent ones first, with time-outs.
 
-pymodbus speaks the protocol; turns, retries and what is said of a failure are here.
+pymodbus speaks the protocol; queueing, retries and error messages are here.
 """
 
 import contextlib
@@ -15,7 +15,7 @@ from pymodbus.pdu import ModbusPDU
 from rotorrig.rig.config import ModbusRtu, ModbusTcp
 from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.rig.motor.turns import Turns
-from rotorrig.rig.serial_port import why_closed
+from rotorrig.rig.serial_port import diagnose_port
 
 ANSWER_SECONDS = 0.1  # for a device to answer, besides the wire's own time; a busy drive takes some tens of ms
 TRIES = 6  # of one exchange: a lost link is known after about a second
@@ -34,7 +34,7 @@ ILLEGAL = {
     11: "no such device behind the gateway",
 }
 
-# without a handler, Python prints pymodbus' own account of every retry to stderr; errors are told by LinkLost
+# without a handler, Python prints pymodbus' own account of every retry to stderr; errors are raised as LinkLost
 logging.getLogger("pymodbus").addHandler(logging.NullHandler())
 
 
@@ -58,7 +58,7 @@ class ModbusLink:
         """Open the port or connect, anew if it was open. Raises LinkLost."""
         with self._turns.take():
             self._close()
-            self._client = self._connected()
+            self._client = self._connect()
             self._given_up = 0
 
     def read(self, register: int, count: int, what: str) -> list[int]:
@@ -90,10 +90,10 @@ class ModbusLink:
                 raise LimitExceeded(f"drive: was told to stop; the command to {asked} was not sent")
             return client.write_register(register, word, device_id=self._table.address)
 
-        def echoed(reply: ModbusPDU) -> bool:
+        def is_echo(reply: ModbusPDU) -> bool:
             return (reply.function_code, reply.address, reply.registers) == (6, register, [word])
 
-        self._exchange(request, echoed, asked, urgent=urgent)
+        self._exchange(request, is_echo, asked, urgent=urgent)
 
     def close(self) -> None:
         """Give the port back; may be called twice."""
@@ -113,10 +113,10 @@ class ModbusLink:
             self._let_late_answers_arrive()
         for attempt in range(TRIES):
             with self._turns.take(first=urgent):
-                client = self._opened(asked)
+                client = self._require_client(asked)
                 if attempt == TRIES // 2 and isinstance(self._table, ModbusTcp):
                     client.close()  # after one damaged length the two ends never agree again where a message begins
-                    client = self._client = self._connected()
+                    client = self._client = self._connect()
                 with contextlib.suppress(ModbusException, OSError):
                     reply = request(client)
                     if reply.isError():
@@ -125,7 +125,7 @@ class ModbusLink:
                         return reply
                 self._given_up += 1
                 if not client.connected:
-                    raise LinkLost(f"{self.name}: asked to {asked}, but {self._cut}")
+                    raise LinkLost(f"{self.name}: asked to {asked}, but {self._loss}")
         raise LinkLost(
             f"{self.name}: asked to {asked}, no valid answer in {TRIES} tries of {self.answer_seconds:.2g} s"
         )
@@ -136,13 +136,13 @@ class ModbusLink:
             time.sleep(min(given_up, TRIES) * self.answer_seconds + SLACK_SECONDS)
             self._given_up = max(0, self._given_up - given_up)
 
-    def _opened(self, asked: str) -> ModbusSerialClient | ModbusTcpClient:
+    def _require_client(self, asked: str) -> ModbusSerialClient | ModbusTcpClient:
         if self._client is None:
             raise LinkLost(f"{self.name}: asked to {asked}, but the link is not open")
         return self._client
 
     @property
-    def _cut(self) -> str:
+    def _loss(self) -> str:
         return (
             "the port is gone; was it unplugged?"
             if isinstance(self._table, ModbusRtu)
@@ -156,12 +156,12 @@ class ModbusLink:
             f"({reason}); is it a {self._model}?"
         )
 
-    def _connected(self) -> ModbusSerialClient | ModbusTcpClient:
+    def _connect(self) -> ModbusSerialClient | ModbusTcpClient:
         table = self._table
         if isinstance(table, ModbusRtu):
             line = ModbusSerialClient(table.port, baudrate=table.baudrate, timeout=self.answer_seconds, retries=0)
             if not line.connect():
-                raise LinkLost(f"{table.port}: the drive's port cannot be opened ({why_closed(table.port)})")
+                raise LinkLost(f"{table.port}: the drive's port cannot be opened ({diagnose_port(table.port)})")
             return line
         host = ModbusTcpClient(table.host, port=table.tcp_port, timeout=CONNECT_SECONDS, retries=0)
         if not host.connect():

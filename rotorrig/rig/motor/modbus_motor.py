@@ -1,4 +1,4 @@
-"""A variable-frequency drive on Modbus RTU or TCP: what is asked of its registers, in which order.
+"""Driver of variable-frequency drives on Modbus RTU or TCP: the order of register reads and writes.
 
 What the words mean is in `modbus_frames`, where the registers are in a `Profile`, how they travel in `modbus_link`.
 Parameters are read before they are written and written only if they differ: drives of this kind keep them in EEPROM,
@@ -17,10 +17,10 @@ from rotorrig.rig.motor.modbus_frames import (
     Reading,
     Scale,
     decode_state,
+    describe_fault,
     encode_ramp,
     encode_speed,
     encode_watchdog,
-    fault_text,
     radians_per_hz,
 )
 from rotorrig.rig.motor.modbus_link import ModbusLink
@@ -44,13 +44,13 @@ class ModbusMotor:
         self._link = ModbusLink(table, model=self._profile.model)
         self._scale = Scale(step=1.0)  # of the reference; this, and the drive's limit, are read when opened
         self._max_frequency: float | None = None  # Hz
-        self._asked = 0.0  # rad/s, what was last asked of a drive that does not say
-        self._stops = 0
-        self._let_go = True  # whether it turns unpowered, or not at all
+        self._last_setpoint = 0.0  # rad/s, what was last asked of a drive that does not say
+        self._stops = 0  # how many have been asked for
+        self._coasting = True  # the output is off, whether it turns or not
 
     @property
     def link(self) -> str:
-        """Where the drive is, for a person."""
+        """Name of the link, for messages."""
         return self._link.name
 
     def open(self) -> MotorInfo:
@@ -58,16 +58,16 @@ class ModbusMotor:
         p = self._profile
         self._link.open()
         try:
-            self._let_go = not self._reading().output_on
-            self._max_frequency = self._frequency(p.max_frequency) if p.max_frequency else None
-            self._scale = self._reference_scale()
+            self._coasting = not self._read_state().output_on
+            self._max_frequency = self._read_frequency_limit(p.max_frequency) if p.max_frequency else None
+            self._scale = self._read_reference_scale()
             if p.stop_mode:
                 self._set_parameter(p.stop_mode.register, p.stop_mode.ramp, "stop mode")
             for setting in p.settings:
                 self._set_parameter(setting.register, setting.word, setting.what)
             watchdog = self._set_watchdog()
             if p.setpoint is None:
-                self._asked = self._speed(self._scale.hertz(self._link.read(p.reference, 1, "reference")[0]))
+                self._last_setpoint = self._to_speed(self._scale.hertz(self._link.read(p.reference, 1, "reference")[0]))
         except BaseException:
             self.close()
             raise
@@ -82,14 +82,14 @@ class ModbusMotor:
 
     def read(self) -> MotorState:
         """Read the drive's state: its output frequency as a speed, unsigned. Raises LinkLost."""
-        reading = self._reading()
-        asked = self._asked if reading.setpoint is None else self._speed(self._scale.hertz(reading.setpoint))
+        reading = self._read_state()
+        asked = self._last_setpoint if reading.setpoint is None else self._to_speed(self._scale.hertz(reading.setpoint))
         return MotorState(
-            speed=self._speed(reading.frequency),
+            speed=self._to_speed(reading.frequency),
             setpoint=asked if reading.output_on else 0.0,
             running=reading.output_on,
             at_setpoint=reading.running and reading.at_reference,
-            fault=self._fault() if reading.faulted else "",
+            fault=self._read_fault() if reading.faulted else "",
         )
 
     def set_speed(self, speed: float, *, ramp: float) -> None:
@@ -101,18 +101,18 @@ class ModbusMotor:
         """
         p, stops = self._profile, self._stops
         reference = encode_speed(speed, scale=self._scale, rpm_per_hz=self._table.rpm_per_hz, fastest=self._fastest)
-        ramp_time = self._ramp_time(ramp)
+        ramp_time = self._encode_ramp_time(ramp)
 
         def overtaken() -> bool:
             return self._stops != stops
 
-        reading = self._reading()
+        reading = self._read_state()
         if reading.faulted:
-            raise LimitExceeded(f"drive: has tripped with '{self._fault()}'; {REMEDY}")
+            raise LimitExceeded(f"drive: has tripped with '{self._read_fault()}'; {REMEDY}")
         self._set_ramps(ramp_time, reading, overtaken)
         self._link.write(p.reference, reference, "reference", unless=overtaken)
-        self._let_go = False
-        self._asked = self._speed(self._scale.hertz(reference))
+        self._coasting = False
+        self._last_setpoint = self._to_speed(self._scale.hertz(reference))
         for word in p.start[-1:] if reading.running else p.start:
             self._link.write(p.command, word, "start", unless=overtaken)
             time.sleep(p.start_pause if word != p.start[-1] else 0.0)
@@ -128,10 +128,10 @@ class ModbusMotor:
         self._stops += 1
         self._link.write(self._profile.command, self._profile.stop.of(kind), "stop", urgent=True)
         if kind is Stop.EMERGENCY:
-            self._hasten()
+            self._shorten_ramp()
         elif kind is Stop.COAST:
-            self._coast()
-        first = self._reading().frequency
+            self._switch_to_coasting()
+        first = self._read_state().frequency
         self._confirm(lambda now: now.decelerating or not now.output_on or now.frequency < first, "stop")
 
     def clear_fault(self) -> None:
@@ -157,7 +157,7 @@ class ModbusMotor:
     ) -> None:
         self.close()
 
-    def _reading(self) -> Reading:
+    def _read_state(self) -> Reading:
         p = self._profile
         words = self._link.read(p.state.start, len(p.state), "state")
         try:
@@ -165,12 +165,12 @@ class ModbusMotor:
         except BadFrame as error:
             raise LinkLost(f"{self.link}: {error}; is it a {p.model}?") from error
 
-    def _fault(self) -> str:
+    def _read_fault(self) -> str:
         number = self._link.read(self._profile.fault, 1, "fault")[0]
-        return fault_text(number, profile=self._profile)
+        return describe_fault(number, profile=self._profile)
 
-    def _frequency(self, limit: Frequency) -> float:
-        """Read a parameter that limits the frequency; doubt one that no such drive can have."""
+    def _read_frequency_limit(self, limit: Frequency) -> float:
+        """Read a frequency limit [Hz]. Raises LinkLost for one that no such drive can have."""
         frequency = self._link.read(limit.register, 1, "frequency limit")[0] * limit.step
         low, high = limit.range
         if not low <= frequency <= high:
@@ -180,12 +180,12 @@ class ModbusMotor:
             )
         return frequency
 
-    def _reference_scale(self) -> Scale:
+    def _read_reference_scale(self) -> Scale:
         scale = self._profile.reference_scale
         if isinstance(scale, float):
             return Scale(step=scale)
-        low = self._frequency(scale.low) if scale.low else 0.0
-        high = self._frequency(scale.high)
+        low = self._read_frequency_limit(scale.low) if scale.low else 0.0
+        high = self._read_frequency_limit(scale.high)
         if not low < high:
             raise LinkLost(f"{self.link}: its frequency limits are {low:g} and {high:g} Hz, want the second higher")
         return Scale(step=(high - low) / scale.counts, low=low)
@@ -203,15 +203,15 @@ class ModbusMotor:
         """The highest speed that may be asked for [rad/s]."""
         limits = [self._table.max_speed]
         if self._max_frequency is not None:
-            limits.append(self._speed(self._max_frequency))
+            limits.append(self._to_speed(self._max_frequency))
         if not isinstance(scale := self._profile.reference_scale, float):
-            limits.append(self._speed(self._scale.hertz(scale.counts)))
+            limits.append(self._to_speed(self._scale.hertz(scale.counts)))
         return min(limits)
 
-    def _speed(self, hertz: float) -> float:
+    def _to_speed(self, hertz: float) -> float:
         return hertz * radians_per_hz(self._table.rpm_per_hz)
 
-    def _ramp_time(self, ramp: float) -> int | None:
+    def _encode_ramp_time(self, ramp: float) -> int | None:
         """Return the word of the times that make a ramp; None: it is the one set by hand. Raises ConfigError."""
         ramps, own = self._profile.ramps, self._table.ramp
         if ramps is None:
@@ -241,22 +241,22 @@ class ModbusMotor:
             if was != word:
                 self._link.write(register, word, what, unless=overtaken)
 
-    def _hasten(self) -> None:
-        """Shorten the ramp of a stop under way, where no word of its own did."""
+    def _shorten_ramp(self) -> None:
+        """Shorten the ramp of an emergency stop under way, in a drive without a word for it."""
         p = self._profile
         if p.stop.fast is None and p.ramps and p.emergency_time:
             self._set_parameter(p.ramps.decel_time, round(p.emergency_time / p.ramps.step), "deceleration time")
 
-    def _coast(self) -> None:
-        """Let a rotor coast that is on its way down a ramp, where no word of its own did."""
+    def _switch_to_coasting(self) -> None:
+        """Switch a ramp stop under way to coasting, in a drive without a word for it."""
         p = self._profile
-        if p.stop_mode is None or self._let_go:
+        if p.stop_mode is None or self._coasting:
             return
         # not read first: it is the ramp, since it was opened and after every time here; and until then it brakes
         self._link.write(p.stop_mode.register, p.stop_mode.coast, "stop mode", urgent=True)
         try:
             self._link.write(p.command, p.stop.ramp, "stop", urgent=True)
-            self._let_go = True
+            self._coasting = True
         finally:  # the next stop command must brake at once
             self._link.write(p.stop_mode.register, p.stop_mode.ramp, "stop mode", urgent=True)
 
@@ -265,9 +265,9 @@ class ModbusMotor:
             self._link.write(register, word, what)
 
     def _confirm(self, done: Callable[[Reading], bool], command: str) -> None:
-        """Wait for the state to say that a command has been obeyed."""
+        """Wait until the drive's state shows that it has obeyed a command."""
         deadline = time.monotonic() + CONFIRM_SECONDS
-        while not done(reading := self._reading()):
+        while not done(reading := self._read_state()):
             if time.monotonic() > deadline:
                 raise LinkLost(
                     f"{self.link}: the drive took the command '{command}' but did not obey within "
@@ -277,13 +277,13 @@ class ModbusMotor:
 
 
 def _remarks(profile: Profile) -> tuple[str, ...]:
-    """Return what a family cannot be told over Modbus, for a person."""
+    """Return the limitations of a family over Modbus, for a person."""
     cannot_coast = profile.stop.coast is None and profile.stop_mode is None
-    said = {
+    remarks = {
         "cannot be told to stop by itself when this program or the cable is gone": profile.watchdog is None,
         "its ramp is set by hand, and only that one can be asked for": profile.ramp_by_hand,
         "keeps its ramp while it runs": bool(profile.ramps and profile.ramps.only_at_rest),
         "cannot be told to coast, it stops down its ramp": cannot_coast,
         "cannot be told to stop faster than its ramp": profile.stop.fast is None and profile.emergency_time is None,
     }
-    return tuple(what for what, is_so in said.items() if is_so)
+    return tuple(remark for remark, holds in remarks.items() if holds)

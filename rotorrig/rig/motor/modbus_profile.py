@@ -1,4 +1,4 @@
-"""What a register map of a family of Modbus drives is: a `Profile`, one small file each in `profiles/`.
+"""Register map of a family of Modbus drives: a `Profile`, one file each in `profiles/`.
 
 Registers are addresses as on the wire, in the protocol's data unit: a manual's "40001" is 0 there. What a family lacks,
 or what no manual at hand documents, is None; the driver then does without it and says so when it is opened.
@@ -11,7 +11,7 @@ from rotorrig.rig.motor.base import Stop
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StopWords:
-    """The words of the command register that end a run; None: there is none, the ramp's is sent."""
+    """Stop words of the command register; None: there is none, the ramp's is sent."""
 
     ramp: int
     coast: int | None = None
@@ -58,7 +58,7 @@ class Ramps:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StopMode:
-    """A parameter that says how the one stop command stops."""
+    """Parameter that chooses between ramp and coasting for the one stop command."""
 
     register: int
     ramp: int  # its values
@@ -67,7 +67,7 @@ class StopMode:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setting:
-    """A parameter that must have a value for the driver to work; written if it has another."""
+    """Parameter the driver needs at a certain value; written if it differs."""
 
     register: int
     word: int
@@ -76,7 +76,7 @@ class Setting:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Watchdog:
-    """The parameter of the drive's patience with a silent master; what it does then is a `Setting`, or fixed."""
+    """Parameter of the communication time-out; what the drive does then is a `Setting`, or fixed."""
 
     register: int
     step: float  # s per count
@@ -122,10 +122,10 @@ class Profile:
 
     @property
     def ramp_by_hand(self) -> bool:
-        """Whether its ramp is set at the drive and cannot be written over Modbus."""
+        """True if its ramp is set at the drive and cannot be written over Modbus."""
         return self.ramps is None
 
     @property
     def keeps_ramp(self) -> bool:
-        """Whether it keeps the ramp it has while it turns."""
+        """True if it keeps the ramp it has while it turns."""
         return self.ramps is None or self.ramps.only_at_rest

@@ -1,4 +1,4 @@
-"""Whose turn it is on a wire that several threads use: one at a time, in order of arrival, a stop before all others."""
+"""Fair lock for a wire shared by several threads: first come, first served, a stop before all others."""
 
 import threading
 from collections import deque

@@ -1,4 +1,4 @@
-"""What every DAQ offers: `Block`, raw counts with their place in time, and a count of what did not arrive."""
+"""Interface of every DAQ: its verbs, `Block` of raw counts with its place in time, counters of lost data."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ CLOCK_TOLERANCE = 1e-3  # of a sample rate; quartz keeps 1e-4, a ceramic resonat
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DaqInfo:
-    """What a DAQ says of itself when opened; with it, counts become volts: volts = counts * volts_per_count."""
+    """Identity and scaling of a DAQ, read when it is opened: volts = counts * volts_per_count."""
 
     model: str
     serial: str
@@ -26,7 +26,7 @@ class DaqInfo:
 
     @property
     def full_scale_volts(self) -> tuple[float, ...]:
-        """Where each input's range ends, V, either side of zero."""
+        """Range of each input, V, either side of zero."""
         return tuple(self.full_scale_counts * abs(volts) for volts in self.volts_per_count)
 
 
@@ -45,7 +45,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DaqCounters:
-    """What came since `start` and what did not; only `blocks`, `samples`, `clock_error` move on a sound link.
+    """Data received and lost since `start`; only `blocks`, `samples`, `clock_error` move on a sound link.
 
     Samples are counted per channel: one scan of all channels counts once.
     """
@@ -64,7 +64,7 @@ class DaqCounters:
     clock_error: float | None = None  # sample clock over the host's, relative, less 1; None: not known well enough
 
     def remarks(self, names: Mapping[int, str]) -> tuple[str, ...]:
-        """Return a sentence for each thing that went wrong; saturation for the channels in `names` alone."""
+        """Return a sentence for each kind of loss; saturation for the channels in `names` alone."""
         counted = (
             (self.lost_samples, f"{self.lost_samples} samples are missing in {_times(self.gaps, 'gap')}"),
             (self.overruns, f"the DAQ said {_times(self.overruns, 'time')} that it had lost samples"),
@@ -77,13 +77,13 @@ class DaqCounters:
             ),
             (self.stray_bytes, f"{_times(self.stray_bytes, 'byte')} from the DAQ were part of no sound frame"),
         )
-        said = [sentence for count, sentence in counted if count]
-        said += [
+        remarks = [sentence for count, sentence in counted if count]
+        remarks += [
             f"{names[channel]} (channel {channel}): {_times(count, 'sample')} at the end of the DAQ's range"
             for channel, count in enumerate(self.saturated)
             if count and channel in names
         ]
-        return (*said, *self._clock_remark())
+        return (*remarks, *self._clock_remark())
 
     def _clock_remark(self) -> tuple[str, ...]:
         if self.clock_error is None or abs(self.clock_error) <= CLOCK_TOLERANCE:
@@ -99,7 +99,7 @@ class Daq(Protocol):
 
     @property
     def counters(self) -> DaqCounters:
-        """What came since `start` and what did not, up to the last block read; stays after `stop` and `close`."""
+        """Data received and lost since `start`, up to the last block read; kept after `stop` and `close`."""
         ...
 
     def open(self) -> DaqInfo:

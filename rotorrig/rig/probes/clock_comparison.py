@@ -1,4 +1,4 @@
-"""Does a DAQ's sample clock keep time? Its samples counted against the host's clock as they arrive.
+"""Error of a DAQ's sample clock, by its samples counted against the host's clock as they arrive.
 
 Samples arrive late by what the operating system, USB and buffers take, never early. Of every second the least late
 arrival is kept, and a straight line put through these: its slope is the error of the clock. Over a pty, beside the same
@@ -24,8 +24,8 @@ class ClockComparison:
         self._n = 0
         self._sums = [0.0] * 5  # of x, y, xx, xy, yy: x the sample time, y the lateness
 
-    def arrived(self, sample: int, at: float) -> None:
-        """Note that samples up to `sample` were there at the time `at` [s] of the host's monotonic clock."""
+    def note_arrival(self, sample: int, at: float) -> None:
+        """Note that samples up to `sample` had arrived at the time `at` [s] of the host's monotonic clock."""
         if self._start is None:
             self._start = (sample, at)
         since = at - self._start[1]

@@ -69,12 +69,12 @@ class KeyphasorSpeed:
 
         After a gap it is that of before the gap until there has been a whole turn.
         """
-        return self._over(1)
+        return self._speed_over(1)
 
     @property
     def steady_speed(self) -> float:
         """Median speed [rad/s] of the last five turns: deaf to one stray or missing pulse, two turns late."""
-        return self._over(MEDIAN_TURNS)
+        return self._speed_over(MEDIAN_TURNS)
 
     def update(self, block: Block) -> NDArray[np.float64]:
         """Take the next block; return its edges at angle zero as sample indices with a fraction, (turn,).
@@ -83,7 +83,7 @@ class KeyphasorSpeed:
         every n-th, which a stray or missing pulse shifts.
         """
         if block.first_sample != self._next_sample:
-            self._forget(block.first_sample)
+            self._restart_after_gap(block.first_sample)
         signal = self._sign * channel_volts(block.counts, channel=self._channel, info=self._info)
         self._next_sample = block.first_sample + len(signal)
         if not len(signal):
@@ -95,7 +95,7 @@ class KeyphasorSpeed:
         return np.array([edge for edge in edges.tolist() if self._is_zero(edge)])
 
     def _is_zero(self, edge: float) -> bool:
-        """Note an edge; return whether it is the one at angle zero."""
+        """Take an edge; return whether it is the one at angle zero."""
         self._edges.append(edge)
         self._since_zero = (self._since_zero + 1) % self._per_turn
         if 1 < self._per_turn < len(self._edges):
@@ -104,7 +104,7 @@ class KeyphasorSpeed:
                 self._since_zero = 0
         return self._since_zero == 0
 
-    def _over(self, turns: int) -> float:
+    def _speed_over(self, turns: int) -> float:
         return 2 * math.pi / max(self._period(turns), self.age * self._waits_per_turn())
 
     def _period(self, turns: int) -> float:
@@ -127,7 +127,7 @@ class KeyphasorSpeed:
         edges = list(self._edges)[-self._per_turn - 1 :]
         return [after - before for before, after in pairwise(edges)]
 
-    def _forget(self, first_sample: int) -> None:
+    def _restart_after_gap(self, first_sample: int) -> None:
         """Start afresh after a gap: a period across it would be a guess. Levels and speed are still good."""
         self._period_before = self._period(MEDIAN_TURNS)
         self._edges.clear()
@@ -151,9 +151,9 @@ class KeyphasorSpeed:
         crossings = np.flatnonzero(above[:-1] & ~above[1:])
         band = HYSTERESIS * (high - low) if self._hysteresis is None else self._hysteresis
         arming = np.flatnonzero(signal > threshold + band / 2)
-        return first_sample + _interpolated(signal, self._armed_only(crossings, arming), threshold)
+        return first_sample + _interpolate(signal, self._keep_armed(crossings, arming), threshold)
 
-    def _armed_only(self, crossings: NDArray[np.intp], arming: NDArray[np.intp]) -> NDArray[np.intp]:
+    def _keep_armed(self, crossings: NDArray[np.intp], arming: NDArray[np.intp]) -> NDArray[np.intp]:
         """Keep the crossings that have an arming sample since the one before; carry the rest to the next block."""
         armed_by = np.searchsorted(arming, crossings, side="right")  # arming samples up to each crossing
         kept, used = [], 0
@@ -165,7 +165,7 @@ class KeyphasorSpeed:
         return np.array(kept, dtype=np.intp)
 
 
-def _interpolated(signal: NDArray[np.float64], crossings: NDArray[np.intp], threshold: float) -> NDArray[np.float64]:
+def _interpolate(signal: NDArray[np.float64], crossings: NDArray[np.intp], threshold: float) -> NDArray[np.float64]:
     """Return where a straight line between the samples at each crossing and the next meets the threshold."""
     before, after = signal[crossings], signal[crossings + 1]
     return crossings + (before - threshold) / (before - after)

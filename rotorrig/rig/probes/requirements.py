@@ -1,4 +1,4 @@
-"""Whether the DAQ that answered is the one the config describes, by its sample rate and its channels."""
+"""Check of a DAQ's sample rate and channels against the config."""
 
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.probes.base import DaqInfo
@@ -6,7 +6,7 @@ from rotorrig.rig.probes.base import DaqInfo
 RATE_TOLERANCE = 1e-6  # relative
 
 
-def check_found(info: DaqInfo, *, where: str, sample_rate: float, channels: int) -> None:
+def check_requirements(info: DaqInfo, *, where: str, sample_rate: float, channels: int) -> None:
     """Raise ConfigError unless the DAQ at `where` samples at the rate [Hz] and has as many channels as wanted."""
     if abs(info.sample_rate - sample_rate) > RATE_TOLERANCE * sample_rate:
         raise ConfigError(

@@ -1,4 +1,4 @@
-"""Makes Blocks of a DAQ's samples, in their place in time, and counts what came and what did not: for every driver."""
+"""Blocks in their place in time, with gaps, lost and saturated samples counted: for every driver."""
 
 import time
 from collections import Counter
@@ -31,7 +31,7 @@ class Tally:
 
     @property
     def counters(self) -> DaqCounters:
-        """What came and what did not, so far."""
+        """Data received and lost so far."""
         return DaqCounters(
             **self._counted,
             saturated=tuple(map(int, self._saturated)),
@@ -51,7 +51,7 @@ class Tally:
         self.count(blocks=1, samples=len(counts), gaps=int(missing > 0), lost_samples=missing, overruns=int(overrun))
         self._count_saturated(counts)
         if self._clock:
-            self._clock.arrived(self.next_sample, time.monotonic() if arrived is None else arrived)
+            self._clock.note_arrival(self.next_sample, time.monotonic() if arrived is None else arrived)
         return Block(
             counts=counts, first_sample=first_sample, t_ns=round(first_sample * 1e9 / self._rate), overrun=overrun
         )
@@ -61,7 +61,7 @@ class Tally:
         self._counted.update(more)
 
     def _count_saturated(self, counts: NDArray[np.int32]) -> None:
-        """Most blocks have nothing near the ends: the two extremes of the whole block tell."""
+        """Count samples at the ends of the range; most blocks have none, as their two extremes show."""
         if not counts.size or (counts.min() > self._inner[0] and counts.max() < self._inner[1]):
             return
         self._saturated += np.count_nonzero((counts <= self._lowest) | (counts >= self._highest), axis=0)

@@ -16,7 +16,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Discriminator, Field, model_validator
 
 from rotorrig.rig import ConfigError
-from rotorrig.rig.config import Part, Speed, Time, checked, reads
+from rotorrig.rig.config import Part, Speed, Time, reads, validate_table
 
 Device = Literal["motor", "daq"]
 Direction = Literal["both", "to-device", "from-device"]
@@ -159,4 +159,4 @@ def parse_script(text: str, *, where: str) -> Script:
         table = {"faults": table}
     if not isinstance(table, dict):
         raise ConfigError(f"{where}: got {json.dumps(table)[:40]}, want a list of faults")
-    return checked(Script, table, where=where, context={"si": True})
+    return validate_table(Script, table, where=where, context={"si": True})

@@ -17,7 +17,7 @@ from rotorrig.identify.result_files import read_diagnosis
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import load, parse
-from rotorrig.rig.config.extended_config import extended_by
+from rotorrig.rig.config.extended_config import extend
 from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import ConfigError
 
@@ -105,7 +105,7 @@ def test_the_extended_config_carries_what_was_chosen_and_is_taken_by_every_comma
 
 def test_effects_of_an_earlier_extension_stay(named: Diagnosis, response: OrderTrackedResponse) -> None:
     runout = Extension(name="runout", where="plane 2", parameters={"runout re": 1e-6, "runout im": 0.0})
-    extended = diagnosing.extended_rig(extended_by(response.rig, [runout]), named)
+    extended = diagnosing.extended_rig(extend(response.rig, [runout]), named)
     assert extended is not None
     assert [effect.label for effect in extended.effects] == ["runout, plane 2", "bow"]
 
@@ -145,7 +145,7 @@ def test_responses_of_two_rigs_are_refused(
     assert code == 1
     assert "other.mcap: is of another rig" in err
     assert "want responses of one rig" in err
-    extended = extended_by(response.rig, [Extension(name="bow", parameters={"bow re": 1e-6, "bow im": 0.0})])
+    extended = extend(response.rig, [Extension(name="bow", parameters={"bow re": 1e-6, "bow im": 0.0})])
     write_response(Path("extended.mcap"), dataclasses.replace(response, rig=extended))
     assert rotor("diagnose", file, "extended.mcap", "--out", "d.json")[0] == 0
 
@@ -164,4 +164,4 @@ def test_an_effect_the_model_does_not_know_is_refused(
     response: OrderTrackedResponse, effect: Extension, said: str
 ) -> None:
     with pytest.raises(ConfigError, match=said):
-        check_effects(extended_by(response.rig, [effect]))
+        check_effects(extend(response.rig, [effect]))

@@ -6,7 +6,7 @@ import pytest
 
 from rotorrig.app.commands.simulate import StandIn, faults_of, simulated, truth_of
 from rotorrig.rig.config.description import RigConfig, parse
-from rotorrig.rig.config.extended_config import extended_by
+from rotorrig.rig.config.extended_config import extend
 from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.sims.plant.draw import draw
@@ -16,7 +16,7 @@ MASS = "disk: 12 g mm at 90 deg"
 
 
 def test_an_effect_the_plant_has_a_fault_for_is_that_fault(rig: RigConfig) -> None:
-    extended = extended_by(rig, [Extension(name="coupling", parameters={"bore_force": 0.5})])
+    extended = extend(rig, [Extension(name="coupling", parameters={"bore_force": 0.5})])
     (fault,) = faults_of(extended)
     assert fault.name == "coupling"
     assert fault.parameters == {"bore_force": 0.5}
@@ -34,13 +34,13 @@ def test_an_effect_the_plant_has_no_fault_for_is_refused_in_one_sentence(
     rig: RigConfig, effect: Extension, said: str
 ) -> None:
     with pytest.raises(ConfigError, match=f"cannot show '{effect.label}': {said}") as caught:
-        truth_of(extended_by(rig, [effect]), StandIn(seed=3))
+        truth_of(extend(rig, [effect]), StandIn(seed=3))
     assert "\n" not in str(caught.value)
 
 
 def test_a_sealed_truth_says_what_the_rig_has_whatever_the_config(rig: RigConfig, tmp_path: Path) -> None:
     seal(draw(rig, seed=5), tmp_path / "sealed.json")
-    extended = extended_by(rig, [Extension(name="levitation", parameters={"height": 1e-3})])
+    extended = extend(rig, [Extension(name="levitation", parameters={"height": 1e-3})])
     assert truth_of(extended, StandIn(seed=3, hidden=tmp_path / "sealed.json")) == draw(rig, seed=5)
 
 

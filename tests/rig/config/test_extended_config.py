@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rotorrig.rig.config.description import RigConfig, from_si, load, parse
-from rotorrig.rig.config.extended_config import extended_by
+from rotorrig.rig.config.extended_config import extend
 from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import ConfigError
 
@@ -19,28 +19,28 @@ RUNOUT = Extension(name="runout", where="plane 2", parameters={"runout re": 3e-6
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda p: p.stem)
 def test_an_extended_config_is_the_text_as_it_was_and_the_effects_after_it(path: Path) -> None:
     rig = load(path)
-    extended = extended_by(rig, [BOW, RUNOUT])
+    extended = extend(rig, [BOW, RUNOUT])
     assert extended.text.startswith(rig.text.rstrip())
     assert extended.effects == (BOW, RUNOUT)
     assert parse(extended.text, where="extended.toml").hash == extended.hash
 
 
 def test_an_effect_changes_the_hash_of_a_rig_and_not_that_of_its_nameplate(rig_config: RigConfig) -> None:
-    extended = extended_by(rig_config, [BOW])
+    extended = extend(rig_config, [BOW])
     assert extended.hash != rig_config.hash
     assert extended.nameplate_hash == rig_config.nameplate_hash == rig_config.hash
 
 
 def test_extending_again_replaces_the_effects(rig_config: RigConfig) -> None:
-    once = extended_by(rig_config, [BOW])
-    assert extended_by(once, [RUNOUT]).text == extended_by(rig_config, [RUNOUT]).text
-    assert extended_by(once, []).text == rig_config.text
+    once = extend(rig_config, [BOW])
+    assert extend(once, [RUNOUT]).text == extend(rig_config, [RUNOUT]).text
+    assert extend(once, []).text == rig_config.text
 
 
 def test_an_effect_written_by_hand_among_other_tables_is_replaced_too(rig_config: RigConfig) -> None:
     by_hand = '[[effects]]\nname = "bow"\n# as measured on the lathe\n[effects.parameters]\n"bow re" = 1e-5\n\n'
     text = rig_config.text.replace("[keyphasor]", by_hand + "[keyphasor]")
-    extended = extended_by(parse(text, where="by hand"), [RUNOUT])
+    extended = extend(parse(text, where="by hand"), [RUNOUT])
     assert extended.effects == (RUNOUT,)
     assert "# as measured on the lathe" in extended.text
     assert extended.keyphasor == rig_config.keyphasor
@@ -48,15 +48,15 @@ def test_an_effect_written_by_hand_among_other_tables_is_replaced_too(rig_config
 
 def test_a_config_without_a_text_is_written_in_si(rig_config: RigConfig) -> None:
     made_in_code = from_si(rig_config.model_dump(mode="json"))
-    extended = extended_by(made_in_code, [BOW])
+    extended = extend(made_in_code, [BOW])
     assert extended.text.startswith('units = "SI"\n')
-    assert extended.hash == extended_by(rig_config, [BOW]).hash
+    assert extended.hash == extend(rig_config, [BOW]).hash
 
 
 def test_a_text_that_says_something_else_is_not_kept(rig_config: RigConfig) -> None:
     weightless = rig_config.model_copy(update={"gravity": "none"})
     assert weightless.hash != rig_config.hash
-    assert extended_by(weightless, [BOW]).gravity == "none"
+    assert extend(weightless, [BOW]).gravity == "none"
 
 
 def test_bare_numbers_need_the_word_si(rig_config: RigConfig) -> None:

@@ -10,7 +10,7 @@ import pytest
 from rotorrig.rig.config.description import RigConfig, from_si, parse
 from rotorrig.rig.config.sweep_plans import Plan
 from rotorrig.rig.config.units import RPM
-from rotorrig.rig.config.validation import checked
+from rotorrig.rig.config.validation import validate_table
 from rotorrig.rig.errors import ConfigError
 
 RK4 = (Path(__file__).parents[3] / "configs/rk4.toml").read_text()
@@ -113,7 +113,7 @@ def test_the_limits_the_document_shows_are_read() -> None:
     (shown,) = re.findall(r"```toml\n(.*?)```", DOCUMENT, re.DOTALL)
     table = tomllib.loads(RK4)
     table["limits"] |= tomllib.loads(shown)["limits"]
-    limits = checked(RigConfig, table, where="docs/sweeps.md", context={}).limits
+    limits = validate_table(RigConfig, table, where="docs/sweeps.md", context={}).limits
     assert limits
     assert limits.critical_ramp == pytest.approx(200 / RPM)
     assert limits.critical_bands[0].probes == {"1y": pytest.approx(900e-6)}

@@ -79,7 +79,7 @@ def test_a_ramp_no_quotient_gives_is_refused(rpm_per_s: float) -> None:
 
 
 def test_errors_are_named_or_classed() -> None:
-    assert cia402.error_text(0x8130) == "heartbeat or life guarding lost (8130h)"
-    assert cia402.error_text(0x2222) == "current (2222h)"
-    assert cia402.error_text(0xFF01) == "device specific (FF01h)"
-    assert cia402.error_text(0xA000) == "unknown error (A000h)"
+    assert cia402.describe_error(0x8130) == "heartbeat or life guarding lost (8130h)"
+    assert cia402.describe_error(0x2222) == "current (2222h)"
+    assert cia402.describe_error(0xFF01) == "device specific (FF01h)"
+    assert cia402.describe_error(0xA000) == "unknown error (A000h)"

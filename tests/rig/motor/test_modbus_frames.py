@@ -10,10 +10,10 @@ from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
 from rotorrig.rig.motor.modbus_frames import (
     Scale,
     decode_state,
+    describe_fault,
     encode_ramp,
     encode_speed,
     encode_watchdog,
-    fault_text,
     radians_per_hz,
 )
 from rotorrig.rig.motor.modbus_profile import Ramps, Watchdog
@@ -122,5 +122,5 @@ def test_the_start_word_is_start_forward_at_rate_1() -> None:
 
 
 def test_faults_are_named() -> None:
-    assert fault_text(81, profile=PROFILE) == "communication loss (F81)"
-    assert fault_text(99, profile=PROFILE) == "fault F99, see its manual"
+    assert describe_fault(81, profile=PROFILE) == "communication loss (F81)"
+    assert describe_fault(99, profile=PROFILE) == "fault F99, see its manual"

@@ -14,7 +14,7 @@ def error_after(seconds: float, *, error: float, late: np.ndarray | None = None)
     comparison = ClockComparison(RATE)
     for k in range(int(seconds * RATE * (1 + error)) // BLOCK):
         at = 1000.0 + k * BLOCK / (RATE * (1 + error))
-        comparison.arrived(k * BLOCK, at + (0.0 if late is None else late[k % len(late)]))
+        comparison.note_arrival(k * BLOCK, at + (0.0 if late is None else late[k % len(late)]))
     return comparison.error
 
 
@@ -41,5 +41,5 @@ def test_lost_samples_make_no_difference() -> None:
     comparison = ClockComparison(RATE)
     for k in range(1000):
         if not 300 < k < 600:
-            comparison.arrived(k * BLOCK, k * BLOCK / RATE)
+            comparison.note_arrival(k * BLOCK, k * BLOCK / RATE)
     assert comparison.error == pytest.approx(0.0, abs=1e-9)

@@ -1,4 +1,4 @@
-"""Counts of an NI device: its own where they are proportional to volts, else straightened by its calibration.
+"""Counts of an NI device: its own where they are proportional to volts, else linearised by its calibration.
 
 An NI device gives raw integers and a polynomial, volts = c0 + c1 raw + c2 raw^2 + c3 raw^3, from its calibration (NI,
 "Is DAQmx Raw Data Calibrated and/or Scaled?": M and X series have four coefficients, E series two with c0 = 0). Counts
@@ -17,8 +17,8 @@ MOST = 1 << 30  # counts; beyond, the steps are those of the raw counts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Straightening:
-    """How the raw integers of one input become counts."""
+class Linearisation:
+    """Conversion of the raw integers of one input to counts."""
 
     coefficients: tuple[float, ...]  # V, rising powers of a raw count
     volts_per_count: float  # > 0
@@ -28,11 +28,11 @@ class Straightening:
 
     @property
     def remark(self) -> str:
-        """What was done, for a person."""
+        """Description of the counts, for a person."""
         if self.is_raw:
             return f"raw counts of {self.volts_per_count * 1e6:.4g} uV"
         return (
-            "raw counts straightened and shifted by the device's calibration polynomial, "
+            "raw counts linearised by the device's calibration polynomial, "
             f"in steps of {self.volts_per_count * 1e6:.4g} uV"
         )
 
@@ -44,12 +44,12 @@ class Straightening:
         return np.rint(volts / self.volts_per_count).astype(np.int32)
 
 
-def straightening(coefficients: tuple[float, ...], *, low: float, high: float) -> Straightening:
-    """Return how an input whose range is `low` to `high` [V] is to be counted. Raises ValueError on a slope of zero.
+def linearise(coefficients: tuple[float, ...], *, low: float, high: float) -> Linearisation:
+    """Return the conversion of an input whose range is `low` to `high` [V]. Raises ValueError on a slope of zero.
 
-    >>> straightening((0.0, 20 / 65536), low=-10.0, high=10.0).is_raw
+    >>> linearise((0.0, 20 / 65536), low=-10.0, high=10.0).is_raw
     True
-    >>> straightening((0.001, 20 / 65536, 0.0, 0.0), low=-10.0, high=10.0).is_raw
+    >>> linearise((0.001, 20 / 65536, 0.0, 0.0), low=-10.0, high=10.0).is_raw
     False
     """
     slope = coefficients[1] if len(coefficients) > 1 else 0.0
@@ -60,7 +60,7 @@ def straightening(coefficients: tuple[float, ...], *, low: float, high: float) -
     is_raw = slope > 0 and bool((np.abs(np.polynomial.polynomial.polyval(reach, others)) < NEGLIGIBLE * slope).all())
     widest = float(np.abs(reach).max())
     step = abs(slope) if is_raw or widest * FINER > MOST else abs(slope) / FINER
-    return Straightening(
+    return Linearisation(
         coefficients=coefficients,
         volts_per_count=step,
         is_raw=is_raw,

@@ -1,4 +1,4 @@
-"""An analog input device of National Instruments through NI-DAQmx: continuous, buffered, in raw counts.
+"""Driver of National Instruments' analog inputs through NI-DAQmx: continuous, buffered, in raw counts.
 
 NI's driver keeps the samples in a buffer of this computer until they are read. It never overwrites any silently: when
 that buffer or the device's own memory runs over, the acquisition ends with an error and so does the stream here, as a
@@ -15,8 +15,8 @@ import numpy as np
 from rotorrig.rig.config import NiDaqmx
 from rotorrig.rig.errors import ConfigError, LinkLost
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
-from rotorrig.rig.probes.nidaqmx.counts import Straightening, straightening
-from rotorrig.rig.probes.requirements import check_found
+from rotorrig.rig.probes.nidaqmx.counts import Linearisation, linearise
+from rotorrig.rig.probes.requirements import check_requirements
 from rotorrig.rig.probes.tally import Tally
 
 BLOCK_SECONDS = 0.02
@@ -47,14 +47,14 @@ class NiDaqmxDaq:
         self._task: Any = None
         self._reader: Any = None
         self._error: type[Exception] = Exception  # nidaqmx.errors.DaqError, once the package is loaded
-        self._scales: list[Straightening] = []
+        self._scales: list[Linearisation] = []
         self._info: DaqInfo | None = None
         self._tally: Tally | None = None
         self._streaming = False
 
     @property
     def counters(self) -> DaqCounters:
-        """What came since `start` and what did not, up to the last block read."""
+        """Data received and lost since `start`, up to the last block read."""
         return self._tally.counters if self._tally else DaqCounters()
 
     def open(self) -> DaqInfo:
@@ -75,8 +75,8 @@ class NiDaqmxDaq:
             ) from error
         try:
             self._set_up(package)
-            self._info = self._described()
-            check_found(
+            self._info = self._describe()
+            check_requirements(
                 self._info,
                 where=self._table.device,
                 sample_rate=self._table.sample_rate,
@@ -161,10 +161,10 @@ class NiDaqmxDaq:
         readers = importlib.import_module("nidaqmx.stream_readers")
         self._reader = readers.AnalogUnscaledReader(self._task.in_stream)
 
-    def _described(self) -> DaqInfo:
+    def _describe(self) -> DaqInfo:
         try:
             self._scales = [
-                straightening(tuple(c.ai_dev_scaling_coeff), low=c.ai_rng_low, high=c.ai_rng_high)
+                linearise(tuple(c.ai_dev_scaling_coeff), low=c.ai_rng_low, high=c.ai_rng_high)
                 for c in self._task.ai_channels
             ]
         except ValueError as error:

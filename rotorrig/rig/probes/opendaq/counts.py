@@ -16,12 +16,12 @@ INT32 = np.iinfo(np.int32)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CountScale:
-    """How a channel's values become counts."""
+    """Conversion of a channel's values to counts."""
 
     volts_per_count: float  # > 0
     lowest: int  # counts at the ends of the range
     highest: int
-    remark: str  # what was done, for a person
+    remark: str  # for a person
     gain: float  # counts per value: 1 or -1 for integers
     zero: int  # raw value that is count 0
 

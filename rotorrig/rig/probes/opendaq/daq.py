@@ -1,4 +1,4 @@
-"""A DAQ of the openDAQ SDK: packets of each channel, put together to scans in their place on the device's clock."""
+"""Driver of openDAQ devices: packets of each channel, assembled to scans on the device's clock."""
 
 import time
 from types import TracebackType
@@ -13,7 +13,7 @@ from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
 from rotorrig.rig.probes.opendaq.device import Channel, OpenDaqDevice
 from rotorrig.rig.probes.opendaq.scan_assembly import ScanAssembler
 from rotorrig.rig.probes.opendaq.tick_index import TickIndex
-from rotorrig.rig.probes.requirements import check_found
+from rotorrig.rig.probes.requirements import check_requirements
 from rotorrig.rig.probes.tally import Tally
 
 POLL_SECONDS = 0.005  # between looks for packets; devices send some every 10 to 50 ms
@@ -36,7 +36,7 @@ class OpenDaqDaq:
 
     @property
     def counters(self) -> DaqCounters:
-        """What came since `start` and what did not, up to the last block read."""
+        """Data received and lost since `start`, up to the last block read."""
         return self._tally.counters if self._tally else DaqCounters()
 
     def open(self) -> DaqInfo:
@@ -50,7 +50,7 @@ class OpenDaqDaq:
         try:
             self._channels = self._device.channels()
             self._info = _info(self._device, self._channels, self._table)
-            check_found(
+            check_requirements(
                 self._info,
                 where=self._table.connection,
                 sample_rate=self._table.sample_rate,
@@ -86,7 +86,7 @@ class OpenDaqDaq:
             for number, channel in enumerate(self._channels):
                 self._collect(number, channel)
             if scans := self._scans.take():
-                return self._block(*scans)
+                return self._make_block(*scans)
             if time.monotonic() > deadline:
                 raise LinkLost(f"{self._table.connection}: no samples from the DAQ for {timeout:g} s")
             time.sleep(POLL_SECONDS)
@@ -116,21 +116,21 @@ class OpenDaqDaq:
             if data := self._device.data_packet(packet):
                 values = np.frombuffer(data.raw_data if channel.is_raw else data.data, channel.raw)
                 tick = data.domain_packet.offset.int_value
-                self._scans.add(number, self._placed(number, tick, len(values)), channel.scale.counts(values))
-            elif not self._device.unchanged(channel):
+                self._scans.add(number, self._sample_index(number, tick, len(values)), channel.scale.counts(values))
+            elif not self._device.is_unchanged(channel):
                 raise LinkLost(
                     f"{self._table.connection}: {channel.name} was given another rate or range while it streams; "
                     "want a device that nobody else sets"
                 )
 
-    def _placed(self, number: int, tick: int, samples: int) -> int:
+    def _sample_index(self, number: int, tick: int, samples: int) -> int:
         assert self._ticks is not None
         try:
             return self._ticks.first(number, tick=tick, samples=samples)
         except LinkLost as error:
             raise LinkLost(f"{self._table.connection}: {error}") from error
 
-    def _block(self, first: int, counts: NDArray[np.int32]) -> Block:
+    def _make_block(self, first: int, counts: NDArray[np.int32]) -> Block:
         assert self._tally is not None
         if not self._tally.next_sample:
             self._first = first

@@ -1,4 +1,4 @@
-"""A device of the openDAQ SDK: found by its connection string, set, and what its channels say of themselves.
+"""A device of the openDAQ SDK: connection, settings and channels.
 
 The SDK looks for devices with mDNS queries whenever its instance is asked to add one, whatever the connection string.
 A device on this machine is therefore asked of its own module, which sends nothing. A networked one (`daq.nd://` and the
@@ -47,8 +47,8 @@ class Channel:
     time: TimeAxis
 
     @property
-    def way(self) -> tuple[object, ...]:
-        """How it samples and scales."""
+    def sampling(self) -> tuple[object, ...]:
+        """Sampling and scaling, to be compared with what they were."""
         return self.scale, self.raw, self.is_raw, self.time
 
 
@@ -75,7 +75,7 @@ class OpenDaqDevice:
         builder = self._sdk.InstanceBuilder()
         builder.global_log_level = self._sdk.LogLevel.Off
         self._instance = builder.build()
-        self._device = self._connected(table.connection)
+        self._device = self._connect(table.connection)
         _set(self._device, table.device_settings, where="daq.device_settings")
         self._inputs = [c for c in self._device.channels_recursive if _waveform(c)][:inputs]
         for channel in self._inputs:
@@ -95,16 +95,16 @@ class OpenDaqDevice:
 
     def channels(self) -> list[Channel]:
         """Return the inputs asked for, or as many as there are. Raises ConfigError for what cannot be used."""
-        return [self._described(f"channel {n} ({c.name})", _waveform(c)) for n, c in enumerate(self._inputs)]
+        return [self._describe(f"channel {n} ({c.name})", _waveform(c)) for n, c in enumerate(self._inputs)]
 
     def reader(self, channel: Channel) -> Any:
         """Return a packet reader that has what the channel sends from now on."""
         return self._sdk.PacketReader(channel.signal)
 
-    def unchanged(self, channel: Channel) -> bool:
+    def is_unchanged(self, channel: Channel) -> bool:
         """Return whether the channel still samples and scales as it did."""
         try:
-            return self._described(channel.name, channel.signal).way == channel.way
+            return self._describe(channel.name, channel.signal).sampling == channel.sampling
         except ConfigError:
             return False
 
@@ -112,7 +112,7 @@ class OpenDaqDevice:
         """Return the packet as a data packet; None for an event."""
         return self._sdk.IDataPacket.cast_from(packet) if packet.type == self._sdk.PacketType.Data else None
 
-    def _connected(self, connection: str) -> Any:
+    def _connect(self, connection: str) -> Any:
         prefix = connection.split("://")[0]
         modules = self._by_prefix()
         if prefix not in modules:
@@ -138,7 +138,7 @@ class OpenDaqDevice:
                 if component.has_property(name) and not component.get_property(name).read_only:
                     _set(component, {name: sample_rate}, where="daq.sample_rate")
 
-    def _described(self, name: str, signal: Any) -> Channel:
+    def _describe(self, name: str, signal: Any) -> Channel:
         descriptor, kinds = signal.descriptor, self._sdk.SampleType
         unit = descriptor.unit.symbol if descriptor.unit else "V"
         if unit != "V":

@@ -1,4 +1,4 @@
-"""Channels that arrive each on its own, put together to scans: only samples that all channels have.
+"""Scans assembled from channels that arrive separately: only samples that all channels have.
 
 A sample that one channel lacks is dropped of all, so what comes out has gaps where any input had one.
 """

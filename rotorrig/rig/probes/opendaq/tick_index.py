@@ -1,4 +1,4 @@
-"""Which sample a packet begins with, from the tick of the device's clock it carries; for every channel of a stream."""
+"""Sample index of a packet, from the tick of the device's clock it carries."""
 
 from rotorrig.rig.errors import LinkLost
 

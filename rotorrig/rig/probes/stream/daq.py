@@ -1,4 +1,4 @@
-"""The framed serial DAQ (docs/daq-stream.md) behind a serial port: asks, starts, stops, and hands on Blocks."""
+"""Driver of the framed serial DAQ (docs/daq-stream.md): ask, start, read blocks, stop."""
 
 import contextlib
 import time
@@ -10,12 +10,12 @@ import serial
 
 from rotorrig.rig.errors import BadFrame, LinkLost
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
-from rotorrig.rig.probes.requirements import check_found
-from rotorrig.rig.probes.stream.frames import ASK, START, STOP, Complaint, Data, Frame, Info, Stopped, daq_info
+from rotorrig.rig.probes.requirements import check_requirements
+from rotorrig.rig.probes.stream.frames import ASK, START, STOP, Complaint, Data, Frame, Info, Stopped, decode_info
 from rotorrig.rig.probes.stream.port import POLL_SECONDS, FramePort
 from rotorrig.rig.probes.stream.sequence import FrameSequence, Place
 from rotorrig.rig.probes.tally import Tally
-from rotorrig.rig.serial_port import why_closed
+from rotorrig.rig.serial_port import diagnose_port
 
 ANSWER_SECONDS = 3.0  # for INFO: boards that reset when their port is opened boot in about two
 ASK_AGAIN_SECONDS = 0.5
@@ -40,7 +40,7 @@ class StreamDaq:
 
     @property
     def counters(self) -> DaqCounters:
-        """What came since `start` and what did not, up to the last block read."""
+        """Data received and lost since `start`, up to the last block read."""
         return self._tally.counters if self._tally else DaqCounters()
 
     def open(self) -> DaqInfo:
@@ -54,7 +54,7 @@ class StreamDaq:
         try:
             self._send(STOP)  # it may still stream to whoever asked before
             self._info = self._ask()
-            check_found(self._info, where=self.port, sample_rate=self._want_rate, channels=self._want_channels)
+            check_requirements(self._info, where=self.port, sample_rate=self._want_rate, channels=self._want_channels)
         except BaseException:
             self.close()
             raise
@@ -63,7 +63,7 @@ class StreamDaq:
     def start(self) -> None:
         """Begin to stream at sample 0. Raises LinkLost."""
         self.stop()
-        decoder = self._open_wire().decoder
+        decoder = self._require_port().decoder
         assert self._info is not None
         self._tally = Tally(self._info)
         self._sequence = FrameSequence(sample_rate=self._info.sample_rate)
@@ -78,7 +78,7 @@ class StreamDaq:
         for frame, heard in self._frames(timeout):
             match frame:
                 case Data() if len(frame.counts):
-                    if block := self._placed(frame, heard):
+                    if block := self._make_block(frame, heard):
                         return block
                 case Complaint():
                     raise LinkLost(f"{self.port}: the DAQ says '{frame.text}'")
@@ -122,7 +122,7 @@ class StreamDaq:
                 self.port, self._baudrate, timeout=POLL_SECONDS, write_timeout=WRITE_SECONDS, exclusive=True
             )
         except (OSError, ValueError) as error:
-            raise LinkLost(f"{self.port}: the DAQ's port cannot be opened ({why_closed(self.port)})") from error
+            raise LinkLost(f"{self.port}: the DAQ's port cannot be opened ({diagnose_port(self.port)})") from error
 
     def _ask(self) -> DaqInfo:
         """Ask until the device answers; what a stream of before left on the wire is passed over."""
@@ -131,19 +131,19 @@ class StreamDaq:
             self._send(ASK)
             for frame, _ in self._frames(ASK_AGAIN_SECONDS):
                 if isinstance(frame, Info):
-                    return self._understood(frame)
+                    return self._decode_info(frame)
                 if isinstance(frame, Complaint):
                     complaint = f"; it says '{frame.text}'"
         raise LinkLost(f"{self.port}: asked 'ID?', no DAQ answered in {ANSWER_SECONDS:g} s{complaint}{self._noise()}")
 
-    def _understood(self, frame: Info) -> DaqInfo:
+    def _decode_info(self, frame: Info) -> DaqInfo:
         try:
-            return daq_info(frame.payload)
+            return decode_info(frame.payload)
         except BadFrame as error:
             raise LinkLost(f"{self.port}: the DAQ's answer cannot be used: {error}") from error
 
-    def _placed(self, frame: Data, heard: float) -> Block | None:
-        """Return the frame as the block it is, None if it comes too late or again; count what is missing."""
+    def _make_block(self, frame: Data, heard: float) -> Block | None:
+        """Return a frame as a block, None if it came late or twice; count missing frames."""
         assert self._info is not None and self._tally is not None
         if frame.counts.shape[1] != self._info.channels:
             raise LinkLost(
@@ -162,7 +162,7 @@ class StreamDaq:
 
     def _count_noise(self) -> None:
         """Take over what the decoder dropped since the start; it runs ahead by the frames not yet read."""
-        decoder = self._open_wire().decoder
+        decoder = self._require_port().decoder
         assert self._tally is not None
         frames, stray = self._noise_before
         self._noise_before = (decoder.bad_frames, decoder.skipped_bytes)
@@ -170,23 +170,23 @@ class StreamDaq:
 
     def _send(self, line: bytes) -> None:
         try:
-            self._open_wire().port.write(line)
+            self._require_port().port.write(line)
         except OSError as error:
             raise LinkLost(f"{self.port}: '{line.decode().strip()}' cannot be sent to the DAQ ({error})") from error
 
     def _frames(self, seconds: float) -> Iterator[tuple[Frame, float]]:
         """Yield what arrives within `seconds`, and when. Raises LinkLost when the port is gone."""
-        wire = self._open_wire()
+        wire = self._require_port()
         deadline = time.monotonic() + seconds
         while (left := deadline - time.monotonic()) > 0 and (frame := wire.next_frame(left)):
             yield frame
 
-    def _open_wire(self) -> FramePort:
+    def _require_port(self) -> FramePort:
         if self._wire is None:
             raise LinkLost(f"{self.port}: the DAQ's port is not open")
         return self._wire
 
     def _noise(self) -> str:
-        decoder = self._open_wire().decoder
+        decoder = self._require_port().decoder
         stray = decoder.skipped_bytes + decoder.pending
         return f" ({stray} bytes came that are no frame; is it another device?)" if stray else ""

@@ -1,4 +1,4 @@
-"""The bytes of the framed serial DAQ, protocol 1 (docs/daq-stream.md): pure, bytes in, frames out."""
+"""Frames of the serial DAQ, protocol 1 (docs/daq-stream.md): decoded from bytes, without a port."""
 
 import json
 import struct
@@ -39,7 +39,7 @@ class Kind(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Info:
-    """The device's answer to ID?, as it came; `daq_info` checks it."""
+    """The device's answer to ID?, as it came; `decode_info` checks it."""
 
     payload: bytes
 
@@ -90,8 +90,8 @@ class FrameDecoder:
         self._buffer += data
         frames: list[Frame] = []
         at = self._next_sync(0)
-        while found := self._frame_at(at):
-            frame, size = found
+        while result := self._frame_at(at):
+            frame, size = result
             if frame is None:
                 self.skipped_bytes += size
             else:
@@ -122,15 +122,15 @@ class FrameDecoder:
             return None, 1
 
     def _next_sync(self, at: int) -> int:
-        found = self._buffer.find(_SYNC, at)
-        if found < 0:  # keep a first half of the sync at the end
-            found = len(self._buffer) - self._buffer.endswith(_SYNC[:1], at)
-        self.skipped_bytes += found - at
-        return found
+        sync = self._buffer.find(_SYNC, at)
+        if sync < 0:  # keep a first half of the sync at the end
+            sync = len(self._buffer) - self._buffer.endswith(_SYNC[:1], at)
+        self.skipped_bytes += sync - at
+        return sync
 
 
 def decode(frame: bytes) -> Frame:
-    """Return what the bytes of one whole frame say. Raises BadFrame, with their hex."""
+    """Decode the bytes of one whole frame. Raises BadFrame, with their hex."""
     _, kind, flags, _ = _HEADER.unpack_from(frame)
     payload = frame[_HEADER.size : -_CRC.size]
     (crc,) = _CRC.unpack_from(frame, len(frame) - _CRC.size)
@@ -147,26 +147,26 @@ def decode(frame: bytes) -> Frame:
             return Complaint(payload.decode("utf-8", "replace"))
 
 
-def daq_info(payload: bytes) -> DaqInfo:
+def decode_info(payload: bytes) -> DaqInfo:
     """Return the checked contents of an INFO frame. Raises BadFrame naming the field, what was got and wanted."""
     try:
-        said = json.loads(payload)
+        info = json.loads(payload)
     except (ValueError, RecursionError) as error:  # no JSON, no UTF-8, nested beyond reason
         raise BadFrame(f"INFO: got {payload[:_SHOWN]!r}, want JSON") from error
-    if not isinstance(said, dict):
-        raise BadFrame(f"INFO: got {said!r:.60}, want a JSON object")
-    _field(said, "protocol", lambda v: v == PROTOCOL, f"{PROTOCOL}, the only one this program speaks")
-    channels = _field(said, "channels", lambda v: _is_count(v, 255), "1 to 255")
+    if not isinstance(info, dict):
+        raise BadFrame(f"INFO: got {info!r:.60}, want a JSON object")
+    _field(info, "protocol", lambda v: v == PROTOCOL, f"{PROTOCOL}, the only one this program speaks")
+    channels = _field(info, "channels", lambda v: _is_count(v, 255), "1 to 255")
     return DaqInfo(
-        model=_field(said, "model", lambda v: isinstance(v, str), "text"),
-        serial=_field(said, "serial", lambda v: isinstance(v, str), "text"),
-        sample_rate=float(_field(said, "sample_rate_hz", lambda v: _is_finite(v) and v > 0, "a positive number")),
+        model=_field(info, "model", lambda v: isinstance(v, str), "text"),
+        serial=_field(info, "serial", lambda v: isinstance(v, str), "text"),
+        sample_rate=float(_field(info, "sample_rate_hz", lambda v: _is_finite(v) and v > 0, "a positive number")),
         channels=channels,
         volts_per_count=tuple(
-            map(float, _field(said, "volts_per_count", lambda v: _are_scales(v, channels), f"{channels} numbers"))
+            map(float, _field(info, "volts_per_count", lambda v: _are_scales(v, channels), f"{channels} numbers"))
         ),
-        full_scale_counts=_field(said, "full_scale_counts", lambda v: _is_count(v, 1 << 23), "1 to 8388608"),
-        simulated=_flag(said, "simulated"),
+        full_scale_counts=_field(info, "full_scale_counts", lambda v: _is_count(v, 1 << 23), "1 to 8388608"),
+        simulated=_flag(info, "simulated"),
     )
 
 
@@ -217,17 +217,17 @@ def _data(payload: bytes, *, overrun: bool) -> Data:
     return Data(sequence=sequence, first_scan=first_scan, overrun=overrun, counts=counts)
 
 
-def _field(said: dict[str, Any], name: str, good: Callable[[Any], bool], want: str) -> Any:
-    if name not in said:
+def _field(info: dict[str, Any], name: str, good: Callable[[Any], bool], want: str) -> Any:
+    if name not in info:
         raise BadFrame(f"INFO.{name}: is missing, want {want}")
-    if isinstance(said[name], bool) or not good(said[name]):
-        raise BadFrame(f"INFO.{name}: got {said[name]!r:.60}, want {want}")
-    return said[name]
+    if isinstance(info[name], bool) or not good(info[name]):
+        raise BadFrame(f"INFO.{name}: got {info[name]!r:.60}, want {want}")
+    return info[name]
 
 
-def _flag(said: dict[str, Any], name: str) -> bool:
+def _flag(info: dict[str, Any], name: str) -> bool:
     """Return a field that may be missing."""
-    if not isinstance(value := said.get(name, False), bool):
+    if not isinstance(value := info.get(name, False), bool):
         raise BadFrame(f"INFO.{name}: got {value!r:.60}, want true or false")
     return value
 

@@ -1,4 +1,4 @@
-"""The thread that empties a stream DAQ's port into a short queue of frames, each with the time it came.
+"""Reader thread of a stream DAQ's port: a short queue of frames, each with its time of arrival.
 
 A thread of its own, so that a slow Modbus reply or a busy disk elsewhere costs no samples: an operating system buffers
 some 20 kB of a serial port, 17 ms of 8 channels at 50 kS/s. It runs at most `BLOCKS_AHEAD` frames ahead of who takes
@@ -58,13 +58,13 @@ class FramePort:
     def _run(self) -> None:
         try:
             while not self._closing.is_set():
-                for frame in self._arrived():
+                for frame in self._read_frames():
                     self._put((frame, self._heard))
         except OSError as error:  # pyserial's own are OSErrors too
             self._error = error
             self._put(None)  # wakes who waits
 
-    def _arrived(self) -> list[Frame]:
+    def _read_frames(self) -> list[Frame]:
         data = _read_some(self.port)
         if data:
             self._heard = time.monotonic()

@@ -1,4 +1,4 @@
-"""Are the DATA frames of a stream DAQ in their order? Repeated and late ones are told from a device that restarted."""
+"""Order of a stream DAQ's DATA frames: gaps, repeated and late frames, and restarts of the device."""
 
 from collections import deque
 from enum import Enum
@@ -13,7 +13,7 @@ LONGEST_GAP = 3600.0  # s; a jump beyond is no gap but a broken counter
 
 
 class Place(Enum):
-    """Where a frame belongs."""
+    """Place of a frame in the stream."""
 
     NEXT = "next"  # after what came so far, perhaps with a gap before it
     REPEATED = "repeated"  # its samples came before
@@ -38,7 +38,7 @@ class FrameSequence:
         """
         behind = (self._next_sequence - frame.sequence) % SEQUENCES
         if frame.first_scan < self._next_scan:
-            return self._old(frame, behind), 0
+            return self._place_old(frame, behind), 0
         missing = (frame.sequence - self._next_sequence) % SEQUENCES
         jump = frame.first_scan - self._next_scan
         if missing > SEQUENCES // 2 or jump > self._longest_gap:
@@ -52,7 +52,7 @@ class FrameSequence:
         self._last, self._stale = frame, 0
         return Place.NEXT, missing
 
-    def _old(self, frame: Data, behind: int) -> Place:
+    def _place_old(self, frame: Data, behind: int) -> Place:
         self._stale += 1
         if frame.sequence in self._missed:
             self._missed.remove(frame.sequence)

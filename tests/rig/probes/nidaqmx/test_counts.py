@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from rotorrig.rig.probes.nidaqmx.counts import straightening
+from rotorrig.rig.probes.nidaqmx.counts import linearise
 
 LSB = 20 / 65536  # V: 16 bits over -10 V to 10 V
 RAW = np.arange(-32768, 32768, dtype=np.int32)
 
 
 def test_a_pure_slope_leaves_the_counts_alone() -> None:
-    scale = straightening((0.0, LSB), low=-10.0, high=10.0)
+    scale = linearise((0.0, LSB), low=-10.0, high=10.0)
     assert scale.is_raw
     assert scale.counts(RAW) is RAW
     assert (scale.volts_per_count, scale.lowest, scale.highest) == (LSB, -32768, 32767)
@@ -19,15 +19,15 @@ def test_a_pure_slope_leaves_the_counts_alone() -> None:
 
 def test_higher_terms_below_a_hundredth_of_a_count_are_a_slope() -> None:
     cubic = 0.005 * LSB / 32768**3
-    assert straightening((0.004 * LSB, LSB, 0.0, cubic), low=-10.0, high=10.0).is_raw
-    assert not straightening((0.004 * LSB, LSB, 0.0, 2 * cubic), low=-10.0, high=10.0).is_raw
+    assert linearise((0.004 * LSB, LSB, 0.0, cubic), low=-10.0, high=10.0).is_raw
+    assert not linearise((0.004 * LSB, LSB, 0.0, 2 * cubic), low=-10.0, high=10.0).is_raw
 
 
 COEFFICIENTS = (-2.3e-4, 3.2e-4, 3e-14, -2e-19)  # as of an M series device of 16 bits at 10 V
 
 
 def test_a_polynomial_is_applied_to_within_a_32nd_of_a_count() -> None:
-    scale = straightening(COEFFICIENTS, low=-10.0, high=10.0)
+    scale = linearise(COEFFICIENTS, low=-10.0, high=10.0)
     assert not scale.is_raw
     a, b, c, d = COEFFICIENTS
     x = RAW.astype(float)
@@ -36,32 +36,30 @@ def test_a_polynomial_is_applied_to_within_a_32nd_of_a_count() -> None:
     assert counts.dtype == np.int32
     np.testing.assert_allclose(counts * scale.volts_per_count, volts, atol=b / 32 * 1.0001)
     assert len(np.unique(counts)) == len(RAW)  # no raw value is lost
-    assert scale.remark == (
-        "raw counts straightened and shifted by the device's calibration polynomial, in steps of 20 uV"
-    )
+    assert scale.remark == ("raw counts linearised by the device's calibration polynomial, in steps of 20 uV")
 
 
 def test_the_ends_are_those_of_the_range() -> None:
-    scale = straightening(COEFFICIENTS, low=-10.0, high=10.0)
+    scale = linearise(COEFFICIENTS, low=-10.0, high=10.0)
     assert scale.lowest * scale.volts_per_count == pytest.approx(-10.0, abs=2e-5)
     assert scale.highest * scale.volts_per_count == pytest.approx(10.0, abs=2e-5)
 
 
 def test_offset_binary_is_moved_to_zero_volts() -> None:
-    scale = straightening((-31.157441, 0.000638), low=-20.0, high=20.0)  # of a USB-6009
+    scale = linearise((-31.157441, 0.000638), low=-20.0, high=20.0)  # of a USB-6009
     counts = scale.counts(np.array([0, 48836, 65535], dtype=np.int32))
     np.testing.assert_allclose(counts * scale.volts_per_count, [-31.157441, -0.000073, 10.653889], atol=2e-5)
 
 
 def test_a_falling_slope_is_turned() -> None:
-    scale = straightening((0.0, -LSB), low=-10.0, high=10.0)
+    scale = linearise((0.0, -LSB), low=-10.0, high=10.0)
     assert scale.volts_per_count == LSB / 16
     assert scale.counts(np.array([100], dtype=np.int32)).tolist() == [-1600]
 
 
 def test_fine_converters_keep_within_32_bits() -> None:
     step = 20 / 2**31
-    scale = straightening((1e-6, step), low=-10.0, high=10.0)
+    scale = linearise((1e-6, step), low=-10.0, high=10.0)
     assert scale.volts_per_count == step
     assert scale.counts(np.array([2**30 - 1], dtype=np.int32))[0] == pytest.approx(2**30 - 1 + 1e-6 / step, abs=1)
 
@@ -69,4 +67,4 @@ def test_fine_converters_keep_within_32_bits() -> None:
 @pytest.mark.parametrize("coefficients", [(0.0, 0.0), (1.0,), (0.0, float("nan"))])
 def test_coefficients_without_a_slope_are_refused(coefficients: tuple[float, ...]) -> None:
     with pytest.raises(ValueError, match="want a slope that is not zero"):
-        straightening(coefficients, low=-10.0, high=10.0)
+        linearise(coefficients, low=-10.0, high=10.0)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from rotorrig.rig.errors import BadFrame
-from rotorrig.rig.probes.stream.frames import Complaint, Data, FrameDecoder, Info, Stopped, daq_info, decode
+from rotorrig.rig.probes.stream.frames import Complaint, Data, FrameDecoder, Info, Stopped, decode, decode_info
 from tests.rig.wire_fakes import INFO, data_frame, error_frame, frame, info_frame, stopped_frame
 
 INT24 = st.integers(-(1 << 23), (1 << 23) - 1)
@@ -141,7 +141,7 @@ def test_a_bad_crc_is_said_with_the_bytes() -> None:
 
 def test_info_is_read() -> None:
     (got,), _ = fed(info_frame(volts_per_count=[1e-3, 2e-3, 3e-3, 4e-3, 5]))
-    info = daq_info(got.payload)
+    info = decode_info(got.payload)
     assert (info.model, info.serial, info.sample_rate, info.channels) == ("board", "7", 10000.0, 5)
     assert info.volts_per_count == (1e-3, 2e-3, 3e-3, 4e-3, 5.0)
     assert info.full_scale_counts == INFO["full_scale_counts"]
@@ -169,7 +169,7 @@ def test_info_is_read() -> None:
 def test_a_wrong_info_is_refused_in_one_sentence(changed: dict[str, object], said: str) -> None:
     (got,), _ = fed(info_frame(**changed))
     with pytest.raises(BadFrame) as error:
-        daq_info(got.payload)
+        decode_info(got.payload)
     assert said in str(error.value)
     assert "\n" not in str(error.value)
 
@@ -180,10 +180,10 @@ def test_a_wrong_info_is_refused_in_one_sentence(changed: dict[str, object], sai
 )
 def test_any_info_is_understood_or_refused(payload: bytes) -> None:
     with pytest.raises(BadFrame):
-        daq_info(payload)
+        decode_info(payload)
 
 
 @pytest.mark.parametrize("payload", [b"[" * 100_000, b'{"protocol": 1' + b"0" * 5000 + b"}"], ids=["deep", "long"])
 def test_a_hostile_info_is_refused(payload: bytes) -> None:
     with pytest.raises(BadFrame):
-        daq_info(payload)
+        decode_info(payload)
