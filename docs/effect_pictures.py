@@ -88,7 +88,7 @@ def _signature(rig: RigConfig, name: str, sweep: Sweep) -> Signature:
     return Signature(
         name=name,
         words=effect.words(theta) + said,
-        without=vectors(rig, effect, effect.at_nothing, sweep, beside=there),
+        without=vectors(rig, effect, effect.at_zero, sweep, beside=there),
         with_it=vectors(rig, effect, theta, sweep, beside=there),
     )
 
@@ -105,5 +105,5 @@ def _typical(effect: Effect, larger: float) -> dict[str, float]:
     theta = {}
     for p in effect.parameters:
         part = turned.imag if p.name.endswith(" im") else turned.real if p.name.endswith(" re") else 1.0
-        theta[p.name] = p.starts[0] if p.starts else p.nothing + larger * part * p.size
+        theta[p.name] = p.starts[0] if p.starts else p.at_zero + larger * part * p.size
     return theta

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RPM, Plane, RigConfig
-from rotorrig.sims.effects import Effect, Seen, Theta
+from rotorrig.sims.effects import Effect, ReadingContext, Theta
 from rotorrig.sims.rotor.model import Load, RotorModel, assemble, reduce, unbalance_pattern
 from rotorrig.sims.rotor.nonlinear import steady_with_law
 from rotorrig.sims.rotor.steady import load_columns
@@ -80,18 +80,18 @@ def vectors(rig: RigConfig, effect: Effect, theta: Theta, sweep: Sweep, *, besid
 
 def _seen(rig: RigConfig, effect: Effect, theta: Theta, sweep: Sweep, beside: Valued | None) -> dict[int, Complex]:
     """Return the vectors of all rows, order -> (row + 1, probe)."""
-    model = effect.changed(_rotor(rig, effect.places), theta)
+    model = effect.change_matrices(_rotor(rig, effect.places), theta)
     loads = [_unbalance(rig, model), *effect.loads(model, theta)]
     if beside:
         loads += beside[0].loads(model, beside[1])
-    laws = effect.laws(model, theta)
+    laws = effect.force_laws(model, theta)
     if laws:
         amounts = np.ones(len(loads), dtype=complex)
         moved = steady_with_law(model, sweep.omega, loads, amounts, laws, orders=ORDERS)
         motion = {n: moved[..., i] for i, n in enumerate(ORDERS)}
     else:
         motion = {n: _linear(model, loads, sweep, n) for n in ORDERS}
-    return {n: effect.seen(z, _view(rig, sweep, n, z), theta) for n, z in motion.items()}
+    return {n: effect.change_readings(z, _view(rig, sweep, n, z), theta) for n, z in motion.items()}
 
 
 def _rotor(rig: RigConfig, places: Mapping[str, float]) -> RotorModel:
@@ -114,9 +114,9 @@ def _linear(model: RotorModel, loads: Sequence[Load], sweep: Sweep, order: int) 
     return np.einsum("rpl,rl->rp", load_columns(model, sweep.omega, same), acting)
 
 
-def _view(rig: RigConfig, sweep: Sweep, order: int, z: Complex) -> Seen:
+def _view(rig: RigConfig, sweep: Sweep, order: int, z: Complex) -> ReadingContext:
     rows = len(sweep.t)
-    view = Seen(
+    view = ReadingContext(
         probes=tuple(p.name for p in rig.probes),
         angle=np.array([p.angle for p in rig.probes]),
         position=np.array([p.position for p in rig.probes]),

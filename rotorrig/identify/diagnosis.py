@@ -178,8 +178,8 @@ def _in_config(response: OrderTrackedResponse) -> list[tuple[Effect, dict[str, f
             effect = find(response.rig, extension.label)
         except ValueError as error:
             raise ConfigError(f"{response.rig.name}: {error}") from error
-        theta = effect.at_nothing | extension.parameters
-        found.append((effect.held(theta), theta))
+        theta = effect.at_zero | extension.parameters
+        found.append((effect.fix_grid_searched(theta), theta))
     return found
 
 

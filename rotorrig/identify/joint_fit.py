@@ -31,7 +31,7 @@ def fitted(
     """Search the first recording, then fit all; `effects` of the config begin at their figures. Raises as fit."""
     first = first_fit(recordings[0].response, seed=seed)
     marks = (MarkEdge.of_recording(r.number) for r in recordings if r.backward)
-    slight = [(effect, effect.at_nothing) for effect in (*background(recordings[0].response.rig), *marks)]
+    slight = [(effect, effect.at_zero) for effect in (*background(recordings[0].response.rig), *marks)]
     known = [*slight, *effects]
     problem = ExtendedProblem(ExtendedModel(recordings, [effect for effect, _ in known]))
     start = problem.parameters.start(first.p)

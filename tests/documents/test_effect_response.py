@@ -33,7 +33,7 @@ def test_rows_stand_at_their_speeds() -> None:
 
 def test_without_an_effect_the_unbalance_alone_is_seen(rig_config: RigConfig) -> None:
     effect = find(rig_config, "runout, plane 1")
-    seen = vectors(rig_config, effect, effect.at_nothing, SWEEP)
+    seen = vectors(rig_config, effect, effect.at_zero, SWEEP)
     want = probe_response(assemble(rig_config), SWEEP.omega[: len(SWEEP.rpm)], unbalance={"disk": 15e-6})
     assert np.abs(seen.up[1] - want).max() < 1e-5 * np.abs(want).max()
     assert np.abs(seen.up[1] - seen.down[1]).max() < 1e-12
@@ -42,7 +42,7 @@ def test_without_an_effect_the_unbalance_alone_is_seen(rig_config: RigConfig) ->
 
 def test_runout_is_added_as_it_is(rig_config: RigConfig) -> None:
     effect = find(rig_config, "runout, plane 1")
-    without = vectors(rig_config, effect, effect.at_nothing, SWEEP).up[1]
+    without = vectors(rig_config, effect, effect.at_zero, SWEEP).up[1]
     with_it = vectors(rig_config, effect, {"runout re": 3e-6, "runout im": 4e-6}, SWEEP).up[1]
     want = np.array([3e-6 + 4e-6j, (3e-6 + 4e-6j) * -1j, 0, 0])  # y sees the high spot a quarter of a turn later
     assert with_it - without == pytest.approx(np.broadcast_to(want, with_it.shape), abs=1e-15)

@@ -9,7 +9,7 @@ from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.provenance import Provenance
-from rotorrig.sims.effects.base import Effect, Seen
+from rotorrig.sims.effects.base import Effect, ReadingContext
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, with_bearing
 from rotorrig.sims.rotor.model.loads import Load, unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
@@ -69,7 +69,7 @@ def _pulses(speeds: tuple[float, float], ramp: float) -> NDArray[np.float64]:
 def _model(rig: RigConfig, hidden: Sequence[tuple[Effect, Theta]]) -> RotorModel:
     model = reduce(with_bearing(assemble(rig), "spring", np.diag(K), np.diag(C)), modes=10)
     for effect, theta in hidden:
-        model = effect.changed(model, theta)
+        model = effect.change_matrices(model, theta)
     return model
 
 
@@ -97,7 +97,7 @@ def _vectors(
         rows = tracked_rows(timeline, t=t, revolutions=np.full(len(t), TURNS), window="hann")
         z[:-1] = swept_columns(model, rows, loads=mine, order=order).sum(axis=-1)
         z[-1] = load_columns(model, np.array([SLOW_ROLL / RPM]), slow).sum(axis=-1)
-    view = Seen(
+    view = ReadingContext(
         probes=tuple(probe.name for probe in rig.probes),
         angle=np.array([probe.angle for probe in rig.probes]),
         position=np.array([probe.position for probe in rig.probes]),
@@ -109,7 +109,7 @@ def _vectors(
         keyphasor_t=timeline.t,
     )
     for effect, theta in hidden:
-        z = effect.seen(z, view, theta)
+        z = effect.change_readings(z, view, theta)
     return z
 
 

@@ -37,7 +37,7 @@ HIDDEN = {
 
 @pytest.mark.parametrize("label", HIDDEN)
 def test_it_is_what_the_rig_of_the_other_sense_shows(rig: RigConfig, hidden: NDArray[np.float64], label: str) -> None:
-    theta, mirrored = ({q: 0.0 for q in find(rig, label).at_nothing} | found for found in HIDDEN[label])
+    theta, mirrored = ({q: 0.0 for q in find(rig, label).at_zero} | found for found in HIDDEN[label])
     other_way = rig.turned_over
     made = swept_response(other_way, hidden=[(find(other_way, label), mirrored)], unbalance=np.conj(U), **FAST)
     recording = Recording(made, backward=True)

@@ -129,9 +129,9 @@ def _promising(scored: Sequence[Score], left: float, *, enough: float, bent: boo
     """
     kinds: dict[str, Effect] = {}
     for score in scored:
-        bends = bent or score.effect.curved
+        bends = bent or score.effect.needs_starts
         could = left - (HOPED_OF_LAWS if bends else HOPED) * score.lam < enough
-        if could or (not kinds and not score.effect.curved):
+        if could or (not kinds and not score.effect.needs_starts):
             kinds.setdefault(score.effect.name, score.effect)
     return list(kinds.values())[:FITTED]
 

@@ -46,7 +46,7 @@ def plausible(candidate: Candidate) -> bool:
     names, effect, fit = candidate.problem.parameters, candidate.effect, candidate.polished
     theta, sigma = (names.of_effect(part, len(names.effects) - 1) for part in (fit.p, fit.sigma))
     sizes = {name: value for name, value, _ in magnitudes(effect.parameters, theta)}
-    return effect.possible(theta) and all(
+    return effect.is_plausible(theta) and all(
         q.low - _UNSURE * sigma[q.name]
         <= sizes.get(q.name.removesuffix(" re"), theta[q.name])
         <= q.high + _UNSURE * sigma[q.name]
@@ -67,7 +67,7 @@ def on_trial(
     that a full step promises, or ten times under a force law, which bends more.
     """
     cost = price(problem, score.effect)
-    hoped = 10 if score.effect.curved else 2
+    hoped = 10 if score.effect.needs_starts else 2
 
     def worth(chi2: float, promise: float) -> bool:
         return polished.chi2 - chi2 + hoped * promise - cost > leader - NEAR
@@ -75,13 +75,13 @@ def on_trial(
     larger = problem.extended((*problem.effects, score.effect))
     try:
         best = _first(larger, polished, plain, score, worth=worth)
-        for _ in range(_RELOCATIONS if score.effect.scan and best.stop is not Stop.GIVEN_UP else 0):
+        for _ in range(_RELOCATIONS if score.effect.grid and best.stop is not Stop.GIVEN_UP else 0):
             moved = relocated(problem, best.p[: len(polished.p)], score.effect)
             if _same_place(moved, larger.effects[-1]):
                 break
             larger = problem.extended((*problem.effects, moved))
             best = _refined(larger, best.p, worth=worth)
-        if score.effect.beginnings and best.stop is not Stop.GIVEN_UP:
+        if score.effect.initial_guesses and best.stop is not Stop.GIVEN_UP:
             best = _from_elsewhere(larger, best, worth=worth)
     except (DataError, np.linalg.LinAlgError):
         return None  # no motion is found, or none that is finite
@@ -100,7 +100,7 @@ def price(problem: ExtendedProblem, effect: Effect) -> float:
 def named_by_place(problem: ExtendedProblem, fit: Solution) -> tuple[ExtendedProblem, Solution]:
     """Return a fit whose last effect is told from the place nearest to where the fit took it."""
     names, effect = problem.parameters, problem.effects[-1]
-    moved, theta = effect.nearest(names.of_effect(fit.p, len(names.effects) - 1))
+    moved, theta = effect.relocate(names.of_effect(fit.p, len(names.effects) - 1))
     p = fit.p.copy()
     p[names.theta[-1]] = [theta[q.name] / q.size for q in moved.parameters]
     same = moved is effect
@@ -120,7 +120,7 @@ def _chi2(fit: Solution) -> float:
 def _same_place(effect: Effect, other: Effect) -> bool:
     """Say whether two of a scanned effect stand within a standard deviation of the place: within 1 of chi2."""
     pairs = zip(effect.parameters, other.parameters, strict=True)
-    return all(abs(a.nothing - b.nothing) <= a.spread for a, b in pairs if a.scanned)
+    return all(abs(a.at_zero - b.at_zero) <= a.spread for a, b in pairs if a.grid_searched)
 
 
 def _first(
@@ -133,7 +133,7 @@ def _first(
     """
     if score.begin is not None:
         return _refined(problem, score.begin, worth=worth)
-    nothing = np.array([q.nothing / q.size for q in score.effect.parameters])
+    nothing = np.array([q.at_zero / q.size for q in score.effect.parameters])
     if plain is not None:
         start, held = np.append(plain.p, nothing), held_nuisances(problem)
         near = problem.solve(start, fixed=held, tolerance=_ROUGHLY * plain.chi2, max_steps=_STEPS)
@@ -176,7 +176,7 @@ def elsewhere(problem: ExtendedProblem, fit: Solution) -> Reals | None:
     basis = np.linalg.qr(fit.jacobian[:, length > 0] / length[length > 0])[0]
     best, lowest = None, fit.chi2 - _BETTER
     for i, q in enumerate(effect.parameters, start=part.start):
-        for value in sorted({begun[q.name] / q.size for begun in effect.beginnings if q.name in begun}):
+        for value in sorted({begun[q.name] / q.size for begun in effect.initial_guesses if q.name in begun}):
             moved = fit.p.copy()
             moved[i] = value
             try:

@@ -29,7 +29,7 @@ def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()
         if not able.parameters:
             continue
         if isinstance(able, UnbalanceStep):
-            if (step := _scanned(able, recordings)).scan:
+            if (step := _scanned(able, recordings)).grid:
                 found.append(step)
         elif able.per_recording and len(recordings) > 1:
             found += [
@@ -63,7 +63,7 @@ def _scanned(effect: UnbalanceStep, recordings: Sequence[Recording]) -> Unbalanc
             t = np.sort(np.concatenate([run.t for run in own]))
             stretches.append(tuple(float(x) for x in np.unique(t[np.linspace(0, len(t) - 1, MOMENTS).astype(int)])))
         runs += own
-    return replace(effect, scan=tuple(stretches), runs=tuple(runs))
+    return replace(effect, grid=tuple(stretches), runs=tuple(runs))
 
 
 def _timed_runs(recording: Recording) -> Iterator[tuple[str, NDArray[np.float64], NDArray[np.float64]]]:

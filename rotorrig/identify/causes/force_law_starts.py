@@ -34,7 +34,9 @@ def held_scores(
     and what a full step with all of them promises beyond. Of one that was given up it is the first part alone.
     """
     held = held_nuisances(problem)
-    looks = [look for effect in candidates if effect.curved and (look := _look(problem, plain.p, effect)) is not None]
+    looks = [
+        look for effect in candidates if effect.needs_starts and (look := _look(problem, plain.p, effect)) is not None
+    ]
     found: list[Score] = []
     best = plain.chi2
     for look in sorted(looks, key=lambda look: look.chi2):
@@ -77,12 +79,12 @@ def _starts(parameters: Sequence[Parameter]) -> Iterator[Reals]:
 
     Its strength is the first of the unknowns with starts that are nothing at zero.
     """
-    strength = next(q.name for q in parameters if q.starts and q.nothing == 0)
+    strength = next(q.name for q in parameters if q.starts and q.at_zero == 0)
     count = max(len(q.starts) for q in parameters)
     seen: set[tuple[float, ...]] = set()
     for share in _WEAK:
         for k in range(count):
-            value = {q.name: q.starts[min(k, len(q.starts) - 1)] if q.starts else q.nothing for q in parameters}
+            value = {q.name: q.starts[min(k, len(q.starts) - 1)] if q.starts else q.at_zero for q in parameters}
             value[strength] *= share
             start = tuple(value[q.name] / q.size for q in parameters)
             if start not in seen:

@@ -24,7 +24,7 @@ def best_place(effect: Effect, promise: Promise) -> Effect:
 
     The spread is half the width over which chi2 is within 1 of the best; 0 where a stretch is but one place.
     """
-    places = [(stretch, value) for stretch in effect.scan for value in stretch]
+    places = [(stretch, value) for stretch in effect.grid for value in stretch]
     coarse = promise([_at(effect, value) for _, value in places])
     stretch, best = places[int(np.argmax(coarse))]
     known = {value: lam for (of, value), lam in zip(places, coarse, strict=True) if of is stretch}
@@ -45,7 +45,7 @@ def _within(low: float, high: float) -> list[float]:
 
 
 def _at(effect: Effect, value: float, *, spread: float = 0.0) -> Effect:
-    moved = (replace(p, nothing=value, spread=spread) if p.scanned else p for p in effect.parameters)
+    moved = (replace(p, at_zero=value, spread=spread) if p.grid_searched else p for p in effect.parameters)
     return replace(effect, parameters=tuple(moved))
 
 

@@ -56,9 +56,9 @@ class _Step:
 def _steps(effect: Effect, model: RotorModel) -> Iterator[_Step]:
     """Yield the step of each unknown; those that change the number of coordinates have no direction."""
     for q in effect.parameters:
-        theta = _stepped(effect, q) if q.low < q.high else effect.at_nothing | {q.name: q.nothing + STEP * q.size}
-        h = (theta[q.name] - q.nothing) / q.size
-        there = effect.changed(model, theta) if "matrices" in effect.acts_on else model
+        theta = _stepped(effect, q) if q.low < q.high else effect.at_zero | {q.name: q.at_zero + STEP * q.size}
+        h = (theta[q.name] - q.at_zero) / q.size
+        there = effect.change_matrices(model, theta) if "matrices" in effect.acts_on else model
         yield _Step(
             effect=effect,
             theta=theta,
@@ -70,8 +70,8 @@ def _steps(effect: Effect, model: RotorModel) -> Iterator[_Step]:
 
 def _stepped(effect: Effect, q: Parameter) -> dict[str, float]:
     """Return the effect's unknowns at nothing but for a step of one, towards where it may go."""
-    step = STEP * q.size if q.nothing + STEP * q.size <= q.high else -STEP * q.size
-    return effect.at_nothing | {q.name: q.nothing + step}
+    step = STEP * q.size if q.at_zero + STEP * q.size <= q.high else -STEP * q.size
+    return effect.at_zero | {q.name: q.at_zero + step}
 
 
 def _of_recording(
@@ -165,4 +165,6 @@ def _at_probes(
     for c, step in enumerate(steps):
         effect = step.effect
         if "probes" in effect.acts_on and step.acts_in(recording):
-            found[..., c] += (effect.seen(z, view, step.theta) - effect.seen(z, view, effect.at_nothing)) / step.h
+            found[..., c] += (
+                effect.change_readings(z, view, step.theta) - effect.change_readings(z, view, effect.at_zero)
+            ) / step.h

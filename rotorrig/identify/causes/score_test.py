@@ -38,9 +38,9 @@ def scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> 
     a clearance, are left to `curved_scores`.
     """
     Q, r = _projection(problem, p)
-    able = [effect for effect in candidates if not effect.curved]
-    placed = [_placed(problem, p, effect, Q, r) if effect.scan else effect for effect in able]
-    begun = [effect for several in placed for effect in several.begun()]
+    able = [effect for effect in candidates if not effect.needs_starts]
+    placed = [_placed(problem, p, effect, Q, r) if effect.grid else effect for effect in able]
+    begun = [effect for several in placed for effect in several.at_initial_guesses()]
     found = sorted(_scores(problem, p, begun, Q, r), key=lambda score: -score.lam)
     first = {score.effect.label: score for score in reversed(found)}
     return [score for score in found if score is first[score.effect.label]]
@@ -55,7 +55,7 @@ def curved_scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effec
     """Return the scores of the others: by the whole change at 1X that the best of its starts makes."""
     Q, r = _projection(problem, p)
     at = problem.residual(p, orders=(1,))
-    found = [_curved(problem, p, effect, Q, r, at) for effect in candidates if effect.curved]
+    found = [_curved(problem, p, effect, Q, r, at) for effect in candidates if effect.needs_starts]
     return sorted(found, key=lambda score: -score.lam)
 
 
@@ -87,7 +87,7 @@ def _curved(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Rea
     best = Score(effect=effect, lam=0.0, step=np.zeros(len(effect.parameters)), visible=0.0)
     for k in range(max(len(q.starts) for q in effect.parameters)):
         begun = np.concatenate([p, np.zeros(len(effect.parameters))])
-        values = [q.starts[min(k, len(q.starts) - 1)] if q.starts else q.nothing for q in effect.parameters]
+        values = [q.starts[min(k, len(q.starts) - 1)] if q.starts else q.at_zero for q in effect.parameters]
         begun[own.stop - len(effect.parameters) :] = np.array(values) / [q.size for q in effect.parameters]
         try:
             change = larger.residual(begun, orders=(1,)) - at
@@ -121,7 +121,7 @@ def _score(effect: Effect, columns: Reals, left: Reals, r: Reals) -> Score:
     length = _lengths(columns)
     size = _lengths(left)
     seen = size > _OPEN * np.maximum(length, 1e-300)
-    one_sided = np.array([q.low == q.nothing for q in effect.parameters])
+    one_sided = np.array([q.low == q.at_zero for q in effect.parameters])
     lam, visible = 0.0, float(np.max(size[seen] ** 2, initial=0.0))
     while seen.any():
         basis, triangle = np.linalg.qr(left[:, seen])

@@ -122,7 +122,7 @@ def _unpromising(scored: Sequence[Score], promising: Sequence[Score]) -> list[Sc
 
 def _explained(candidate: Candidate, excess: float) -> bool:
     """Say whether with the effect on trial next to nothing is left of the `excess` of chi2 at 1X."""
-    left = _LEFT_BY_LAW * excess if candidate.effect.curved else 0.0
+    left = _LEFT_BY_LAW * excess if candidate.effect.needs_starts else 0.0
     return _excess(candidate.problem, candidate.polished) <= left
 
 

@@ -52,7 +52,7 @@ def select(
     current, polished = problem, base
 
     def search(what: str, problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> Stage:
-        taken = {own.label for own in problem.effects if not own.slight}
+        taken = {own.label for own in problem.effects if not own.is_nuisance}
         rest = [e for e in among if e.label not in taken]
         return step(problem, polished, rest, partial(progress, what), wrong=wrong, first=not stages)
 
@@ -84,7 +84,7 @@ def _looked_for(candidate: Candidate) -> float:
 
     Neighbouring rows, `STRETCH` of them, make one place.
     """
-    if not candidate.effect.scan:
+    if not candidate.effect.grid:
         return 0.0
     return 2 * float(np.log(sum(len(recording.rows) for recording in candidate.problem.recordings) / STRETCH))
 

@@ -145,8 +145,8 @@ def _moves_a_law(model: ExtendedModel, p: Reals, effect: Effect, i: int) -> bool
     k = model.effects.index(effect)
     q = effect.parameters[i - model.parameters.theta[k].start]
     theta, rotor = model.parameters.of_effect(p, k), model.rotor(p)
-    there = effect.laws(rotor, theta | {q.name: theta[q.name] + STEP * q.size})
-    return any(not np.array_equal(a.rows, b.rows) for a, b in zip(effect.laws(rotor, theta), there, strict=True))
+    there = effect.force_laws(rotor, theta | {q.name: theta[q.name] + STEP * q.size})
+    return any(not np.array_equal(a.rows, b.rows) for a, b in zip(effect.force_laws(rotor, theta), there, strict=True))
 
 
 def _unit(size: int, i: int) -> Complex:

@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from rotorrig.sims.effects import EVERY, Complex, Effect, Parameter, Seen, Theta
+from rotorrig.sims.effects import EVERY, Complex, Effect, Parameter, ReadingContext, Theta
 
 WIDE = 0.35  # rad, one standard deviation: a notch of 20 degrees is common
 
@@ -28,6 +28,6 @@ class MarkEdge(Effect):
         width = Parameter(name="width", unit="rad", low=-np.pi, high=np.pi, size=0.1, prior=WIDE)
         return cls(where=f"recording {number + 1}", recording=number, parameters=(width,))
 
-    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
+    def change_readings(self, z: Complex, view: ReadingContext, theta: Theta) -> Complex:
         """Return the vectors by an angle that is zero at the other edge."""
         return z * np.exp(1j * view.order * theta["width"])

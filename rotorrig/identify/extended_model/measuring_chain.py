@@ -56,7 +56,7 @@ class ProbeSide:
         """Return vectors as the effects on the probes' side leave them."""
         for i, effect in enumerate(self._parameters.effects):
             if effect.recording in (None, recording.number):
-                z = effect.seen(z, recording.view(order), self._parameters.of_effect(p, i))
+                z = effect.change_readings(z, recording.view(order), self._parameters.of_effect(p, i))
         return z
 
     def figures(self, p: Reals) -> tuple[Reals, Reals, Reals]:

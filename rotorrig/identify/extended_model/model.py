@@ -115,7 +115,7 @@ class ExtendedModel:
         """Return the parameters in which everything is linear."""
         names = self.parameters
         found = [np.arange(part.start, part.stop) for part in (*names.runouts.values(), names.hums)]
-        if not any(effect.laws(self._structure.nominal, effect.at_nothing) for effect in self.effects):
+        if not any(effect.force_laws(self._structure.nominal, effect.at_zero) for effect in self.effects):
             found.append(np.arange(names.base.unbalance.start, names.base.unbalance.stop))
             found += [
                 np.arange(part.start, part.stop)
@@ -134,7 +134,7 @@ class ExtendedModel:
             model=model,
             planes=planes if model.added.T is None else halved_loads(planes),
             effects=tuple((effect.recording, load) for effect, theta in each for load in effect.loads(model, theta)),
-            laws=tuple(law for effect, theta in each for law in effect.laws(model, theta)),
+            laws=tuple(law for effect, theta in each for law in effect.force_laws(model, theta)),
         )
 
     def rotor(self, p: Reals) -> RotorModel:
@@ -152,7 +152,7 @@ class ExtendedModel:
         if key not in self._recent:
             model = self._structure(base.structure(p[: len(base)]))
             for effect, theta in changes:
-                model = effect.changed(model, theta)
+                model = effect.change_matrices(model, theta)
             self._recent[key] = model
             for old in list(self._recent)[:-RECENT]:
                 del self._recent[old]
@@ -180,7 +180,7 @@ class ExtendedModel:
     def _directed(self, p: Reals, model: RotorModel, which: Index) -> list[Direction]:
         base = self.parameters.base
         values, by = base.structure(p[: len(base)]), base.structure_derivatives(p[: len(base)])
-        plain = not any("matrices" in e.acts_on and not e.slight for e in self.effects)
+        plain = not any("matrices" in e.acts_on and not e.is_nuisance for e in self.effects)
         found = []
         for i in which:
             if i < base.structural.stop and plain:

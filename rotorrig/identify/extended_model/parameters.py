@@ -70,7 +70,7 @@ class ExtendedParameters:
         )
         self.priors = np.flatnonzero(np.isfinite(self.prior_sigma))
         self._nothing = np.zeros(len(self.names))
-        self._nothing[self.own] = [q.nothing / q.size for q in self._own]
+        self._nothing[self.own] = [q.at_zero / q.size for q in self._own]
 
     def __len__(self) -> int:
         """Return the number of parameters."""
@@ -100,9 +100,9 @@ class ExtendedParameters:
     def frozen(self) -> dict[int, float]:
         """The unknowns that no fit moves, as their bounds coincide or a scan finds them: parameter -> value."""
         return {
-            i: p.nothing / p.size
+            i: p.at_zero / p.size
             for i, p in zip(range(self.own.start, self.own.stop), self._own, strict=True)
-            if p.low == p.high or p.scanned
+            if p.low == p.high or p.grid_searched
         }
 
     def start(self, base: Reals) -> Reals:
@@ -110,7 +110,7 @@ class ExtendedParameters:
         p = np.zeros(len(self))
         shared = min(len(base), len(self) - len(self._own))
         p[:shared] = base[:shared]
-        p[self.own] = [q.nothing / q.size for q in self._own]
+        p[self.own] = [q.at_zero / q.size for q in self._own]
         return p
 
     def of_effect(self, p: Reals, i: int) -> dict[str, float]:

@@ -39,7 +39,7 @@ class ExtendedProblem:
     @property
     def curved(self) -> bool:
         """Whether an effect has no first order and is begun at its starts: its fits are slow."""
-        return any(effect.curved for effect in self.effects)
+        return any(effect.needs_starts for effect in self.effects)
 
     @property
     def bounds(self) -> tuple[Reals, Reals]:

@@ -13,7 +13,7 @@ from rotorrig.identify.measurement import Measurement, measure, trial_unbalance
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.effects import Seen, leak
+from rotorrig.sims.effects import ReadingContext, leak
 from rotorrig.sims.rotor.model import (
     Direction,
     Load,
@@ -210,14 +210,14 @@ class Recording:
         """Return vectors told by the model's shaft angle as told by the measured one, which rises, or back."""
         return z.conj() if self.backward else z
 
-    def view(self, order: int) -> Seen:
+    def view(self, order: int) -> ReadingContext:
         """Return what a probe-side effect may know."""
         return self._views[order]
 
-    def _view(self, order: int) -> Seen:
+    def _view(self, order: int) -> ReadingContext:
         response = self.response
         probes = [response.rig.probe(name) for name in response.probes]
-        return Seen(
+        return ReadingContext(
             probes=response.probes,
             angle=np.array([p.angle for p in probes]),
             position=np.array([p.position for p in probes]),
@@ -270,7 +270,9 @@ class Recording:
         return np.array([load.since <= first for load in loads], dtype=bool)
 
 
-def _with_slow_roll(views: Mapping[int, Seen], measured: Mapping[int, Measurement]) -> dict[int, Seen]:
+def _with_slow_roll(
+    views: Mapping[int, ReadingContext], measured: Mapping[int, Measurement]
+) -> dict[int, ReadingContext]:
     """Return what a probe-side effect may know, the slow roll as measured among it."""
     return {order: replace(view, slow_roll=measured[order].z[-1]) for order, view in views.items()}
 

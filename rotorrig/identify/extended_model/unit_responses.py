@@ -54,10 +54,10 @@ class UnitResponses:
         c = 0
         for i, effect in enumerate(self._effects):
             there = self._parameters.of_effect(p, i)
-            rest = {q.name: there[q.name] if q.scanned else 0.0 for q in effect.parameters}
+            rest = {q.name: there[q.name] if q.grid_searched else 0.0 for q in effect.parameters}
             acts = effect.recording in (None, recording.number) and "loads" in effect.acts_on
             for q in effect.parameters:
-                if acts and effect.linear and not q.scanned:
+                if acts and effect.linear and not q.grid_searched:
                     unit = [u for u in effect.loads(model, rest | {q.name: q.size}) if u.order == order]
                     loads, column = loads + unit, column + [c] * len(unit)
                 c += 1

@@ -115,7 +115,7 @@ def _visible(selection: Selection) -> dict[str, tuple[Effect, float]]:
     """Return by effect's name the place where it would show best, and lambda there at its typical size."""
     best: dict[str, tuple[Effect, float]] = {}
     for score in selection.stages[0].scores if selection.stages else ():
-        if score.effect.curved:
+        if score.effect.needs_starts:
             continue  # no first order: what it would show depends on the motion
         name = score.effect.name
         if name not in best or score.visible > best[name][1]:
@@ -175,7 +175,7 @@ def _cause(
     effect = candidate.effect
     names = problem.parameters
     theta = names.of_effect(polished.p, index)
-    sigmas = names.of_effect(polished.sigma, index) | {q.name: q.spread for q in effect.parameters if q.scanned}
+    sigmas = names.of_effect(polished.sigma, index) | {q.name: q.spread for q in effect.parameters if q.grid_searched}
     before, after = predictions.get(effect.label, (None, None))
     return Cause(
         label=effect.label,

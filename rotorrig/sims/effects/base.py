@@ -1,16 +1,17 @@
-"""What an effect is: one way in which a real rig departs from its nameplate's model, with its unknowns.
+"""Interface of an effect: one way in which a real rig departs from its nameplate's model, with its unknowns.
 
-A file in this folder holds classes derived from `Effect` and `effects(rig)`, which returns one object for every place
-it could act at; dropping a file in is all it takes (one without `effects` is a helper). An effect overrides only those
-of its verbs it needs:
+To add one, drop a file into this folder. It holds a class derived from `Effect` and `effects(rig)`, which returns one
+object for every place on the rig where it could act; a file without `effects` is a helper. The class overrides those of
+these methods that it needs, and `acts_on` says which:
 
-- `changed`: other matrices (stiffness, damping, mass, a pedestal's coordinates);
-- `loads`: forces that do not depend on the motion, per order of rotation, from the start or from some time on;
-- `laws`: forces at a place that do, nonlinearly;
-- `seen`: what the probes make of the motion, and what they add.
+- `change_matrices`: the model with other stiffness, damping or mass, or with further coordinates (a pedestal);
+- `loads`: forces that do not depend on the motion, each of one order of rotation, from the start or from some time on;
+- `force_laws`: nonlinear forces at a place, by its motion;
+- `change_readings`: the vectors that the probes read of a motion, and what they add to it;
+- `words`: the cause with its size, in a sentence for the report.
 
-All unknowns are real, in SI; a phasor is a pair named "... re" and "... im". Every effect is nothing at `nothing`.
-Angles are from the keyphasor mark in the sense of rotation.
+All unknowns are real, in SI; a phasor is a pair named "... re" and "... im". At zero amplitude, where every unknown has
+its `at_zero`, an effect changes nothing. Angles are from the keyphasor mark in the sense of rotation.
 """
 
 import importlib
@@ -18,6 +19,7 @@ import math
 import pkgutil
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -31,6 +33,10 @@ from rotorrig.sims.rotor.nonlinear import ForceLaw
 Complex = NDArray[np.complex128]
 Theta = Mapping[str, float]
 Target = Literal["matrices", "loads", "force laws", "probes"]  # what an effect may act on
+
+TARGETS: Mapping[str, Target] = MappingProxyType(  # method of Effect -> what it acts on
+    {"change_matrices": "matrices", "loads": "loads", "force_laws": "force laws", "change_readings": "probes"}
+)
 
 EVERY = (1, 2, 3)  # the orders that a change of matrices or of a probe may show in, where there is something to change
 
@@ -48,17 +54,17 @@ class Parameter:
     low: float  # beyond these it is no longer plausible
     high: float
     size: float  # typical of an RK4 rotor kit: the unit a fit counts in
-    nothing: float = 0.0  # where the effect vanishes
-    starts: tuple[float, ...] = ()  # where a fit begins, one after the other; empty: at `nothing`
-    prior: float = math.inf  # one standard deviation, where it is a nuisance of the base and no discovery
+    at_zero: float = 0.0  # its value at zero amplitude of the effect
+    starts: tuple[float, ...] = ()  # where a fit begins, one after the other; empty: at zero amplitude
+    prior: float = math.inf  # one standard deviation, of a nuisance of the base; infinite: of a candidate cause
     order: int = 0  # the one order of the vectors it changes; 0: all those of its effect
-    scanned: bool = False  # no fit moves it: a scan finds its place, and it stays at `nothing`
-    spread: float = 0.0  # of a scanned one: one standard deviation, as far as the scan could tell
+    grid_searched: bool = False  # no fit moves it: a grid search finds its value, and it stays at `at_zero`
+    spread: float = 0.0  # of a grid-searched one: one standard deviation, as far as the grid could tell
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Seen:
-    """What a probe-side effect may know of the rows; the slow roll is the last one."""
+class ReadingContext:
+    """Context of the readings that an effect on the probes may change: the rows of one order, the slow roll last."""
 
     probes: tuple[str, ...]
     angle: NDArray[np.float64]  # (probe,) rad, of the nameplate
@@ -75,28 +81,25 @@ class Seen:
 
 @dataclass(frozen=True, kw_only=True)
 class Effect:
-    """One effect at one place; without `parameters` set it does nothing. Frozen, and cheap to make."""
+    """One effect at one place; without `parameters` it does nothing. Frozen, and cheap to make."""
 
     name: ClassVar[str]  # the file's
     title: ClassVar[str]  # "residual shaft bow"
     orders: ClassVar[tuple[int, ...]] = (1,)  # of the vectors it may change
-    linear: ClassVar[bool] = False  # what it adds to a fixed rotor is linear in the parameters, but scanned ones
+    linear: ClassVar[bool] = False  # what it adds to a fixed rotor is linear in the parameters, but grid-searched ones
     per_recording: ClassVar[bool] = False  # its unknowns are others in every recording
-    acts_on: ClassVar[frozenset[Target]] = frozenset()  # by the verbs that its class overrides
+    acts_on: ClassVar[frozenset[Target]] = frozenset()  # by the methods that its class overrides
     where: str = ""  # "plane 1", "probe 2y", "at 381 mm"; empty where there is one place only
     parameters: tuple[Parameter, ...] = ()
     places: Mapping[str, float] = field(default_factory=dict)  # planes it needs in the model: name -> m
     recording: int | None = None  # where it acts alone; None: in all
-    scan: tuple[tuple[float, ...], ...] = ()  # stretches of its scanned unknown: where to look first, ascending
-    beginnings: tuple[
-        Theta, ...
-    ] = ()  # values of some unknowns, all nothing, where to look first: a fit moves on from there
+    grid: tuple[tuple[float, ...], ...] = ()  # stretches of values of its grid-searched unknown, ascending
+    initial_guesses: tuple[Theta, ...] = ()  # values of some unknowns, of zero amplitude: a fit moves on from there
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Note what the effects of a class act on."""
+        """Set what the effects of a class act on."""
         super().__init_subclass__(**kwargs)
-        verbs: dict[str, Target] = {"changed": "matrices", "loads": "loads", "laws": "force laws", "seen": "probes"}
-        cls.acts_on = frozenset(of for verb, of in verbs.items() if getattr(cls, verb) is not getattr(Effect, verb))
+        cls.acts_on = frozenset(of for name, of in TARGETS.items() if getattr(cls, name) is not getattr(Effect, name))
 
     @property
     def label(self) -> str:
@@ -104,64 +107,64 @@ class Effect:
         return f"{self.name}, {self.where}" if self.where else self.name
 
     @property
-    def at_nothing(self) -> dict[str, float]:
-        """The parameters at which it vanishes."""
-        return {p.name: p.nothing for p in self.parameters}
+    def at_zero(self) -> dict[str, float]:
+        """Parameters at zero amplitude, where it vanishes."""
+        return {p.name: p.at_zero for p in self.parameters}
 
     @property
-    def curved(self) -> bool:
-        """Whether it has no first order at nothing: it is begun at the starts of its parameters."""
+    def needs_starts(self) -> bool:
+        """True where the first order vanishes at zero amplitude: a fit begins at the starts of its parameters."""
         return any(p.starts for p in self.parameters)
 
     @property
-    def slight(self) -> bool:
-        """Whether it is a nuisance of the base, every unknown of it with a prior."""
+    def is_nuisance(self) -> bool:
+        """True for a nuisance of the base: every unknown of it has a prior."""
         return all(math.isfinite(p.prior) for p in self.parameters)
 
     def within(self, orders: Collection[float]) -> Self:
         """Return the effect without the parameters that vectors of these orders cannot show."""
         return replace(self, parameters=tuple(p for p in self.parameters if not p.order or p.order in orders))
 
-    def begun(self) -> tuple[Self, ...]:
-        """Return the effect begun at each of its beginnings; itself where it has none."""
+    def at_initial_guesses(self) -> tuple[Self, ...]:
+        """Return the effect at each of its initial guesses, of zero amplitude there; itself where it has none."""
         moved = (
-            tuple(replace(p, nothing=values.get(p.name, p.nothing)) for p in self.parameters)
-            for values in self.beginnings or ({},)
+            tuple(replace(p, at_zero=values.get(p.name, p.at_zero)) for p in self.parameters)
+            for values in self.initial_guesses or ({},)
         )
         return tuple(replace(self, parameters=parameters) for parameters in moved)
 
-    def held(self, theta: Theta) -> Self:
-        """Return the effect with its scanned unknown held where `theta` has it."""
-        parameters = (replace(p, nothing=theta[p.name]) if p.scanned else p for p in self.parameters)
+    def fix_grid_searched(self, theta: Theta) -> Self:
+        """Return the effect with its grid-searched unknown fixed at its value in `theta`."""
+        parameters = (replace(p, at_zero=theta[p.name]) if p.grid_searched else p for p in self.parameters)
         return replace(self, parameters=tuple(parameters))
 
-    def nearest(self, theta: Theta) -> tuple["Effect", Theta]:
-        """Return the same effect told from the place of its kind that is nearest to where `theta` has it."""
+    def relocate(self, theta: Theta) -> tuple["Effect", Theta]:
+        """Return the same effect from the place of its kind that is nearest to where `theta` has it."""
         return self, theta
 
-    def possible(self, theta: Theta) -> bool:
-        """Say whether a rotor can have it, where the ranges of its unknowns alone do not say."""
+    def is_plausible(self, theta: Theta) -> bool:
+        """Return whether a rotor can have it, where the ranges of its unknowns alone do not tell."""
         return True
 
-    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+    def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with other matrices, coordinates or bearings."""
         return model
 
     def loads(self, model: RotorModel, theta: Theta) -> tuple[Load, ...]:
-        """Return forces on `model`, which `changed` has been through."""
+        """Return forces on `model`, as `change_matrices` returned it."""
         return ()
 
-    def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
-        """Return nonlinear forces on `model`: as many at nothing, where they are zero."""
+    def force_laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
+        """Return nonlinear forces on `model`: as many at zero amplitude, where they are zero."""
         return ()
 
-    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
-        """Return what becomes of the vectors z (row + 1, probe) [m] of one order, the slow roll last."""
+    def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
+        """Return the vectors z (row + 1, probe) [m] of one order as the probes read them, the slow roll last."""
         return z
 
     def words(self, theta: Theta) -> str:
         """Say the cause with its size: "the shaft is bowed by 18 um at 110 deg"; the default lists its figures."""
-        return f"{self.title}{' ' + self.where if self.where else ''}: {described(self.parameters, theta)}"
+        return f"{self.title}{' ' + self.where if self.where else ''}: {describe_parameters(self.parameters, theta)}"
 
 
 def catalogue(rig: RigConfig) -> tuple[Effect, ...]:
@@ -210,8 +213,8 @@ def magnitudes(parameters: tuple[Parameter, ...], theta: Theta) -> Iterator[tupl
             yield p.name, theta[p.name], p.unit
 
 
-def described(parameters: tuple[Parameter, ...], theta: Theta) -> str:
-    """Return the unknowns in words: "bow 1.8e-05 m, bow angle 110 deg"."""
+def describe_parameters(parameters: tuple[Parameter, ...], theta: Theta) -> str:
+    """Describe the unknowns: "bow 1.8e-05 m, bow angle 110 deg"."""
     return ", ".join(
         f"{name} {np.degrees(value):.0f} deg" if unit == "rad" else f"{name} {value:.3g} {unit}".rstrip()
         for name, value, unit in magnitudes(parameters, theta)

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from rotorrig.rig.config import SHORTEST, RigConfig
 from rotorrig.sims.effects.base import Effect, Theta, pair, phasor, polar
-from rotorrig.sims.effects.places import bending_stiffness, called
+from rotorrig.sims.effects.places import bending_stiffness, place_label
 from rotorrig.sims.effects.shaft_motion import forward
 from rotorrig.sims.rotor.model import Load, RotorModel, bow_force
 
@@ -68,7 +68,7 @@ def effects(rig: RigConfig) -> tuple[Bow, ...]:
     held = [bearing.position for bearing in rig.bearings]
     free = [disk for disk in rig.disks if min(abs(disk.position - z) for z in held) > SHORTEST]
     unknown = pair("bow", "m", most=100e-6, size=10e-6)
-    pushed = tuple(Bow(place=disk.name, where=called(disk.name, free), parameters=unknown) for disk in free)
+    pushed = tuple(Bow(place=disk.name, where=place_label(disk.name, free), parameters=unknown) for disk in free)
     start, end = min(held), max(held)
     if end - start < SHORTEST:
         return pushed

@@ -29,7 +29,7 @@ class Clearance(Effect):
     bearings: tuple[str, ...]
     gravity: str  # as in RigConfig
 
-    def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
+    def force_laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
         """Return what the bearings lack, about where they would lie without a gap."""
         rest = at_rest(model, self.gravity)
         return tuple(

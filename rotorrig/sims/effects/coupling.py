@@ -37,7 +37,7 @@ class Coupling(Effect):
     orders = (1, 2)
     linear = True
 
-    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+    def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with the stiffness that turns."""
         f = forward(position_rows(model, 0.0), model.rotation)
         return with_added(model, Added(T=phasor(theta, "stiffness") * np.outer(f, f)))
@@ -50,14 +50,14 @@ class Coupling(Effect):
     def words(self, theta: Theta) -> str:
         """Say how hard it pushes, and what that says of the alignment."""
         (once, angle), (twice, _) = (polar(theta, f"force {n}X") for n in self.orders)
-        said = (
+        text = (
             f"the coupling pushes the shaft's end with {once:.2g} N once per turn, {angle:.0f} deg from the keyphasor "
             f"mark, and with {twice:.2g} N twice per turn"
         )
         v, stiffest = polar(theta, "stiffness")
         if v > SURE * MOST_UNEVEN:
-            said += f"; it is stiffer by {2 * v / 1e3:.2g} kN/m at {stiffest / 2:.0f} deg than across"
-        return said
+            text += f"; it is stiffer by {2 * v / 1e3:.2g} kN/m at {stiffest / 2:.0f} deg than across"
+        return text
 
 
 def effects(rig: RigConfig) -> tuple[Coupling, ...]:

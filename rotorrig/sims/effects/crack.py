@@ -68,12 +68,12 @@ class Crack(Effect):
     work: float  # N m, of its weight on its sag
     least: float  # N m, a moment that counts
 
-    def possible(self, theta: Theta) -> bool:
-        """Say whether it gives way no more than a crack through most of the shaft."""
+    def is_plausible(self, theta: Theta) -> bool:
+        """Return whether it gives way no more than a crack through most of the shaft."""
         tube = tube_at(self.rig, self._place(theta))
         return self.compliance(theta) * bending_stiffness(tube) <= DEEPEST * tube.diameter
 
-    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+    def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model as soft as it is on the average of a turn under the weight."""
         compliance = self.compliance(theta)
         if not compliance:
@@ -89,7 +89,7 @@ class Crack(Effect):
         aside = model.rotation * np.array([-moment[1], moment[0]])
         angle = theta["mouth"] - model.rotation * np.arctan2(moment[1], moment[0])
         compliance = self.compliance(theta)
-        compliance /= _reading(hinge, compliance)  # the softness of `changed` yields to it too
+        compliance /= _reading(hinge, compliance)  # the softness of `change_matrices` yields to it too
         return tuple(
             Load(
                 pattern=compliance * np.exp(1j * n * angle) * (down * moment + side * aside) @ hinge.rows,
@@ -99,8 +99,8 @@ class Crack(Effect):
             for n, (down, side) in BREATHING.items()
         )
 
-    def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
-        """Return what the vibration adds to that, and to the softness of `changed`."""
+    def force_laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
+        """Return the force law that the vibration adds to that, and to the softness of `change_matrices`."""
         hinge = self._hinge(model, theta)
         compliance, mouth = self.compliance(theta), theta["mouth"]
         reading = _reading(hinge, compliance)
@@ -149,7 +149,7 @@ class Crack(Effect):
         return _Hinge(rows=rows, own=float(moments[0] ** 2 @ (1 / stiffness[bent])))
 
     def _at_rest(self, model: RotorModel, hinge: _Hinge, theta: Theta) -> Reals:
-        """Return the moments (2,) [N m] under the weight, of a `changed` model."""
+        """Return the moments (2,) [N m] under the weight, of a model after `change_matrices`."""
         moments: Reals = hinge.rows @ at_rest(model, self.rig.gravity) / _reading(hinge, self.compliance(theta))
         return moments
 
@@ -160,7 +160,7 @@ def _moment(rig: RigConfig, sag: CubicSpline, place: float) -> float:
 
 
 def _reading(hinge: _Hinge, compliance: float) -> float:
-    """Return what the rows read of a moment that the kink is the average one of."""
+    """Return the ratio of the moment that the rows read to the true one, with the average kink there."""
     return 1 + OPEN * compliance * hinge.own
 
 
@@ -188,9 +188,9 @@ def effects(rig: RigConfig) -> tuple[Crack, ...]:
     unknown = (
         Parameter(name="softness", unit="", low=0.0, high=0.2, size=0.005),
         Parameter(name="mouth", unit="rad", low=-2 * np.pi, high=4 * np.pi, size=0.1),
-        Parameter(name="place", unit="m", low=left, high=right, size=0.005, nothing=(left + right) / 2),
+        Parameter(name="place", unit="m", low=left, high=right, size=0.005, at_zero=(left + right) / 2),
     )
-    beginnings = tuple({"place": z, "mouth": 2 * np.pi * k / MOUTHS} for z in places for k in range(MOUTHS))
+    initial_guesses = tuple({"place": z, "mouth": 2 * np.pi * k / MOUTHS} for z in places for k in range(MOUTHS))
     model = assemble(rig)
     rest = at_rest(model, rig.gravity)
     sag = CubicSpline(model.z, model.centreline @ rest, axis=1)
@@ -200,6 +200,6 @@ def effects(rig: RigConfig) -> tuple[Crack, ...]:
         work=float(weight(model, rig.gravity) @ rest),
         least=LEAST * max(_moment(rig, sag, z) for z in places),
         parameters=unknown,
-        beginnings=beginnings,
+        initial_guesses=initial_guesses,
     )
     return (crack,)

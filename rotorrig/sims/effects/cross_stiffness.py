@@ -22,7 +22,7 @@ class CrossStiffness(Effect):
     orders = EVERY
     bearings: tuple[str, ...]
 
-    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+    def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with it."""
         k = theta["k"]
         return with_added(model, Added(K=on_bearings(model, self.bearings, [[0, k], [k, 0]])))

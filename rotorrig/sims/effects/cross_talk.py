@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, Seen, Theta
+from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, ReadingContext, Theta
 from rotorrig.sims.effects.places import probe_planes
 
 
@@ -22,9 +22,9 @@ class CrossTalk(Effect):
     linear = True
     probes: tuple[str, ...]
 
-    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
+    def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
         """Return the vectors with the others' share added at every probe of the plane."""
-        here = np.isin(view.probes, self.probes)
+        here = np.isin(context.probes, self.probes)
         others = z[:, here].sum(axis=1, keepdims=True) - z
         return z + theta["leak"] * here * others
 

@@ -27,7 +27,7 @@ class CubicSpring(Effect):
     orders = EVERY
     bearings: tuple[str, ...]
 
-    def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
+    def force_laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
         """Return its force at every bearing."""
         constants = np.array([theta["k3"]])
         return tuple(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, Seen, Theta
+from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, ReadingContext, Theta
 from rotorrig.sims.effects.places import probe_planes
 
 
@@ -22,10 +22,10 @@ class Delay(Effect):
     orders = EVERY
     probes: tuple[str, ...]
 
-    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
+    def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
         """Return the vectors with the lag of their order and speed."""
-        late = np.isin(view.probes, self.probes) * theta["delay"]
-        return z * np.exp(-1j * view.order * np.multiply.outer(view.omega, late))
+        late = np.isin(context.probes, self.probes) * theta["delay"]
+        return z * np.exp(-1j * context.order * np.multiply.outer(context.omega, late))
 
     def words(self, theta: Theta) -> str:
         """Say how late."""

@@ -20,7 +20,7 @@ class DiskInertia(Effect):
     orders = EVERY
     disk: str
 
-    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+    def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with them."""
         disk = model.disk(self.disk)
         more = replace(

@@ -26,7 +26,7 @@ class Drag(Effect):
     orders = EVERY
     disk: str
 
-    def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
+    def force_laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
         """Return its force."""
         return (ForceLaw(rows=model.disk(self.disk).rows[:2], force=quadratic, constants=np.array([theta["c2"]])),)
 

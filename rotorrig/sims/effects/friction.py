@@ -39,7 +39,7 @@ class Friction(Effect):
     orders = EVERY
     bearings: tuple[str, ...]
 
-    def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
+    def force_laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
         """Return it at every bearing."""
         constants = np.array([theta["force"], theta["give"], theta["creep"]])
         return tuple(
@@ -76,8 +76,8 @@ def effects(rig: RigConfig) -> tuple[Friction, ...]:
     """Return one for every group of bearings sought."""
     unknown = (
         Parameter(name="force", unit="N", low=0.0, high=1.0, size=0.05, starts=(0.02, 0.1, 0.4)),
-        Parameter(name="give", unit="m", low=0.0, high=5e-6, size=0.5e-6, nothing=0.5e-6),  # a few asperities high
-        Parameter(name="creep", unit="m/s", low=1e-5, high=2e-3, size=1e-4, nothing=1e-4),  # 0.5 um at 2000 rpm
+        Parameter(name="give", unit="m", low=0.0, high=5e-6, size=0.5e-6, at_zero=0.5e-6),  # a few asperities high
+        Parameter(name="creep", unit="m/s", low=1e-5, high=2e-3, size=1e-4, at_zero=1e-4),  # 0.5 um at 2000 rpm
     )
     return tuple(
         Friction(where=where, bearings=names, parameters=unknown) for where, names in bearing_groups(rig).items()

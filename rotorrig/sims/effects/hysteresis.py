@@ -31,7 +31,7 @@ class Hysteresis(Effect):
     bearings: tuple[str, ...]
     reference: float
 
-    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+    def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with it; above 1X as stiff as at 1X."""
         lossy = theta["eta"] * own_stiffness(model, self.bearings)
         constant, once, squared = (2 / np.pi * part / self.reference**n for n, part in enumerate(LOGARITHM))

@@ -23,7 +23,7 @@ class InternalDamping(Effect):
     title = "internal damping of the shaft"
     orders = EVERY
 
-    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+    def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with it."""
         C = theta["beta"] * model.shaft.K
         circulatory = C @ pairwise_map(model, J)

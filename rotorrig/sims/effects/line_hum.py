@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.effects.base import EVERY, Complex, Effect, Seen, Theta, pair, phasor
+from rotorrig.sims.effects.base import EVERY, Complex, Effect, ReadingContext, Theta, pair, phasor
 from rotorrig.sims.rotor.swept import TURN, Timeline, window_weights
 
 MAINS = (50.0, 60.0)  # Hz
@@ -32,16 +32,16 @@ class LineHum(Effect):
     per_recording = True
     frequency: float  # Hz
 
-    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
+    def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
         """Return the vectors with its leak, alike at all probes; unchanged where a row's time is not known."""
         hum = phasor(theta, "hum")
-        if not hum or len(view.keyphasor_t) < LEAST_PULSES:
+        if not hum or len(context.keyphasor_t) < LEAST_PULSES:
             return z
-        known = np.flatnonzero(np.isfinite(view.t))
+        known = np.flatnonzero(np.isfinite(context.t))
         result = z.copy()
-        if self.frequency not in view.leaks:
-            view.leaks[self.frequency] = leak(view, known, self.frequency)
-        result[known] += hum * view.leaks[self.frequency][:, None]
+        if self.frequency not in context.leaks:
+            context.leaks[self.frequency] = leak(context, known, self.frequency)
+        result[known] += hum * context.leaks[self.frequency][:, None]
         return result
 
     def words(self, theta: Theta) -> str:
@@ -49,20 +49,20 @@ class LineHum(Effect):
         return f"the probes pick up mains hum of {1e6 * abs(phasor(theta, 'hum')):.2f} um 0-peak at {self.where}"
 
 
-def leak(view: Seen, rows: NDArray[np.intp], frequency: float) -> Complex:
+def leak(context: ReadingContext, rows: NDArray[np.intp], frequency: float) -> Complex:
     """Return the vectors (row,) that a hum e^{j 2 pi f t} leaves: 2 mean(Re(e^{j 2 pi f t}) e^{-j n theta}).
 
     Where the speed is below zero, so is the shaft's angle.
     """
-    timeline = Timeline(view.keyphasor_t)
-    count = int(np.ceil(POINTS * view.revolutions[rows].max(initial=1.0)))
+    timeline = Timeline(context.keyphasor_t)
+    count = int(np.ceil(POINTS * context.revolutions[rows].max(initial=1.0)))
     x = (np.arange(count) + 0.5) / count - 0.5  # of the window, in shaft angle
-    weight = window_weights(2 * x, view.window)
-    turn = timeline.theta(view.t[rows])[:, None] / TURN + view.revolutions[rows, None] * x
+    weight = window_weights(2 * x, context.window)
+    turn = timeline.theta(context.t[rows])[:, None] / TURN + context.revolutions[rows, None] * x
     t = CubicSpline(np.arange(len(timeline.t)), timeline.t)(turn)
     signal = 2 * np.cos(TURN * frequency * t)
-    turn = turn * np.sign(view.omega[rows, None])
-    return (signal * np.exp(-1j * TURN * view.order * turn)) @ (weight / weight.sum())
+    turn = turn * np.sign(context.omega[rows, None])
+    return (signal * np.exp(-1j * TURN * context.order * turn)) @ (weight / weight.sum())
 
 
 def effects(rig: RigConfig) -> tuple[LineHum, ...]:

@@ -31,7 +31,7 @@ class Pedestal(Effect):
     bearings: tuple[str, ...]
     axis: int  # 0 along x, 1 along y
 
-    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+    def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with the pedestal's coordinate, and these bearings between it and the shaft."""
         if not theta["lightness"]:
             return model
@@ -64,10 +64,10 @@ def effects(rig: RigConfig) -> tuple[Pedestal, ...]:
             low=8 * HZ,
             high=70 * HZ,
             size=2 * HZ,
-            nothing=30 * HZ,
+            at_zero=30 * HZ,
             starts=(14 * HZ, 22 * HZ, 33 * HZ, 50 * HZ),
         ),
-        Parameter(name="damping ratio", unit="", low=0.005, high=0.15, size=0.02, nothing=0.03, starts=(0.03,)),
+        Parameter(name="damping ratio", unit="", low=0.005, high=0.15, size=0.02, at_zero=0.03, starts=(0.03,)),
     )
     return tuple(
         Pedestal(where=f"{where + ', ' if where else ''}{'xy'[axis]}", bearings=names, axis=axis, parameters=unknown)

@@ -1,4 +1,4 @@
-"""Where on a rig an effect could act: its bearings sought, disks, probe planes and stretches of free shaft."""
+"""Places on a rig where an effect could act: its bearings sought, disks, probe planes and stretches of free shaft."""
 
 import math
 from collections.abc import Sized
@@ -10,8 +10,8 @@ from rotorrig.rig.config import RPM, Bearing, Disk, OverSpeed, Probe, RigConfig,
 
 USUAL = 2000.0 / RPM  # rad/s, where no drive tells the highest speed
 SAME = 1e-6  # m: parts nearer than this stand in one plane
-STEP, MOST_STEPS = 0.04, 14  # m between places of a scan along the shaft: finer, neighbours cannot be told apart
-BESIDE_DISK, BESIDE_BEARING = 0.02, 0.015  # m that a scan keeps away
+STEP, MOST_STEPS = 0.04, 14  # m between places of a grid along the shaft: finer, neighbours cannot be told apart
+BESIDE_DISK, BESIDE_BEARING = 0.02, 0.015  # m that a grid keeps away
 
 
 def bearing_groups(rig: RigConfig) -> dict[str, tuple[str, ...]]:
@@ -21,7 +21,7 @@ def bearing_groups(rig: RigConfig) -> dict[str, tuple[str, ...]]:
     """
     elastic = tuple((b.name,) for b in rig.bearings if not b.rigid)
     groups = rig.identify.bearings if rig.identify else elastic
-    return {called(f"bearing {'+'.join(group)}", groups): group for group in groups}
+    return {place_label(f"bearing {'+'.join(group)}", groups): group for group in groups}
 
 
 def other_bearings(rig: RigConfig) -> tuple[Bearing, ...]:
@@ -57,7 +57,7 @@ def unbalance_sought(rig: RigConfig) -> tuple[str, ...]:
 
 def disks(rig: RigConfig) -> dict[str, Disk]:
     """Return the disks by what to call the place: "" if there is one, else its name."""
-    return {called(disk.name, rig.disks): disk for disk in rig.disks}
+    return {place_label(disk.name, rig.disks): disk for disk in rig.disks}
 
 
 def probe_planes(rig: RigConfig) -> dict[str, tuple[Probe, ...]]:
@@ -72,7 +72,7 @@ def probe_planes(rig: RigConfig) -> dict[str, tuple[Probe, ...]]:
 
 
 def free_places(rig: RigConfig) -> dict[str, float]:
-    """Return places of a scan along the shaft [m] by name, not beside a disk, bearing or balance plane."""
+    """Return the places of a grid along the shaft [m] by name, not beside a disk, bearing or balance plane."""
     count = int(np.clip(round(rig.shaft.length / STEP), 1, MOST_STEPS))
     kept_off = [(disk.position, BESIDE_DISK) for disk in rig.disks]
     kept_off += [(plane.position, BESIDE_DISK) for plane in rig.planes]
@@ -101,7 +101,7 @@ def reference_speed(rig: RigConfig) -> float:
     return rig.motor.max_speed / 2 if rig.motor else USUAL
 
 
-def called(name: str, all_of_them: Sized) -> str:
+def place_label(name: str, all_of_them: Sized) -> str:
     """Return the name of a place, "" where there is no other."""
     return name if len(all_of_them) > 1 else ""
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import Probe, RigConfig
-from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, Seen, Theta
+from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, ReadingContext, Theta
 from rotorrig.sims.effects.places import probe_planes
 
 ASKEW = 0.1  # of a right angle's sine that two probes must have between them to tell x from y
@@ -18,7 +18,7 @@ ASKEW = 0.1  # of a right angle's sine that two probes must have between them to
 
 @dataclass(frozen=True, kw_only=True)
 class ProbeAngle(Effect):
-    """How far the probes `turned` are turned [rad], from +x towards +y."""
+    """Rotation of the probes `turned` about the shaft [rad], "turn", from +x towards +y."""
 
     name = "probe_angle"
     title = "probe turned about the shaft"
@@ -26,15 +26,15 @@ class ProbeAngle(Effect):
     plane: tuple[str, ...]  # the probes that tell x and y there
     turned: tuple[str, ...]
 
-    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
+    def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
         """Return the vectors with these probes' read at their other angle."""
         if not theta["turn"]:
             return z
-        at = [view.probes.index(name) for name in self.plane if name in view.probes]
-        moved = [i for i in at if view.probes[i] in self.turned]
-        xy = z[:, at] @ np.linalg.pinv(_axes(view.angle[at]))
+        at = [context.probes.index(name) for name in self.plane if name in context.probes]
+        moved = [i for i in at if context.probes[i] in self.turned]
+        xy = z[:, at] @ np.linalg.pinv(_axes(context.angle[at]))
         result = z.copy()
-        result[:, moved] = xy @ _axes(view.angle[moved] + theta["turn"])
+        result[:, moved] = xy @ _axes(context.angle[moved] + theta["turn"])
         return result
 
     def words(self, theta: Theta) -> str:

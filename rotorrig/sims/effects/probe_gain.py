@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, Seen, Theta
+from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, ReadingContext, Theta
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,9 +21,9 @@ class ProbeGain(Effect):
     linear = True
     probe: str
 
-    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
+    def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
         """Return the vectors with this probe's multiplied."""
-        return z * np.where(np.array(view.probes) == self.probe, 1 + theta["error"], 1.0)
+        return z * np.where(np.array(context.probes) == self.probe, 1 + theta["error"], 1.0)
 
     def words(self, theta: Theta) -> str:
         """Say what it shows in percent."""

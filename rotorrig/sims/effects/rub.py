@@ -32,7 +32,7 @@ class Rub(Effect):
     place: str  # disk or plane
     surface_speed: float  # m/s, of the turning shaft
 
-    def laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
+    def force_laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
         """Return the wall's force."""
         turning = model.rotation * self.surface_speed
         constants = np.array([theta["gap"], theta["stiffness"], theta["friction"], turning])
@@ -68,7 +68,7 @@ def effects(rig: RigConfig) -> tuple[Rub, ...]:
             low=50e-6,
             high=1e-3,
             size=50e-6,
-            nothing=300e-6,
+            at_zero=300e-6,
             starts=(120e-6, 250e-6, 400e-6, 250e-6),
         ),
         Parameter(name="stiffness", unit="N/m", low=0.0, high=1e7, size=1e5, starts=(1e5, 1e5, 1e5, 1e6)),

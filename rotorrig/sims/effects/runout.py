@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.effects.base import Complex, Effect, Seen, Theta, pair, phasor, polar
+from rotorrig.sims.effects.base import Complex, Effect, ReadingContext, Theta, pair, phasor, polar
 from rotorrig.sims.effects.places import probe_planes, sense
 
 
@@ -23,13 +23,13 @@ class Runout(Effect):
     probes: tuple[str, ...]
     rotation: int = 1
 
-    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
+    def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
         """Return the vectors with the surface's own added at the probes of the plane."""
         (order,) = self.orders
-        if view.order != order:
+        if context.order != order:
             return z
-        here = np.isin(view.probes, self.probes)
-        return z + here * phasor(theta, "runout") * np.exp(-1j * order * self.rotation * view.angle)
+        here = np.isin(context.probes, self.probes)
+        return z + here * phasor(theta, "runout") * np.exp(-1j * order * self.rotation * context.angle)
 
     def words(self, theta: Theta) -> str:
         """Say how large it is and where."""

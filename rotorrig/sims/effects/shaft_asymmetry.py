@@ -24,7 +24,7 @@ class ShaftAsymmetry(Effect):
     linear = True
     gravity: str  # as in RigConfig
 
-    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+    def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with the stiffness that turns."""
         T = phasor(theta, "asymmetry") * _turning(model)
         return with_added(model, Added(T=(T + T.T) / 2))  # symmetric, but for rounding and what a reduction leaves out

@@ -1,4 +1,4 @@
-"""What a model, full or reduced, tells of the shaft between its parts: motion, curvature and rest at any place."""
+"""Motion, curvature and static deflection of the shaft at any place, from a full or a reduced model."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -45,5 +45,5 @@ def pairwise_map(model: RotorModel, R: ArrayLike) -> NDArray:
     answers = [linalg.solve_triangular(root, model.centreline[axis].T, lower=True) for axis in (0, 1)]
     R = np.asarray(R)
     images = [R[0, axis] * answers[0] + R[1, axis] * answers[1] for axis in (0, 1)]
-    found = np.hstack(images) @ np.linalg.pinv(np.hstack(answers), rcond=DEPENDENT)
-    return linalg.solve_triangular(root.T, found @ root.T, lower=False)
+    on_answers = np.hstack(images) @ np.linalg.pinv(np.hstack(answers), rcond=DEPENDENT)
+    return linalg.solve_triangular(root.T, on_answers @ root.T, lower=False)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, Seen, Theta
+from rotorrig.sims.effects.base import EVERY, Complex, Effect, Parameter, ReadingContext, Theta
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,9 +22,9 @@ class SlowRollSubtracted(Effect):
     orders = EVERY
     linear = True
 
-    def seen(self, z: Complex, view: Seen, theta: Theta) -> Complex:
+    def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
         """Return the rows less that share of the measured slow roll, or else the model's; that row itself stays."""
-        taken = np.nan_to_num(view.slow_roll) if len(view.slow_roll) else z[-1]
+        taken = np.nan_to_num(context.slow_roll) if len(context.slow_roll) else z[-1]
         return np.concatenate([z[:-1] - theta["share"] * taken, z[-1:]])
 
     def words(self, theta: Theta) -> str:

@@ -24,7 +24,7 @@ class SoftLeftBearing(Effect):
     orders = EVERY
     bearings: tuple[str, ...]
 
-    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+    def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with it."""
         return with_added(model, Added(K=(1 / (1 + theta["softness"]) - 1) * own_stiffness(model, self.bearings)))
 

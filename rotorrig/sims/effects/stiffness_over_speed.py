@@ -23,7 +23,7 @@ class StiffnessOverSpeed(Effect):
     bearings: tuple[str, ...]
     reference: float
 
-    def changed(self, model: RotorModel, theta: Theta) -> RotorModel:
+    def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with it, in proportion to the stiffness that its bearings have at that speed."""
         there = own_stiffness(model, self.bearings, self.reference)
         return with_added(model, Added(S=theta["growth"] / self.reference**2 * there))

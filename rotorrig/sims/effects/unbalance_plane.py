@@ -1,7 +1,7 @@
 """Unbalance in a plane where none is sought: a set screw, a coupling hub, a balance ring.
 
-Linear in its amount. Along the shaft the place is an unknown as well: found roughly by trying one after the other, then
-with the amount. Source: Bently, Hatch, Fundamentals of Rotating Machinery Diagnostics (2002), ch. 16.
+Linear in its amount. Along the shaft the place is an unknown as well: a grid search finds it roughly, then it is
+fitted with the amount. Source: Bently, Hatch, Fundamentals of Rotating Machinery Diagnostics (2002), ch. 16.
 """
 
 from collections.abc import Mapping
@@ -25,10 +25,10 @@ class UnbalancePlane(Effect):
     plane: str = ""  # of the model; "": none
     position: float = 0.0  # m from the coupling, where there is none
     length: float = 0.0  # m, of the shaft
-    along: Mapping[str, float] = field(default_factory=dict, compare=False, repr=False)  # every place of the scan
+    along: Mapping[str, float] = field(default_factory=dict, compare=False, repr=False)  # every place of the grid
 
-    def nearest(self, theta: Theta) -> tuple["UnbalancePlane", Theta]:
-        """Return it told from the place of the scan that is nearest to where it is."""
+    def relocate(self, theta: Theta) -> tuple["UnbalancePlane", Theta]:
+        """Return it from the place of the grid that is nearest to where it is."""
         if self.plane:
             return self, theta
         z = self._place(theta)
@@ -67,7 +67,7 @@ def effects(rig: RigConfig) -> tuple[UnbalancePlane, ...]:
 
 
 def _on_shaft(where: str, places: Mapping[str, float], length: float) -> UnbalancePlane:
-    """Return the one that begins at a place of the scan; a fit may take it anywhere along the shaft."""
+    """Return the one that begins at a place of the grid; a fit may take it anywhere along the shaft."""
     z = places[where]
     shift = Parameter(name="shift", unit="m", low=-z, high=length - z, size=0.005)
     return UnbalancePlane(where=where, position=z, length=length, along=places, parameters=(*AMOUNT, shift))

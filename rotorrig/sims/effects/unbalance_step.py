@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config import RPM, RigConfig
 from rotorrig.sims.effects.base import Effect, Parameter, Theta, pair, phasor, polar
-from rotorrig.sims.effects.places import called, unbalance_sought
+from rotorrig.sims.effects.places import place_label, unbalance_sought
 from rotorrig.sims.effects.shaft_motion import forward
 from rotorrig.sims.rotor.model import Load, RotorModel, recording_at
 
@@ -68,6 +68,6 @@ class UnbalanceStep(Effect):
 def effects(rig: RigConfig) -> tuple[UnbalanceStep, ...]:
     """Return one for every plane whose unbalance is sought."""
     sought = unbalance_sought(rig)
-    time = Parameter(name="time", unit="s", low=-LONGEST, high=LONGEST, size=1.0, scanned=True)
+    time = Parameter(name="time", unit="s", low=-LONGEST, high=LONGEST, size=1.0, grid_searched=True)
     unknown = (*pair("step", "kg m", most=30e-6, size=5e-6), time)
-    return tuple(UnbalanceStep(where=called(name, sought), plane=name, parameters=unknown) for name in sought)
+    return tuple(UnbalanceStep(where=place_label(name, sought), plane=name, parameters=unknown) for name in sought)

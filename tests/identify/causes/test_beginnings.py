@@ -17,7 +17,7 @@ PLACES = (1.0, 2.0, 4.0)
 def problem(beginnings: tuple[float, ...]) -> SimpleNamespace:
     """A base of one unknown, and an effect at a place: two valleys, about 1 and 4, the second one deeper."""
     place = Parameter(name="place", unit="m", low=0.0, high=5.0, size=0.5)
-    effect = replace(Effect(), parameters=(place,), beginnings=tuple({"place": z} for z in beginnings))
+    effect = replace(Effect(), parameters=(place,), initial_guesses=tuple({"place": z} for z in beginnings))
 
     def residual(p: NDArray[np.float64]) -> NDArray[np.float64]:
         z = p[1] * place.size

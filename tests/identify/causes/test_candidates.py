@@ -41,7 +41,7 @@ def step_of(*recordings: Recording) -> Effect | None:
 def test_a_step_of_unbalance_is_looked_for_throughout_a_recording(short: OrderTrackedResponse) -> None:
     step = step_of(Recording(short))
     assert step is not None
-    (moments,) = step.scan
+    (moments,) = step.grid
     assert moments[0] == short.t.min() and moments[-1] == short.t.max()
     assert 12 <= len(moments) <= 24
     assert np.all(np.diff(moments) > 0)
@@ -50,7 +50,7 @@ def test_a_step_of_unbalance_is_looked_for_throughout_a_recording(short: OrderTr
 def test_it_may_also_have_happened_between_two_recordings(short: OrderTrackedResponse) -> None:
     step = step_of(Recording(short), Recording(short, number=1))
     assert step is not None
-    first, gap, second = step.scan
+    first, gap, second = step.grid
     assert len(gap) == 1
     assert first[-1] < gap[0] < second[0]
     assert np.array(second) - np.array(first) == pytest.approx(1e6)
@@ -61,7 +61,7 @@ def test_no_moment_of_a_slow_roll_is_tried(short: OrderTrackedResponse) -> None:
     begun = replace(short, runs=runs, run=np.where(np.arange(len(short.run)) < 5, 0, short.run + 1))
     step = step_of(Recording(begun))
     assert step is not None
-    assert step.scan[0][0] == short.t[5]
+    assert step.grid[0][0] == short.t[5]
 
 
 def test_without_times_a_step_can_only_be_between_recordings(short: OrderTrackedResponse) -> None:
@@ -69,7 +69,7 @@ def test_without_times_a_step_can_only_be_between_recordings(short: OrderTracked
     assert step_of(Recording(table)) is None
     step = step_of(Recording(table), Recording(table, number=1))
     assert step is not None
-    assert [len(stretch) for stretch in step.scan] == [1]
+    assert [len(stretch) for stretch in step.grid] == [1]
 
 
 def test_what_differs_between_recordings_is_tried_in_each(short: OrderTrackedResponse) -> None:

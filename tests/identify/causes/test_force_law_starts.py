@@ -27,7 +27,7 @@ def under(response: OrderTrackedResponse, hidden: NDArray[np.float64], label: st
     effect = find(response.rig, label)
     lawful = ExtendedProblem(ExtendedModel([Recording(response)], [effect]))
     p = lawful.parameters.start(hidden)
-    values = effect.at_nothing | theta
+    values = effect.at_zero | theta
     p[lawful.parameters.own] = [values[q.name] / q.size for q in effect.parameters]
     (predicted,) = lawful.model.predict(p)
     return ExtendedProblem(ExtendedModel([lawful.recordings[0].instead(predicted)]))

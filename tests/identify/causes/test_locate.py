@@ -13,12 +13,12 @@ TRUE, SIGMA = 63.21, 0.02
 
 
 def scanned(rig: RigConfig, *stretches: tuple[float, ...]) -> Effect:
-    return type(step := find(rig, "unbalance_step"))(plane="disk", parameters=step.parameters, scan=stretches)
+    return type(step := find(rig, "unbalance_step"))(plane="disk", parameters=step.parameters, grid=stretches)
 
 
 def time_of(effect: Effect) -> tuple[float, float]:
     time = effect.parameters[-1]
-    return time.nothing, time.spread
+    return time.at_zero, time.spread
 
 
 def promising(lam: Callable[[float], float], asked: list[float]) -> Callable[[Sequence[Effect]], list[float]]:

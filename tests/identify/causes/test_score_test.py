@@ -132,5 +132,5 @@ def test_an_effect_with_several_beginnings_is_scored_once_where_it_suits_best(
     problem = ExtendedProblem(ExtendedModel([Recording(response)]))
     (score,) = scores(problem, problem.parameters.start(hidden), [crack])
     assert score.effect.label == "crack"
-    assert score.effect.at_nothing["mouth"] == pytest.approx(np.radians(90.0))
+    assert score.effect.at_zero["mouth"] == pytest.approx(np.radians(90.0))
     assert score.step[0] > 0

@@ -43,7 +43,7 @@ def selected(
 
 def effect_of(rig: RigConfig, label: str, share: float = 1.0) -> tuple[Effect, Theta]:
     effect = find(rig, label)
-    return effect, {q.name: q.nothing + share * q.size for q in effect.parameters}
+    return effect, {q.name: q.at_zero + share * q.size for q in effect.parameters}
 
 
 @pytest.mark.parametrize("label", ["unbalance_plane, at 160 mm", "delay, probe 2y", "skew_stiffness", "coupling"])
@@ -174,7 +174,7 @@ def test_what_was_looked_for_at_many_moments_has_to_explain_more(
     scan: tuple[tuple[float, ...], ...], lam: float, expected: bool
 ) -> None:
     recording = SimpleNamespace(rows=np.arange(8 * 50))  # 2 ln 50 = 7.8
-    problem, effect = SimpleNamespace(recordings=[recording]), SimpleNamespace(scan=scan)
+    problem, effect = SimpleNamespace(recordings=[recording]), SimpleNamespace(grid=scan)
     candidate = SimpleNamespace(evidence=10.0, lam=lam, problem=problem, effect=effect)
     assert called_for(cast(Candidate, candidate)) is expected
 

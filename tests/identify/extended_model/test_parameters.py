@@ -50,7 +50,7 @@ def test_a_fit_may_go_somewhat_beyond_what_is_plausible(rig: RigConfig) -> None:
 
 
 def test_a_range_that_is_all_positive_is_widened_at_both_ends(rig: RigConfig) -> None:
-    ratio = Parameter(name="ratio", unit="", low=0.5, high=2.0, size=0.5, nothing=1.0)
+    ratio = Parameter(name="ratio", unit="", low=0.5, high=2.0, size=0.5, at_zero=1.0)
     names = laid_out(rig, nameless(ratio))
     low, high = (bound[names.own] for bound in names.bounds)
     assert (float(low[0]), float(high[0])) == pytest.approx((0.5, 8.0))  # 0.25 and 4, in halves
@@ -82,7 +82,7 @@ def test_a_nuisance_one_sigma_off_costs_one(rig: RigConfig) -> None:
 
 
 def test_a_parameter_without_room_is_held_where_it_stands(rig: RigConfig) -> None:
-    time = Parameter(name="time", unit="s", low=7.0, high=7.0, size=2.0, nothing=7.0)
+    time = Parameter(name="time", unit="s", low=7.0, high=7.0, size=2.0, at_zero=7.0)
     names = laid_out(rig, nameless(time))
     assert names.frozen == {len(names) - 1: 3.5}
     low, high = names.bounds
@@ -90,7 +90,7 @@ def test_a_parameter_without_room_is_held_where_it_stands(rig: RigConfig) -> Non
 
 
 def test_what_a_scan_finds_no_fit_moves(rig: RigConfig) -> None:
-    step = find(rig, "unbalance_step").held({"time": 42.0})
+    step = find(rig, "unbalance_step").fix_grid_searched({"time": 42.0})
     names = laid_out(rig, step)
     assert names.frozen == {len(names) - 1: 42.0}
     assert names.of_effect(names.start(np.zeros(0)), 0) == {"step re": 0.0, "step im": 0.0, "time": 42.0}

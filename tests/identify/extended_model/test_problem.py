@@ -23,7 +23,7 @@ def at(problem: ExtendedProblem, hidden: np.ndarray, **theta: float) -> np.ndarr
     p[problem.parameters.base.unbalance] = U.real, U.imag
     p[problem.parameters.base.runout] = 0
     for effect in problem.effects:
-        p[problem.parameters.own] = [values.get(q.name, q.nothing) / q.size for q in effect.parameters]
+        p[problem.parameters.own] = [values.get(q.name, q.at_zero) / q.size for q in effect.parameters]
     return p
 
 
@@ -60,7 +60,7 @@ def test_a_recording_with_an_effect_is_predicted_by_the_model_with_it(
     rig: RigConfig, hidden: np.ndarray, label: str, theta: dict[str, float]
 ) -> None:
     effect = find(rig, label)
-    theta = theta or {q.name: q.nothing + q.size for q in effect.parameters}
+    theta = theta or {q.name: q.at_zero + q.size for q in effect.parameters}
     response = swept_response(rig, hidden=[(effect, theta)], orders=(1, 2, 3), speeds=(900, 2600), ramp=600)
     without, problem = (ExtendedProblem(ExtendedModel([Recording(response)], effects)) for effects in ((), (effect,)))
     p = at(problem, hidden, **{name.replace(" ", "_"): value for name, value in theta.items()})

@@ -91,5 +91,5 @@ def test_a_reverse_run_is_one_more_after_a_forward_one_by_a_mark_of_unknown_widt
     assert (forward.backward, reverse.backward) == (False, True)
     assert reverse.number == 1
     assert [effect.recording for effect in plan.unknown] == [1]
-    assert all(effect.slight for effect in plan.unknown), "a nuisance, no discovery"
+    assert all(effect.is_nuisance for effect in plan.unknown), "a nuisance, no discovery"
     assert not any(p.unknown for p in plans(below) if p.kind != "reverse rotation")

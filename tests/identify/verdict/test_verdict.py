@@ -29,7 +29,7 @@ class Lump(Effect):
 class Seen(Effect):
     name = "seen"
 
-    def seen(self, z: Any, view: Any, theta: Any) -> Any:
+    def change_readings(self, z: Any, view: Any, theta: Any) -> Any:
         return z
 
 

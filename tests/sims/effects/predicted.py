@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.config.units import RPM
-from rotorrig.sims.effects.base import Effect, Seen
+from rotorrig.sims.effects.base import Effect, ReadingContext
 from rotorrig.sims.rotor.model.assembly import RotorModel
 from rotorrig.sims.rotor.model.loads import Load
 from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness
@@ -19,11 +19,11 @@ OMEGA = np.array([500.0, 1100.0, 1800.0, 2200.0, 2600.0, 3600.0, 240.0]) / RPM  
 UNBALANCE = 15e-6 * np.exp(0.4j)  # kg m, at the disk
 
 
-def view(rig: RigConfig, order: int, omega: NDArray[np.float64] = OMEGA) -> Seen:
+def view(rig: RigConfig, order: int, omega: NDArray[np.float64] = OMEGA) -> ReadingContext:
     """Rows that pass the mains' frequencies: 45 turns a second and 5 more every second, whatever `omega` says."""
     rows = len(omega) - 1
     turn = np.arange(250)
-    return Seen(
+    return ReadingContext(
         probes=tuple(p.name for p in rig.probes),
         angle=np.array([p.angle for p in rig.probes]),
         position=np.array([p.position for p in rig.probes]),
@@ -67,14 +67,14 @@ def predicted(
     omega: NDArray[np.float64] = OMEGA,
 ) -> dict[int, Complex]:
     """Order -> vectors (row, probe), of the base's unbalance and the effect; force laws left out."""
-    changed = effect.changed(model, theta)
+    changed = effect.change_matrices(model, theta)
     loads = effect.loads(changed, theta) + ((base_load(changed),) if base else ())
-    return {n: effect.seen(motion(changed, loads, n, omega), view(rig, n, omega), theta) for n in ORDERS}
+    return {n: effect.change_readings(motion(changed, loads, n, omega), view(rig, n, omega), theta) for n in ORDERS}
 
 
 def typical(effect: Effect, share: float = 1.0) -> dict[str, float]:
     """Every unknown at a start, or else `share` of its size from nothing."""
-    return {p.name: p.starts[0] if p.starts else p.nothing + share * p.size for p in effect.parameters}
+    return {p.name: p.starts[0] if p.starts else p.at_zero + share * p.size for p in effect.parameters}
 
 
 def simple_rig(probes: list[dict], *, k: float = 40e3, c: float = 10.0, **changes: object) -> RigConfig:

@@ -31,7 +31,7 @@ def unbalance_response(model: RotorModel, omega: float) -> Complex:
 
 def test_turned_axes_are_stiffest_between_x_and_y(rig: RigConfig) -> None:
     model = assemble(rig)
-    added = matrices(sought(rig, "cross_stiffness").changed(model, {"k": 3e3})).K - matrices(model).K
+    added = matrices(sought(rig, "cross_stiffness").change_matrices(model, {"k": 3e3})).K - matrices(model).K
     rows = model.bearing("A").rows
     assert rows @ added @ rows.T == pytest.approx(np.array([[0, 3e3], [3e3, 0]]), abs=1e-6)
     assert np.linalg.matrix_rank(added, tol=1.0) == 2
@@ -40,7 +40,7 @@ def test_turned_axes_are_stiffest_between_x_and_y(rig: RigConfig) -> None:
 @pytest.mark.parametrize("omega", OMEGA[:-1])
 def test_skew_stiffness_is_negative_damping_of_a_forward_orbit(rig: RigConfig, omega: float) -> None:
     model = assemble(rig)
-    skewed = unbalance_response(sought(rig, "skew_stiffness").changed(model, {"k": 400.0}), omega)
+    skewed = unbalance_response(sought(rig, "skew_stiffness").change_matrices(model, {"k": 400.0}), omega)
     c = 10.0 - 400.0 / omega
     damped = replace_damping(model, "A", c)
     assert skewed == pytest.approx(unbalance_response(damped, omega), rel=1e-9)
@@ -54,7 +54,7 @@ def replace_damping(model: RotorModel, name: str, c: float) -> RotorModel:
 
 def test_a_forward_circular_orbit_does_not_feel_internal_damping(rig: RigConfig) -> None:
     model = assemble(rig)
-    damped = find(rig, "internal_damping").changed(model, {"beta": 1e-4})
+    damped = find(rig, "internal_damping").change_matrices(model, {"beta": 1e-4})
     for omega in OMEGA:
         assert unbalance_response(damped, omega) == pytest.approx(unbalance_response(model, omega), rel=1e-6)
 
@@ -62,7 +62,7 @@ def test_a_forward_circular_orbit_does_not_feel_internal_damping(rig: RigConfig)
 def test_an_orbit_that_is_not_circular_feels_internal_damping() -> None:
     rig = simple_rig(pair_at(0.15))
     model = with_bearing(assemble(rig), "A", np.diag([20e3, 60e3]), np.zeros((2, 2)))
-    damped = find(rig, "internal_damping").changed(model, {"beta": 1e-4})
+    damped = find(rig, "internal_damping").change_matrices(model, {"beta": 1e-4})
     assert abs(unbalance_response(damped, 200.0) - unbalance_response(model, 200.0)).max() > 1e-7
 
 
@@ -72,7 +72,7 @@ def test_internal_damping_drives_the_rotor_unstable_where_theory_says() -> None:
     pinned = [{"name": name, "position": z, "rigid": True} for name, z in (("A", 0.0), ("B", 0.4))]
     light = [{"name": "d", "position": 0.2, "mass": 1e-9, "polar_inertia": 0.0, "transverse_inertia": 0.0}]
     rig = simple_rig(pair_at(0.1), shaft=shaft, bearings=pinned, disks=light)
-    model = find(rig, "internal_damping").changed(assemble(rig, element="lumped"), {"beta": beta})
+    model = find(rig, "internal_damping").change_matrices(assemble(rig, element="lumped"), {"beta": beta})
     model = replace(model, shaft=model.shaft._replace(G=0 * model.shaft.G))  # the theory has none
     critical = np.sqrt(np.min(linalg.eigvals(model.shaft.K, model.shaft.M + 1e-12 * np.eye(model.dof)).real))
     threshold = critical * (1 + (outer / critical) / (beta * critical))  # 1 + zeta_outer / zeta_inner; Genta, eq. 2.52
@@ -102,7 +102,7 @@ def test_a_map_of_the_shafts_planes_is_known_without_its_coordinates(
 
 
 def test_disk_inertia_is_that_of_a_rig_given_so(rig: RigConfig) -> None:
-    changed = find(rig, "disk_inertia").changed(assemble(rig), {"polar": 0.2, "transverse": -0.1})
+    changed = find(rig, "disk_inertia").change_matrices(assemble(rig), {"polar": 0.2, "transverse": -0.1})
     disk = rig.disks[0].model_copy(update={"polar_inertia": 6e-4, "transverse_inertia": 2.7e-4})
     for got, want in zip(matrices(changed), matrices(assemble(rig.model_copy(update={"disks": (disk,)}))), strict=True):
         assert got == pytest.approx(want, rel=1e-12, abs=1e-18)
@@ -110,7 +110,7 @@ def test_disk_inertia_is_that_of_a_rig_given_so(rig: RigConfig) -> None:
 
 def test_stiffness_grows_with_the_square_of_the_speed(rig: RigConfig) -> None:
     model, effect = assemble(rig), sought(rig, "stiffness_over_speed")
-    changed = effect.changed(model, {"growth": 0.1})
+    changed = effect.change_matrices(model, {"growth": 0.1})
     for omega, k in ((effect.reference, 1.1 * SPRING), (effect.reference / 2, 1.025 * SPRING)):
         given = with_bearing(model, "A", k * np.eye(2), 10.0 * np.eye(2))
         assert unbalance_response(changed, omega) == pytest.approx(unbalance_response(given, omega), rel=1e-9)
@@ -122,7 +122,7 @@ def test_hysteretic_damping_is_viscous_damping_over_the_frequency(rig: RigConfig
     omega, eta = share * effect.reference, 0.02
     k = SPRING * (1 + 2 * eta / np.pi * np.log(share))
     given = with_bearing(model, "A", k * np.eye(2), (10.0 + eta * SPRING / omega) * np.eye(2))
-    changed = effect.changed(model, {"eta": eta})
+    changed = effect.change_matrices(model, {"eta": eta})
     assert unbalance_response(changed, omega) == pytest.approx(unbalance_response(given, omega), rel=error)
 
 
@@ -135,14 +135,14 @@ def test_a_loss_factor_makes_a_bearing_stiffer_with_frequency_as_causality_asks(
     stiffness, eta = 1 + 0.02 * (chain.real - chain[1].real) / chain[1].imag, 0.02
     plain = np.zeros((assemble(rig).dof,) * 2)
     for got, w in zip(stiffness, omega, strict=True):
-        K, H, S = (plain if A is None else A for A in effect.changed(assemble(rig), {"eta": eta}).added[3:6])
+        K, H, S = (plain if A is None else A for A in effect.change_matrices(assemble(rig), {"eta": eta}).added[3:6])
         grown = (K.real + w * H + w**2 * S)[np.abs(K.imag) > 0] / K.imag[np.abs(K.imag) > 0] * eta
         assert grown == pytest.approx(got - 1, abs=0.02 * eta)
 
 
 def test_softer_bearings_are_as_given_so(rk4: RigConfig) -> None:
     model = assemble(rk4)
-    changed = find(rk4, "soft_left_bearing").changed(model, {"softness": 3.0})
+    changed = find(rk4, "soft_left_bearing").change_matrices(model, {"softness": 3.0})
     given = with_bearing(model, ["left A", "left B"], 0.5e6 * np.eye(2), np.zeros((2, 2)))
     got, want = matrices(changed).K, matrices(given).K
     assert got == pytest.approx(want, rel=1e-12, abs=1e-6)
@@ -162,7 +162,7 @@ PEDESTAL = {"lightness": 1 / MASS, "omega": FREQUENCY, "damping ratio": DAMPING}
 @pytest.mark.parametrize("axis", [0, 1])
 def test_a_pedestal_is_in_series_with_its_bearing(rig: RigConfig, axis: int, omega: float) -> None:
     model = assemble(rig)
-    changed = find(rig, f"pedestal, bearing A, {'xy'[axis]}").changed(model, PEDESTAL)
+    changed = find(rig, f"pedestal, bearing A, {'xy'[axis]}").change_matrices(model, PEDESTAL)
     spring = SPRING + 10.0j * omega
     ground = MASS * (FREQUENCY**2 - omega**2 + 2j * DAMPING * FREQUENCY * omega)
     both = 1 / (1 / spring + 1 / ground)
@@ -176,5 +176,5 @@ def test_a_pedestal_is_in_series_with_its_bearing(rig: RigConfig, axis: int, ome
 def test_far_above_its_resonance_a_pedestal_stands_still(rig: RigConfig) -> None:
     model = assemble(rig)
     heavy = {"lightness": 1 / 40.0, "omega": 2 * np.pi * 8, "damping ratio": 0.02}
-    changed = find(rig, "pedestal, bearing A, x").changed(model, heavy)
+    changed = find(rig, "pedestal, bearing A, x").change_matrices(model, heavy)
     assert unbalance_response(changed, 2000.0) == pytest.approx(unbalance_response(model, 2000.0), rel=1e-3)

@@ -53,7 +53,7 @@ def test_every_file_names_its_source(name: str) -> None:
 def test_parameters_have_bounds_about_nothing_and_starts_within(effect: Effect) -> None:
     assert effect.parameters
     for p in effect.parameters:
-        assert p.low <= p.nothing <= p.high
+        assert p.low <= p.at_zero <= p.high
         assert 0 < p.size <= p.high - p.low
         assert all(p.low <= start <= p.high for start in p.starts)
     assert set(effect.orders) <= set(ORDERS)
@@ -62,11 +62,11 @@ def test_parameters_have_bounds_about_nothing_and_starts_within(effect: Effect) 
 
 @each
 def test_at_every_beginning_there_is_nothing_yet(effect: Effect, small: RotorModel) -> None:
-    for begun in effect.begun():
+    for begun in effect.at_initial_guesses():
         assert begun.label == effect.label
-        assert all(p.low <= p.nothing <= p.high for p in begun.parameters)
-        assert not any(load.pattern.any() for load in begun.loads(small, begun.at_nothing))
-        assert begun.changed(small, begun.at_nothing) is small or not effect.beginnings
+        assert all(p.low <= p.at_zero <= p.high for p in begun.parameters)
+        assert not any(load.pattern.any() for load in begun.loads(small, begun.at_zero))
+        assert begun.change_matrices(small, begun.at_zero) is small or not effect.initial_guesses
 
 
 @each
@@ -79,16 +79,16 @@ def test_words_are_a_sentence_with_the_size(effect: Effect) -> None:
 
 @each
 def test_at_nothing_there_is_nothing_to_the_bit(effect: Effect, small: RotorModel) -> None:
-    theta = effect.at_nothing
-    changed = effect.changed(small, theta)
+    theta = effect.at_zero
+    changed = effect.change_matrices(small, theta)
     for got, want in zip(matrices(changed, 200.0), matrices(small, 200.0), strict=True):
         assert np.array_equal(got, want)
     assert not any(A.any() for A in speed_stiffness(changed))
     assert not any(load.pattern.any() for load in effect.loads(changed, theta))
-    assert not any(np.any(pushed(law)) for law in effect.laws(changed, theta))
+    assert not any(np.any(pushed(law)) for law in effect.force_laws(changed, theta))
     z = motion(small, (), 1) + np.linspace(1e-6, 2e-5, 7)[:, None] * np.exp(1j * np.arange(4))
     for order in ORDERS:
-        assert np.array_equal(effect.seen(z, view(RIG, order), theta), z)
+        assert np.array_equal(effect.change_readings(z, view(RIG, order), theta), z)
 
 
 def test_an_effect_without_its_parameters_set_is_nothing() -> None:
@@ -97,20 +97,22 @@ def test_an_effect_without_its_parameters_set_is_nothing() -> None:
         title = "nothing at all"
 
     effect = Still()
-    assert (effect.label, effect.at_nothing, effect.loads(None, {}), effect.laws(None, {})) == ("still", {}, (), ())
-    assert effect.changed("model", {}) == "model"
+    assert (effect.label, effect.at_zero, effect.loads(None, {}), effect.force_laws(None, {})) == ("still", {}, (), ())
+    assert effect.change_matrices("model", {}) == "model"
 
 
 @each
 def test_what_it_acts_on_is_what_it_changes(effect: Effect, small: RotorModel) -> None:
     theta = typical(effect)
-    at = effect.changed(small, theta)
+    at = effect.change_matrices(small, theta)
     z = np.full((len(OMEGA), len(RIG.probes)), 1e-5 + 0j)
     changed = {
         "matrices": at is not small,
         "loads": any(load.pattern.any() for load in effect.loads(at, theta)),
-        "force laws": bool(effect.laws(at, theta)),
-        "probes": any(not np.array_equal(effect.seen(z, view(RIG, order), theta), z) for order in effect.orders),
+        "force laws": bool(effect.force_laws(at, theta)),
+        "probes": any(
+            not np.array_equal(effect.change_readings(z, view(RIG, order), theta), z) for order in effect.orders
+        ),
     }
     assert effect.acts_on == {target for target, does in changed.items() if does}
 
@@ -125,17 +127,17 @@ def test_what_an_effect_acts_on_is_told_by_its_class() -> None:
 @each
 def test_only_the_orders_declared_change(effect: Effect, small: RotorModel) -> None:
     with_it = predicted(effect, typical(effect), rig=RIG, model=small)
-    without = predicted(effect, effect.at_nothing, rig=RIG, model=small)
+    without = predicted(effect, effect.at_zero, rig=RIG, model=small)
     for order in set(ORDERS) - set(effect.orders):
         assert np.array_equal(with_it[order], without[order])
 
 
 @each
 def test_a_parameter_of_one_order_changes_that_alone(effect: Effect, small: RotorModel) -> None:
-    without = predicted(effect, effect.at_nothing, rig=RIG, model=small)
+    without = predicted(effect, effect.at_zero, rig=RIG, model=small)
     for p in effect.parameters:
         if p.order:
-            got = predicted(effect, {**effect.at_nothing, p.name: p.size}, rig=RIG, model=small)
+            got = predicted(effect, {**effect.at_zero, p.name: p.size}, rig=RIG, model=small)
             assert [n for n in ORDERS if not np.array_equal(got[n], without[n])] == [p.order]
 
 
@@ -143,7 +145,7 @@ def test_what_no_vector_can_show_is_left_out() -> None:
     coupling = find(RIG, "coupling")
     once = coupling.within((1, 2.5))
     assert [p.name for p in once.parameters] == ["force 1X re", "force 1X im", "stiffness re", "stiffness im"]
-    assert phasor(once.at_nothing, "force 2X") == 0
+    assert phasor(once.at_zero, "force 2X") == 0
     assert coupling.within((1, 2)).parameters == coupling.parameters
 
 
@@ -153,12 +155,12 @@ def test_linear_ones_are_linear(effect: Effect, small: RotorModel, rng: np.rando
         return
     for _ in range(3):
         weights = rng.uniform(-1, 1, 2)
-        some = [{p.name: p.nothing + rng.uniform(-1, 1) * p.size for p in effect.parameters} for _ in weights]
+        some = [{p.name: p.at_zero + rng.uniform(-1, 1) * p.size for p in effect.parameters} for _ in weights]
         sum_of_both = {
-            p.name: p.nothing + sum(w * (t[p.name] - p.nothing) for w, t in zip(weights, some, strict=True))
+            p.name: p.at_zero + sum(w * (t[p.name] - p.at_zero) for w, t in zip(weights, some, strict=True))
             for p in effect.parameters
         }
-        none = predicted(effect, effect.at_nothing, rig=RIG, model=small)
+        none = predicted(effect, effect.at_zero, rig=RIG, model=small)
         got = predicted(effect, sum_of_both, rig=RIG, model=small)
         parts = [predicted(effect, t, rig=RIG, model=small) for t in some]
         for n in effect.orders:
@@ -170,9 +172,9 @@ def test_linear_ones_are_linear(effect: Effect, small: RotorModel, rng: np.rando
 def test_the_loads_of_linear_ones_are_linear_whatever_else_they_change(effect: Effect, small: RotorModel) -> None:
     if not effect.linear:
         return
-    whole = {p.name: p.nothing + p.size for p in effect.parameters}
-    twice = {p.name: p.nothing + 2 * p.size for p in effect.parameters}
-    got = [[load.pattern for load in effect.loads(effect.changed(small, t), t)] for t in (whole, twice)]
+    whole = {p.name: p.at_zero + p.size for p in effect.parameters}
+    twice = {p.name: p.at_zero + 2 * p.size for p in effect.parameters}
+    got = [[load.pattern for load in effect.loads(effect.change_matrices(small, t), t)] for t in (whole, twice)]
     assert all(np.array_equal(2 * a, b) for a, b in zip(*got, strict=True))
 
 
@@ -183,19 +185,21 @@ def test_it_is_finite_at_every_bound(effect: Effect, small: RotorModel) -> None:
             theta = {**typical(effect), p.name: bound}
             for z in predicted(effect, theta, rig=RIG, model=small).values():
                 assert np.isfinite(z).all()
-            assert all(np.isfinite(pushed(law)).all() for law in effect.laws(effect.changed(small, theta), theta))
+            assert all(
+                np.isfinite(pushed(law)).all() for law in effect.force_laws(effect.change_matrices(small, theta), theta)
+            )
             assert effect.words(theta)
 
 
 @each
 def test_it_is_measurable_at_its_size(effect: Effect, small: RotorModel) -> None:
     theta = typical(effect)
-    laws = effect.laws(small, theta)
+    laws = effect.force_laws(small, theta)
     if laws and "loads" not in effect.acts_on:  # a newton moves this shaft by 20 um and more
         assert max(float(np.abs(pushed(law) - pushed(nil)).max()) for law, nil in _with_nothing(effect, small)) > 0.01
         return
     with_it = predicted(effect, theta, rig=RIG, model=small)
-    without = predicted(effect, effect.at_nothing, rig=RIG, model=small)
+    without = predicted(effect, effect.at_zero, rig=RIG, model=small)
     assert max(float(np.abs(with_it[n] - without[n]).max()) for n in effect.orders) > MEASURABLE
 
 
@@ -260,7 +264,7 @@ def turned_by(effect: Effect, theta: dict[str, float], angle: float) -> dict[str
 @pytest.mark.parametrize("name", ["cubic_spring", "friction", "drag", "rub, at disk"])
 def test_a_force_law_turns_with_the_axes(name: str, small: RotorModel) -> None:
     effect = find(RIG, name)
-    (law,) = effect.laws(small, typical(effect))
+    (law,) = effect.force_laws(small, typical(effect))
     turn = np.exp(0.7j)
     for r, v in ((3e-4 + 1e-4j, 0.02 - 0.05j), (-1e-4 + 5e-4j, -0.01j)):
         got = _force(law, r * turn, v * turn)
@@ -292,7 +296,7 @@ def pushed(law: ForceLaw) -> np.ndarray:
 
 
 def _with_nothing(effect: Effect, model: RotorModel) -> list[tuple[ForceLaw, ForceLaw]]:
-    there, nowhere = (effect.laws(model, theta) for theta in (typical(effect), effect.at_nothing))
+    there, nowhere = (effect.force_laws(model, theta) for theta in (typical(effect), effect.at_zero))
     return list(zip(there, nowhere, strict=True))
 
 

@@ -48,7 +48,7 @@ def effect_of(model: RotorModel, rig: RigConfig) -> dict[str, float]:
 def test_it_moves_the_vectors_as_the_plants_fault_does(rk4: RigConfig, full: RotorModel, rpm: float) -> None:
     with_fault, without = (shown(rk4, fault, rpm) for fault in (FAULT, None))
     effect, theta, omega = find(rk4, "coupling"), effect_of(full, rk4), np.array([rpm * RPM])
-    changed = effect.changed(full, theta)
+    changed = effect.change_matrices(full, theta)
     base = base_load(full, UNBALANCE)
     for order in (1, 2):
         got = motion(changed, (*effect.loads(changed, theta), base), order, omega)[0]
@@ -61,6 +61,6 @@ def test_a_centred_bore_leaves_what_the_unbalance_makes_of_the_stiffness(rk4: Ri
     """Near the critical speed, where the two models' unlike damping and stiffness show most."""
     effect, omega, base = find(rk4, "coupling"), np.array([2100 * RPM]), base_load(full, UNBALANCE)
     uneven = {name: 0.0 if name.startswith("force") else value for name, value in effect_of(full, rk4).items()}
-    got = motion(effect.changed(full, uneven), (base,), 1, omega)[0] - motion(full, (base,), 1, omega)[0]
+    got = motion(effect.change_matrices(full, uneven), (base,), 1, omega)[0] - motion(full, (base,), 1, omega)[0]
     want = shown(rk4, {**FAULT, "bore_force": 0.0}, 2100.0)[1] - shown(rk4, None, 2100.0)[1]
     assert np.abs(got - want).max() < 0.1 * np.abs(want).max()

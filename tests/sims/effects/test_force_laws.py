@@ -18,7 +18,7 @@ TURN = 2 * np.pi * np.arange(720) / 720
 
 
 def law_of(effect: Effect, model: RotorModel, **theta: float) -> ForceLaw:
-    (law,) = effect.laws(model, {**effect.at_nothing, **theta})
+    (law,) = effect.force_laws(model, {**effect.at_zero, **theta})
     return law
 
 
@@ -127,7 +127,7 @@ def test_halfway_between_the_bearings_is_a_place_to_rub_if_no_disk_is_there(rk4:
     assert (middle.label, middle.places) == ("rub, at mid-span", {"mid-span": pytest.approx(0.2805)})
     table = rk4.model_dump(mode="json", exclude_unset=True)
     with_plane = assemble(from_si({**table, "planes": [{"name": "mid-span", "position": 0.2805}]}))
-    assert middle.laws(with_plane, middle.at_nothing)[0].rows == pytest.approx(with_plane.disk("disk").rows[:2])
+    assert middle.force_laws(with_plane, middle.at_zero)[0].rows == pytest.approx(with_plane.disk("disk").rows[:2])
 
 
 @pytest.mark.parametrize("label", ["cubic_spring", "friction", "clearance"])
@@ -136,7 +136,7 @@ def test_bearings_of_one_group_have_a_law_each(label: str, rk4: RigConfig) -> No
     rig = rk4.model_copy(update={"identify": identify})
     effect = find(rig, label)
     model = assemble(rig)
-    laws = effect.laws(model, effect.at_nothing)
+    laws = effect.force_laws(model, effect.at_zero)
     assert [law.rows.tolist() for law in laws] == [model.bearing(n).rows.tolist() for n in ("left A", "left B")]
     assert "bearings left A and left B" in effect.words({p.name: p.size for p in effect.parameters})
 
@@ -150,7 +150,7 @@ def test_a_stiff_rotor_that_tilts_on_a_cubic_spring_follows_the_closed_form(turn
     bearings = [{"name": "A", "position": 0.0, "rigid": True}, spring]
     rig = simple_rig(pair_at(length), shaft=stiff, disks=[point], bearings=bearings)
     model, omega = assemble(rig, max_element=0.1), 2 * np.pi * turns_per_second
-    (law,) = find(rig, "cubic_spring").laws(model, {"k3": k3})
+    (law,) = find(rig, "cubic_spring").force_laws(model, {"k3": k3})
     z = balanced(model, law, base_load(model, U), omega)
     R, mass = abs(z[0]), 0.8 / 4 + np.pi * 0.01**2 * length / 3  # as felt at B, turning about A
     # (k + k3 R^2 - m Omega^2 + j c Omega) r = U Omega^2 / 2 on the circle |r| = R (Yamamoto, Ishida, ch. 6)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.effects.base import EVERY, Complex, Seen, catalogue, find
+from rotorrig.sims.effects.base import EVERY, Complex, ReadingContext, catalogue, find
 from rotorrig.sims.effects.line_hum import leak
 from rotorrig.sims.rotor.model.assembly import assemble
 from tests.sims.effects.predicted import base_load, motion, pair_at, simple_rig, view
@@ -16,7 +16,7 @@ TWO = np.array([200.0, 25.0])  # rad/s
 
 
 def looked_at(rk4: RigConfig, label: str, theta: dict[str, float], order: int = 1) -> Complex:
-    return find(rk4, label).seen(Z, view(rk4, order, TWO), theta)
+    return find(rk4, label).change_readings(Z, view(rk4, order, TWO), theta)
 
 
 @pytest.mark.parametrize("order", EVERY)
@@ -45,7 +45,7 @@ def test_runout_goes_round_forward(rk4: RigConfig) -> None:
 
 def test_runout_is_a_surface_that_stands_out_towards_one_probe_after_the_other() -> None:
     rig = simple_rig([{"name": "p", "position": 0.1, "angle": np.pi / 3}], rotation="y-to-x")
-    z = find(rig, "runout, plane 1").seen(
+    z = find(rig, "runout, plane 1").change_readings(
         np.zeros((1, 1), complex), view(rig, 1, TWO[:1]), {"runout re": 1.0, "runout im": 0.0}
     )
     theta = -np.pi / 3  # turning from y to x, the spot under +x at theta = 0 comes to the probe after 300 degrees
@@ -65,14 +65,14 @@ def test_a_turned_probe_reads_as_one_mounted_so(degrees: float) -> None:
     probes = pair_at(0.15)
     straight, askew = simple_rig(probes), simple_rig([probes[0], {**probes[1], "angle": np.pi / 2 + turn}])
     z, want = (motion(m, (base_load(m),), 1, TWO) for m in (assemble(straight), assemble(askew)))
-    got = find(straight, "probe_angle, probe y").seen(z, view(straight, 1, TWO), {"turn": turn})
+    got = find(straight, "probe_angle, probe y").change_readings(z, view(straight, 1, TWO), {"turn": turn})
     assert got == pytest.approx(want, rel=1e-12)
 
 
 def test_a_turned_bracket_turns_the_phase_of_a_forward_orbit() -> None:
     rig = simple_rig(pair_at(0.15))
     z = np.array([[1.0, -1j]])
-    got = find(rig, "probe_angle, plane 1").seen(z, view(rig, 1, TWO[:1]), {"turn": 0.1})
+    got = find(rig, "probe_angle, plane 1").change_readings(z, view(rig, 1, TWO[:1]), {"turn": 0.1})
     assert got == pytest.approx(z * np.exp(-0.1j))
 
 
@@ -89,13 +89,15 @@ def test_the_slow_roll_that_was_subtracted_is_the_measured_one(rk4: RigConfig) -
     """Whatever was in it: noise, and response to unbalance at too high a speed."""
     measured = np.array([3e-6, -2e-6j, 1e-6 + 1e-6j, np.nan])
     seen = replace(view(rk4, 1, TWO), slow_roll=measured)
-    got = find(rk4, "slow_roll_subtracted").seen(Z, seen, {"share": 0.5})
+    got = find(rk4, "slow_roll_subtracted").change_readings(Z, seen, {"share": 0.5})
     assert got == pytest.approx(np.stack([Z[0] - np.nan_to_num(measured) / 2, Z[1]]))
 
 
-def steady(turns_per_second: float, *, order: int = 1, revolutions: float = 8.0, window: str = "hann") -> Seen:
+def steady(
+    turns_per_second: float, *, order: int = 1, revolutions: float = 8.0, window: str = "hann"
+) -> ReadingContext:
     """One row in the middle of a second of even rotation, and a slow roll."""
-    return Seen(
+    return ReadingContext(
         probes=("x",),
         angle=np.zeros(1),
         position=np.zeros(1),
@@ -131,8 +133,8 @@ def test_hum_is_unknown_where_time_is(rk4: RigConfig) -> None:
     effect, theta = find(rk4, "line_hum, 50 Hz"), {"hum re": 1e-6, "hum im": 0.0}
     row = np.full((2, 1), 1e-5 + 0j)
     for blind in (replace(steady(50.0), t=np.array([np.nan])), replace(steady(50.0), keyphasor_t=np.zeros(0))):
-        assert np.array_equal(effect.seen(row, blind, theta), row)
-    assert effect.seen(row, steady(50.0), theta) - row == pytest.approx(np.array([[1e-6], [0.0]]))
+        assert np.array_equal(effect.change_readings(row, blind, theta), row)
+    assert effect.change_readings(row, steady(50.0), theta) - row == pytest.approx(np.array([[1e-6], [0.0]]))
 
 
 def test_one_plane_is_all_probes(rk4: RigConfig) -> None:

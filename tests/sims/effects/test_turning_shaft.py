@@ -36,9 +36,9 @@ def lying() -> RigConfig:
 def expected(rig: RigConfig, label: str, theta: dict[str, float], rpm: float) -> dict[int, Complex]:
     """Order -> probes' vectors at a constant speed, force laws and all."""
     effect = find(rig, label)
-    whole = effect.at_nothing | theta
-    model = effect.changed(reduce(assemble(rig), modes=6), whole)
-    loads, laws, omega = effect.loads(model, whole), effect.laws(model, whole), np.array([rpm / RPM])
+    whole = effect.at_zero | theta
+    model = effect.change_matrices(reduce(assemble(rig), modes=6), whole)
+    loads, laws, omega = effect.loads(model, whole), effect.force_laws(model, whole), np.array([rpm / RPM])
     driving = (base_load(model, UNBALANCE), *loads)
     found = {n: motion(model, driving, n, omega)[0] for n in (1, 2, 3)}
     if laws:

@@ -27,7 +27,7 @@ def pinned(z: float, **changes: object) -> RigConfig:
 
 def vectors(rig: RigConfig, label: str, order: int, omega: float, **theta: float) -> Complex:
     effect = find(rig, label)
-    whole = {**effect.at_nothing, **theta}
+    whole = {**effect.at_zero, **theta}
     return predicted(effect, whole, rig=rig, model=assemble(rig), base=False, omega=np.array([omega]))[order][0]
 
 
@@ -83,7 +83,7 @@ def test_a_crack_makes_the_shaft_softer_by_a_quarter_of_what_it_gives_way_by() -
     effect, theta = crack(rig, 0.12, 0, compliance)
     model = assemble(rig)
     push = model.disks[0].rows[1]
-    before, after = (push @ np.linalg.solve(matrices(m).K, push) for m in (model, effect.changed(model, theta)))
+    before, after = (push @ np.linalg.solve(matrices(m).K, push) for m in (model, effect.change_matrices(model, theta)))
     # a force F in the middle bends by F z / 2 there, and a kink lowers the middle by z / 2 of it
     assert after - before == pytest.approx(0.25 * compliance * 0.06**2, rel=0.02)
 
@@ -91,7 +91,7 @@ def test_a_crack_makes_the_shaft_softer_by_a_quarter_of_what_it_gives_way_by() -
 def test_a_shaft_bent_in_its_own_axes_by_more_than_the_weight_keeps_a_crack_shut_or_open() -> None:
     effect, theta = crack(pinned(0.2), 0.12, 0, 1e-5)
     model = assemble(pinned(0.2))
-    (law,) = effect.laws(model, theta)
+    (law,) = effect.force_laws(model, theta)
     constants = law.constants.copy()
     for angle in np.linspace(0.0, 6.0, 7):
         constants[-2:] = np.cos(angle), np.sin(angle)
@@ -131,4 +131,4 @@ def test_a_crack_gives_way_no_more_than_a_shaft_that_is_nearly_through() -> None
     rig = pinned(0.2)
     for diameters, possible in ((2, True), (20, False)):  # of whole shaft, which kinks by 1 / EI per N m and m
         effect, theta = crack(rig, 0.12, 0, diameters * 0.01 / EI)
-        assert effect.possible(theta) is possible
+        assert effect.is_plausible(theta) is possible

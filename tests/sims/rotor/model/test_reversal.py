@@ -21,7 +21,7 @@ K, C = np.array([[33e3, 4e3], [4e3, 37e3]]), np.array([[14.0, 3.0], [3.0, 18.0]]
 def turning(rig: RigConfig, *effects: tuple[str, dict[str, float]]) -> RotorModel:
     model = with_bearing(assemble(rig), "spring", K, C)
     for label, theta in effects:
-        model = find(rig, label).changed(model, theta)
+        model = find(rig, label).change_matrices(model, theta)
     return model
 
 
@@ -58,7 +58,7 @@ def test_in_a_mirror_it_turns_forwards(rig_config: RigConfig) -> None:
     model = turning(rig_config, ("internal_damping", {"beta": 4e-5}), ("skew_stiffness", {"k": 2e3}))
     seen = with_bearing(assemble(rig_config), "spring", mirrored @ K @ mirrored, mirrored @ C @ mirrored)
     for label, theta in (("internal_damping", {"beta": 4e-5}), ("skew_stiffness", {"k": 2e3})):
-        seen = find(rig_config, label).changed(seen, theta)
+        seen = find(rig_config, label).change_matrices(seen, theta)
     forwards = load_columns(seen, OMEGA, [unbalanced(seen, np.conj(U))])[..., 0]
     along_y = np.array([np.sin(rig_config.probe(name).angle) for name in model.probe_names])
     sign = np.where(np.abs(along_y) > 0.5, -1, 1)  # the probes stand along x or y
