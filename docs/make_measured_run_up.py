@@ -82,8 +82,7 @@ def text(both: tuple[Model, Model], found: Diagnosis) -> str:
         *(_row(model) for model in both),
     ]
     if found.gain:
-        gain = found.gain
-        error, over = f"{gain['heldout_after'] * UM:.3g} um", f"{gain['over_noise_floor']:.2g}"
+        error, over = f"{found.gain.heldout_after * UM:.3g} um", f"{found.gain.over_noise_floor:.2g}"
         lines.append(f"| swept, with {'; '.join(chosen)} | | | {error} | {over} |")
     lines += ["", "| model | kxx [kN/m] | kyy [kN/m] | cxx [N s/m] | cyy [N s/m] |", "|---|---|---|---|---|"]
     lines += [f"| {model.name} | {' | '.join(_coefficients(model))} |" for model in both]

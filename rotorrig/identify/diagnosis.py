@@ -6,8 +6,8 @@ that no fit saw (cross_validation.py).
 """
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,17 @@ from rotorrig.identify.adequacy import FALSE_ALARM_RATE, Adequacy, Misfit
 from rotorrig.identify.causes import Selection, candidates, select
 from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.joint_fit import Assessed
-from rotorrig.identify.verdict import Cause, Verdict, gain, moving_speed, next_run, sentences
+from rotorrig.identify.verdict import (
+    Cause,
+    Gain,
+    HiddenEffect,
+    NextRun,
+    Verdict,
+    gain,
+    moving_speed,
+    next_run,
+    sentences,
+)
 from rotorrig.identify.verdict import verdict as naming
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import ConfigError, DataError, Provenance, code_version
@@ -47,9 +57,9 @@ class Diagnosis:
     model: str = "swept"  # or "quasi-static": the base took every row for steady motion
     causes: tuple[Cause, ...] = ()  # best first, the chosen ones before all others
     tied: tuple[tuple[str, ...], ...] = ()  # sets of labels the data cannot separate
-    next_run: dict[str, Any] = field(default_factory=dict)  # the cheapest run that would separate them
-    gain: dict[str, Any] = field(default_factory=dict)  # what the extended model bought on data no fit saw
-    hidden: tuple[dict[str, Any], ...] = ()  # effects this data would not show, with the size that would
+    next_run: NextRun | None = None  # the cheapest run that would separate them; None: nothing is tied
+    gain: Gain | None = None  # what the extended model bought on data no fit saw; None: it was not extended
+    hidden: tuple[HiddenEffect, ...] = ()  # effects this data would not show, with the size that would
     character: str = ""  # of the residual, where no known cause explains it
     extended_residual: NDArray[np.complex128] | None = None  # as `residual`, of the extended model; None: there is none
     responses: tuple[tuple[str, int], ...] = ()  # source hash and rows of each response, in the order of the rows
@@ -107,8 +117,9 @@ def diagnose(
             predictions=predictions,
         )
         progress("next run", 0.9)
+        further = next_run.find_next_run(selection) if verdict is Verdict.TIED else None
         found = _report(responses, selection, base, extended, verdict, predictions)
-        found = replace(found, model=model, next_run=next_run.cheapest(selection) if verdict is Verdict.TIED else {})
+        found = replace(found, model=model, next_run=further)
     progress("done", 1.0)
     return found
 
@@ -195,6 +206,7 @@ def _report(
     causes = naming.causes(selection, predictions.by_label)
     tied = naming.ties(selection)
     source = responses[0].source
+    was_extended = selection.problem.effects != base.problem.effects
     concluded = sentences.sentence(verdict, adequacy, extended.adequacy, causes, tied, predictions)
     return Diagnosis(
         verdict=verdict,
@@ -209,8 +221,8 @@ def _report(
         sigmas=adequacy.sigmas,
         causes=causes,
         tied=tied,
-        gain=gain.table(base, selection, predictions) if selection.problem.effects != base.problem.effects else {},
-        hidden=naming.hidden(selection),
+        gain=gain.measure_gain(base, selection, predictions) if was_extended else None,
+        hidden=naming.hidden_effects(selection),
         character=sentences.character(extended.adequacy) if verdict is Verdict.UNEXPLAINED else "",
         extended_residual=extended.adequacy.residual if extended is not base else None,
         responses=tuple((r.source.source_hash, len(r.omega)) for r in responses),

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.adequacy import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
-from rotorrig.identify.verdict import Cause, Figure
+from rotorrig.identify.verdict import Cause, Figure, Gain, HiddenEffect, NextRun, Shift
 from rotorrig.rig import DataError, Provenance
 
 _FIT = "rotorrig fit"
@@ -111,7 +111,11 @@ def diagnosis_table(found: Diagnosis) -> dict[str, Any]:
         **_plain(found, "sentence model false_alarm_rate noise_floor"),
         "base": {**_plain(found, "chi2 dof p"), "worst": [_plain(m, misfit) for m in found.worst]},
         "causes": [_cause_out(cause) for cause in found.causes],
-        **_plain(found, "tied next_run gain hidden character responses"),
+        **_plain(found, "tied"),
+        "next_run": {} if found.next_run is None else _plain(found.next_run, "kind words lam separates"),
+        "gain": {} if found.gain is None else _gain_out(found.gain),
+        "hidden": [_plain(effect, "effect smallest unit missing") for effect in found.hidden],
+        **_plain(found, "character responses"),
     }
 
 
@@ -138,9 +142,9 @@ def read_diagnosis(path: Path) -> Diagnosis:
             sigmas=_numbers_in(table["sigmas"]),
             causes=tuple(_cause(cause) for cause in table["causes"]),
             tied=tuple(tuple(t) for t in table["tied"]),
-            next_run=table["next_run"],
-            gain=table["gain"],
-            hidden=tuple(table["hidden"]),
+            next_run=_next_run(table["next_run"]) if table["next_run"] else None,
+            gain=_gain(table["gain"]) if table["gain"] else None,
+            hidden=tuple(_hidden(effect) for effect in table["hidden"]),
             character=table["character"],
             extended_residual=None if (after := table["extended_residual"]) is None else _complex_in(after),
             responses=tuple((str(source), int(rows)) for source, rows in table["responses"]),
@@ -179,6 +183,36 @@ def _cause(table: dict[str, Any]) -> Cause:
         sigmas={name: _infinite(value) for name, value in table["sigmas"].items()},
         given_up=bool(table.get("given_up", False)),
     )
+
+
+def _gain_out(gain: Gain) -> dict[str, Any]:
+    base = {name: _plain(shift, "before after sigma unit") for name, shift in gain.base.items()}
+    return {**_plain(gain, "heldout_before heldout_after noise_floor over_noise_floor on"), "base": base}
+
+
+def _gain(table: dict[str, Any]) -> Gain:
+    return Gain(
+        heldout_before=_number(table["heldout_before"]),
+        heldout_after=_number(table["heldout_after"]),
+        noise_floor=_number(table["noise_floor"]),
+        on=table["on"],
+        base={name: _shift(shift) for name, shift in table["base"].items()},
+    )
+
+
+def _shift(table: dict[str, Any]) -> Shift:
+    before, after = (_number(table[key]) for key in ("before", "after"))
+    return Shift(before=before, after=after, sigma=_infinite(table["sigma"]), unit=table["unit"])
+
+
+def _next_run(table: dict[str, Any]) -> NextRun:
+    separates = tuple(table["separates"])
+    return NextRun(kind=table["kind"], words=table["words"], lam=_number(table["lam"]), separates=separates)
+
+
+def _hidden(table: dict[str, Any]) -> HiddenEffect:
+    smallest = _infinite(table["smallest"])
+    return HiddenEffect(effect=table["effect"], smallest=smallest, unit=table["unit"], missing=table["missing"])
 
 
 def _estimate(table: dict[str, Any]) -> Estimate:

@@ -12,6 +12,9 @@ from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
 from rotorrig.identify.verdict.cause import Cause, Figure
+from rotorrig.identify.verdict.gain import Gain, Shift
+from rotorrig.identify.verdict.next_run import NextRun
+from rotorrig.identify.verdict.verdict import HiddenEffect
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.rig.probes.base import DaqInfo
@@ -138,6 +141,12 @@ def make_cause(label: str, title: str, *, chosen: bool = False, evidence: float,
     )
 
 
+def make_gain(base: dict[str, Shift]) -> Gain:
+    return Gain(
+        heldout_before=5.2e-6, heldout_after=4.1e-7, noise_floor=3.98e-7, on="blocks of speeds in turn", base=base
+    )
+
+
 def make_named(response: OrderTrackedResponse, base: NDArray[np.complex128]) -> Diagnosis:
     """A bow found in a response that `base` does not describe; the extended model is the closed form itself."""
     wrong = make_diagnosis(response, base, adequate=False)
@@ -153,21 +162,14 @@ def make_named(response: OrderTrackedResponse, base: NDArray[np.complex128]) -> 
             dataclasses.replace(make_cause("delay", "delay", evidence=-11.0, after=np.nan), plausible=False),
         ),
         tied=(("bow", "runout, plane 2"),),
-        next_run={
-            "kind": "trial mass",
-            "words": "A run with a trial mass of 12 g mm would tell bow from runout.",
-            "lam": 210.0,
-            "separates": ["bow", "runout, plane 2"],
-        },
-        gain={
-            "heldout_before": 5.2e-6,
-            "heldout_after": 4.1e-7,
-            "noise_floor": 4e-7,
-            "over_noise_floor": 1.03,
-            "on": "blocks of speeds in turn",
-            "base": {"kxx": {"before": 31200.0, "after": 33900.0, "sigma": 120.0}},
-        },
-        hidden=({"effect": "internal_damping", "smallest": 40.0, "unit": "N s/m", "missing": "a run in reverse"},),
+        next_run=NextRun(
+            kind="trial mass",
+            words="A run with a trial mass of 12 g mm would tell bow from runout.",
+            lam=210.0,
+            separates=("bow", "runout, plane 2"),
+        ),
+        gain=make_gain({"kxx": Shift(before=31200.0, after=33900.0, sigma=120.0, unit="N/m")}),
+        hidden=(HiddenEffect(effect="internal_damping", smallest=40.0, unit="N s/m", missing="a run in reverse"),),
         character="What is left is strongest at 2X.",
         extended_residual=after,
         responses=((response.source.source_hash, len(response.omega)),),

@@ -43,7 +43,7 @@ def test_a_healthy_rig_is_adequate_and_nothing_is_blamed(healthy: OrderTrackedRe
     found = judged(healthy)
     assert found.verdict is Verdict.ADEQUATE
     assert not any(cause.chosen for cause in found.causes)
-    assert (found.tied, found.next_run, found.gain, found.extended_residual) == ((), {}, {}, None)
+    assert (found.tied, found.next_run, found.gain, found.extended_residual) == ((), None, None, None)
     assert found.noise_floor == pytest.approx(SIGMA, rel=0.5)
     assert found.p > 0.5
 
@@ -59,18 +59,18 @@ def test_the_hidden_cause_is_named_with_its_size(named: Diagnosis) -> None:
 
 
 def test_the_extension_predicts_what_no_fit_saw(named: Diagnosis) -> None:
-    assert named.gain["heldout_after"] < 0.6 * named.gain["heldout_before"]
-    assert named.gain["over_noise_floor"] == pytest.approx(named.gain["heldout_after"] / named.gain["noise_floor"])
+    assert named.gain.heldout_after < 0.6 * named.gain.heldout_before
+    assert named.gain.over_noise_floor == pytest.approx(named.gain.heldout_after / named.gain.noise_floor)
     assert named.extended_residual is not None
     before, after = (np.nanmean(np.abs(z[..., 0]) ** 2) for z in (named.residual, named.extended_residual))
     assert after < before
 
 
 def test_the_gain_tells_the_base_before_and_after(named: Diagnosis) -> None:
-    base = named.gain["base"]
+    base = named.gain.base
     assert set(base) == {"kxx", "kyy", "cxx", "cyy", "u"}
     for name, value in zip(("kxx", "kyy", "cxx", "cyy", "u"), (*K, *C, abs(U)), strict=True):
-        assert abs(base[name]["after"] - value) < 4 * base[name]["sigma"], name
+        assert abs(base[name].after - value) < 4 * base[name].sigma, name
 
 
 def test_with_the_true_cause_left_out_it_is_not_named(late: OrderTrackedResponse) -> None:
@@ -95,9 +95,9 @@ def test_a_holdout_is_what_the_gain_is_measured_on(rig: RigConfig, late: OrderTr
     effect = find(rig, "delay, probe 2y")
     unseen = swept_response(rig, rng=np.random.default_rng(32), hidden=[(effect, {"delay": DELAY})])
     found = judged(late, tried={"delay"}, holdout=unseen)
-    assert found.gain["on"] == "the recording held out"
-    assert found.gain["heldout_after"] == pytest.approx(DRAWN * SIGMA * np.sqrt(2), rel=0.2)
-    assert found.gain["heldout_before"] > 1.5 * found.gain["heldout_after"]
+    assert found.gain.on == "the recording held out"
+    assert found.gain.heldout_after == pytest.approx(DRAWN * SIGMA * np.sqrt(2), rel=0.2)
+    assert found.gain.heldout_before > 1.5 * found.gain.heldout_after
 
 
 def test_a_cause_in_one_recording_of_two_is_named_there(rig: RigConfig) -> None:
@@ -125,7 +125,7 @@ def test_a_step_within_a_run_is_found_at_its_moment(rig: RigConfig, moment: floa
     for name in ("step re", "step im"):
         assert abs(step.theta[name] - theta[name]) < 4 * step.sigmas[name]
     assert f"{moment:.1f} s into recording 1 (at " in step.words and step.words.endswith(f"rpm in run '{run}')")
-    assert found.gain["heldout_after"] == pytest.approx(DRAWN * SIGMA * np.sqrt(2), rel=0.1)
+    assert found.gain.heldout_after == pytest.approx(DRAWN * SIGMA * np.sqrt(2), rel=0.1)
 
 
 def test_what_was_lost_in_one_recording_is_gone_in_the_next_and_the_extended_config_knows(rig: RigConfig) -> None:
@@ -161,8 +161,8 @@ def test_bow_and_runout_are_tied_in_one_plane_below_the_critical_speed_and_the_n
     assert found.verdict is Verdict.TIED
     ((*labels,),) = found.tied
     assert {label.split(",")[0] for label in labels} == {"bow", "runout"}
-    assert found.next_run["kind"] in {"ramp rate", "through critical", "trial mass", "second plane"}
-    assert set(found.next_run["separates"]) == set(labels)
+    assert found.next_run.kind in {"ramp rate", "through critical", "trial mass", "second plane"}
+    assert set(found.next_run.separates) == set(labels)
 
 
 def test_what_the_data_cannot_show_is_told_with_what_is_missing(one_plane: RigConfig) -> None:
@@ -172,8 +172,8 @@ def test_what_the_data_cannot_show_is_told_with_what_is_missing(one_plane: RigCo
     assert "cannot tell" in found.sentence
     assert found.hidden
     for each in found.hidden:
-        assert "a second plane of probes" in each["missing"]
-        assert "a run with a known trial mass" in each["missing"]
+        assert "a second plane of probes" in each.missing
+        assert "a run with a known trial mass" in each.missing
 
 
 @pytest.mark.parametrize("stage", ["base model", "causes", "cause 1", "held-out data"])

@@ -13,6 +13,9 @@ from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
 from rotorrig.identify.verdict.cause import Cause, Figure
+from rotorrig.identify.verdict.gain import Gain, Shift
+from rotorrig.identify.verdict.next_run import NextRun
+from rotorrig.identify.verdict.verdict import HiddenEffect
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
 
@@ -100,9 +103,18 @@ VERDICT = Diagnosis(
         ),
     ),
     tied=(("runout, plane 2", "bow"), ("delay", "probe_angle, 1x")),
-    next_run={"kind": "trial mass", "words": "Add a mass.", "lam": 40.0, "separates": ["bow"]},
-    gain={"over_noise_floor": 1.1, "base": {"kxx": {"before": 1.0, "after": 2.0, "sigma": 0.5}}},
-    hidden=({"effect": "couple", "smallest": 1e-3, "unit": "rad", "missing": "a second plane"},),
+    next_run=NextRun(kind="trial mass", words="Add a mass.", lam=40.0, separates=("bow",)),
+    gain=Gain(
+        heldout_before=5e-6,
+        heldout_after=2.2e-6,
+        noise_floor=2e-6,
+        on="blocks of speeds in turn",
+        base={"kxx": Shift(before=1.0, after=2.0, sigma=0.5, unit="N/m")},
+    ),
+    hidden=(
+        HiddenEffect(effect="couple", smallest=1e-3, unit="rad", missing="a second plane"),
+        HiddenEffect(effect="delay", smallest=math.inf, unit="s", missing=""),
+    ),
     character="strongest at 2X",
     extended_residual=Z[:, :, None],
     responses=(("b" * 16, 2),),
@@ -166,12 +178,32 @@ def test_the_files_are_strict_json_with_the_documented_keys(tmp_path: Path) -> N
 
 
 def test_what_is_not_finite_in_a_table_is_null(tmp_path: Path) -> None:
-    gain = {"heldout_after": math.inf, "base": {"kxx": {"sigma": np.float64(math.nan), "rows": np.int64(3)}}}
-    write_diagnosis(tmp_path / "diagnosis.json", replace(VERDICT, gain=gain))
-    assert read_diagnosis(tmp_path / "diagnosis.json").gain == {
-        "heldout_after": None,
-        "base": {"kxx": {"sigma": None, "rows": 3}},
-    }
+    assert VERDICT.gain is not None
+    kxx = Shift(before=1.0, after=np.float64(math.nan), sigma=math.inf, unit="N/m")
+    gain = replace(VERDICT.gain, heldout_after=math.inf, base={"kxx": kxx})
+    write_diagnosis(tmp_path / "diagnosis.json", replace(VERDICT, gain=gain, chi2=np.float64(3.0)))
+    table = json.loads((tmp_path / "diagnosis.json").read_text())
+    assert table["gain"]["heldout_after"] is table["gain"]["over_noise_floor"] is None
+    assert table["gain"]["base"] == {"kxx": {"before": 1.0, "after": None, "sigma": None, "unit": "N/m"}}
+    assert table["base"]["chi2"] == 3
+    assert [effect["smallest"] for effect in table["hidden"]] == [1e-3, None]
+
+
+def test_the_typed_parts_are_the_tables_that_are_documented(tmp_path: Path) -> None:
+    write_diagnosis(tmp_path / "diagnosis.json", VERDICT)
+    table = json.loads((tmp_path / "diagnosis.json").read_text())
+    assert table["next_run"] == {"kind": "trial mass", "words": "Add a mass.", "lam": 40.0, "separates": ["bow"]}
+    assert list(table["gain"]) == ["heldout_before", "heldout_after", "noise_floor", "over_noise_floor", "on", "base"]
+    assert table["gain"]["over_noise_floor"] == pytest.approx(1.1)
+    assert table["hidden"][0] == {"effect": "couple", "smallest": 1e-3, "unit": "rad", "missing": "a second plane"}
+
+
+def test_what_was_not_made_is_an_empty_table(tmp_path: Path) -> None:
+    write_diagnosis(tmp_path / "diagnosis.json", replace(VERDICT, next_run=None, gain=None, hidden=()))
+    table = json.loads((tmp_path / "diagnosis.json").read_text())
+    assert (table["next_run"], table["gain"], table["hidden"]) == ({}, {}, [])
+    back = read_diagnosis(tmp_path / "diagnosis.json")
+    assert (back.next_run, back.gain, back.hidden) == (None, None, ())
 
 
 def test_a_diagnosis_of_the_first_version_is_to_be_made_anew(tmp_path: Path) -> None:

@@ -1,12 +1,11 @@
 """What a diagnosis found beyond its verdict, in words that terminal, report and viewer share."""
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 from rotorrig.app.text.quantities import plus_minus_of, shown, unit_of
 from rotorrig.identify import Diagnosis
-from rotorrig.identify.verdict import NAMEABLE, Cause
+from rotorrig.identify.verdict import NAMEABLE, Cause, HiddenEffect
 from rotorrig.rig.config import UM
 
 LISTED = 8  # causes in a table
@@ -55,64 +54,57 @@ def ties(found: Diagnosis) -> list[str]:
 
 def next_run(found: Diagnosis) -> str:
     """Return the run that would tell more, as a sentence; empty if none is known."""
-    words = str(found.next_run.get("words", ""))
-    separation = _finite(found.next_run.get("lam"))
-    if words and separation is not None:
-        words += f" Expected separation: {separation:.3g} in chi2, where {NAMEABLE:g} names a cause."
-    return words
+    run = found.next_run
+    if run is None or not math.isfinite(run.lam):
+        return run.words if run else ""
+    return f"{run.words} Expected separation: {run.lam:.3g} in chi2, where {NAMEABLE:g} names a cause."
 
 
 def gain(found: Diagnosis) -> str:
     """Return what the extended model bought, as a sentence; empty if nothing was measured."""
-    before, after, floor, ratio = (
-        _finite(found.gain.get(key)) for key in ("heldout_before", "heldout_after", "noise_floor", "over_noise_floor")
-    )
-    if before is None or after is None:
+    bought = found.gain
+    if bought is None or not (math.isfinite(bought.heldout_before) and math.isfinite(bought.heldout_after)):
         return ""
-    on = found.gain.get("on")
-    said = f"On data no fit saw{f' ({on})' if on else ''}, the prediction error goes"
-    said += f" from {before * UM:.3g} to {after * UM:.3g} µm"
-    if floor is not None and ratio is not None:
-        said += f", {ratio:.2f} times the noise floor of {floor * UM:.2g} µm"
+    said = f"On data no fit saw ({bought.on}), the prediction error goes"
+    said += f" from {bought.heldout_before * UM:.3g} to {bought.heldout_after * UM:.3g} µm"
+    if bought.noise_floor > 0:
+        said += f", {bought.over_noise_floor:.2f} times the noise floor of {bought.noise_floor * UM:.2g} µm"
     return said + "."
 
 
 def absorbed(found: Diagnosis) -> Iterator[tuple[str, str, str, str]]:
     """Yield name, value before, value after and change in sigmas of every base parameter that the extension moved."""
-    for name, values in found.gain.get("base", {}).items():
-        before, after, sigma = (_finite(values.get(key)) for key in ("before", "after", "sigma"))
-        if before is None or after is None:
+    for name, shift in found.gain.base.items() if found.gain else ():
+        if not (math.isfinite(shift.before) and math.isfinite(shift.after)):
             continue
         unit = unit_of(name)
-        change = math.remainder(after - before, math.tau) if unit == "rad" else after - before
-        moved = f"{change / sigma:+.1f} σ" if sigma else "–"
-        yield name, shown(before, unit), plus_minus_of(after, sigma or math.nan, unit), moved
+        change = shift.after - shift.before
+        change = math.remainder(change, math.tau) if unit == "rad" else change
+        known = shift.sigma > 0 and math.isfinite(shift.sigma)
+        moved = f"{change / shift.sigma:+.1f} σ" if known else "–"
+        yield (
+            name,
+            shown(shift.before, unit),
+            plus_minus_of(shift.after, shift.sigma if known else math.nan, unit),
+            moved,
+        )
 
 
-def hidden(entry: Mapping[str, Any]) -> str:
+def hidden(effect: HiddenEffect) -> str:
     """Return one effect this data would not show, with the size that would and the measurement that is missing."""
-    said = f"{entry.get('effect', 'an effect')}: "
-    smallest = _finite(entry.get("smallest"))
-    unit = str(entry.get("unit", ""))
-    said += (
-        f"would show from {shown(float(f'{smallest:.2g}'), unit)} on"
-        if smallest is not None
-        else "would not show at any size"
-    )
-    missing = entry.get("missing")
-    return said + (f"; what is missing is {missing}" if missing else "")
+    said = "would not show at any size"
+    if math.isfinite(effect.smallest):
+        said = f"would show from {shown(float(f'{effect.smallest:.2g}'), effect.unit)} on"
+    missing = f"; what is missing is {effect.missing}" if effect.missing else ""
+    return f"{effect.effect}: {said}{missing}"
 
 
 def not_seen(found: Diagnosis) -> str:
     """Return which effects this data would not show, in one sentence; empty if it would show all."""
-    names = [str(entry.get("effect", "")) for entry in found.hidden]
+    names = [effect.effect for effect in found.hidden]
     return f"At their typical size this data would not show: {'; '.join(names)}." if names else ""
 
 
 def untold(found: Diagnosis) -> list[str]:
     """Return a sentence for every effect this data would not show."""
-    return [hidden(entry) for entry in found.hidden]
-
-
-def _finite(value: object) -> float | None:
-    return float(value) if isinstance(value, (int, float)) and math.isfinite(value) else None
+    return [hidden(effect) for effect in found.hidden]

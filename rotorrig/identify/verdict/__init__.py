@@ -1,14 +1,20 @@
 """What the diagnosis says: causes named, tied or unexplained, cross-validated gain, separability, the next run."""
 
 from rotorrig.identify.verdict.cause import Cause, Figure
+from rotorrig.identify.verdict.gain import Gain, Shift
+from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.separability import NAMEABLE
 from rotorrig.identify.verdict.sweep_lag import moving_speed
-from rotorrig.identify.verdict.verdict import Verdict
+from rotorrig.identify.verdict.verdict import HiddenEffect, Verdict
 
 __all__ = [
     "NAMEABLE",
     "Cause",
     "Figure",
+    "Gain",
+    "HiddenEffect",
+    "NextRun",
+    "Shift",
     "Verdict",
     "moving_speed",
 ]

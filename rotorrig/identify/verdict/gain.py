@@ -1,7 +1,6 @@
 """What an extension of the model bought: prediction of data no fit saw, and what the base parameters had absorbed."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,32 @@ from rotorrig.identify.verdict.cross_validation import Prediction, held_out, pre
 
 _WORSE = 1.1  # times the error of the base: a cause at 2X leaves it as it was, give or take
 _MEASURED = 3  # causes whose prediction is measured
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shift:
+    """A parameter of the base model, SI, before the model was extended and after."""
+
+    before: float
+    after: float
+    sigma: float  # one standard deviation of `after`
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gain:
+    """What the extended model bought, on data no fit saw."""
+
+    heldout_before: float  # m, rms prediction error of the base
+    heldout_after: float  # m, of the extended model
+    noise_floor: float  # m, the same of noise alone
+    on: str  # what was held out, in words
+    base: dict[str, Shift]  # by name: what the base's parameters had absorbed
+
+    @property
+    def over_noise_floor(self) -> float:
+        """The error of the extended model as a multiple of the noise floor."""
+        return self.heldout_after / self.noise_floor
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,31 +82,31 @@ def _fitted_to_the_end(candidate: Candidate) -> bool:
     return candidate.polished.stop is not Stop.GIVEN_UP
 
 
-def table(base: Assessed, selection: Selection, found: Predictions) -> dict[str, Any]:
-    """Return `gain` of diagnosis.json."""
+def measure_gain(base: Assessed, selection: Selection, unseen: Predictions) -> Gain:
+    """Return what the extended model of `selection` bought over the base."""
+    return Gain(
+        heldout_before=unseen.before.error,
+        heldout_after=unseen.after.error,
+        noise_floor=unseen.after.floor,
+        on=unseen.on,
+        base=_shifts(base, selection),
+    )
+
+
+def _shifts(base: Assessed, selection: Selection) -> dict[str, Shift]:
+    """Return by name what the extension moved of the base: coefficients, then unbalances by their magnitude."""
     names = base.problem.parameters.base
     before, after = names.values(base.polished.p[: len(names)]), names.values(selection.polished.p[: len(names)])
     slopes = names.space.slopes(after)
     sigma = selection.polished.sigma[names.sought] * slopes
     units = [unknown.unit for unknown in names.space.unknowns]
-    changed = {
-        name: {"before": float(b), "after": float(a), "sigma": float(s), "unit": unit}
+    shifts = {
+        name: Shift(before=float(b), after=float(a), sigma=float(s), unit=unit)
         for name, b, a, s, unit in zip(names.space.names, before, after, sigma, units, strict=True)
     }
     spread = selection.polished.sigma[names.unbalance].reshape(-1, 2)
     old, new = (names.amounts(fit.p[: len(names)]) for fit in (base.polished, selection.polished))
     for i, (amount, plane) in enumerate(zip(names.space.amounts, names.space.planes, strict=True)):
-        changed[amount.name] = {
-            "before": abs(old[plane]),
-            "after": abs(new[plane]),
-            "sigma": float(np.hypot(*spread[i]) / np.sqrt(2)),
-            "unit": "kg m",
-        }
-    return {
-        "heldout_before": found.before.error,
-        "heldout_after": found.after.error,
-        "noise_floor": found.after.floor,
-        "over_noise_floor": found.after.over_floor,
-        "on": found.on,
-        "base": changed,
-    }
+        sigma_of_amount = float(np.hypot(*spread[i]) / np.sqrt(2))
+        shifts[amount.name] = Shift(before=abs(old[plane]), after=abs(new[plane]), sigma=sigma_of_amount, unit="kg m")
+    return shifts

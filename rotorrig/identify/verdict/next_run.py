@@ -4,7 +4,7 @@ Every plan is simulated with the best cause, as it was fitted, and fitted with e
 cheapest that tells all of them from the best is proposed, or the one that comes nearest.
 """
 
-from typing import Any
+from dataclasses import dataclass
 
 from rotorrig.identify.causes import Candidate, Selection
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem
@@ -14,11 +14,21 @@ from rotorrig.identify.verdict.verdict import tied_candidates
 from rotorrig.rig import DataError
 
 
-def cheapest(selection: Selection) -> dict[str, Any]:
-    """Return `next_run` of diagnosis.json: kind, words, lam (of the rival nearest then) and the labels separated."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NextRun:
+    """A run that would tell causes apart which the data at hand cannot."""
+
+    kind: str  # "trial mass", "through critical": that of a `Plan`
+    words: str  # what to do, as a sentence
+    lam: float  # expected chi2 between the best cause and the rival that is nearest then
+    separates: tuple[str, ...]  # labels
+
+
+def find_next_run(selection: Selection) -> NextRun | None:
+    """Return the cheapest run that separates the first set of tied causes, or comes nearest; None: nothing is tied."""
     groups = tied_candidates(selection)
     if not groups:
-        return {}
+        return None
     best, *rivals = groups[0]
     found: list[tuple[float, Plan]] = []
     measured = best.problem.recordings
@@ -30,11 +40,11 @@ def cheapest(selection: Selection) -> dict[str, Any]:
         if lam >= NAMEABLE:
             break
     if not found:
-        return {}
+        return None
     lam, plan = max(found, key=lambda pair: pair[0])
-    labels = [candidate.effect.label for candidate in (best, *rivals)]
+    labels = tuple(candidate.effect.label for candidate in (best, *rivals))
     enough = "" if lam >= NAMEABLE else " Even that would leave them close."
-    return {"kind": plan.kind, "words": plan.words + enough, "lam": lam, "separates": labels}
+    return NextRun(kind=plan.kind, words=plan.words + enough, lam=lam, separates=labels)
 
 
 def _separated(best: Candidate, rival: Candidate, plan: Plan) -> float:

@@ -1,8 +1,9 @@
 """From fits to names: the causes ranked, which of them the data cannot tell apart, and what to conclude."""
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,16 @@ class Verdict(StrEnum):
     TIED = "tied"
     UNEXPLAINED = "unexplained"
     CANNOT_TELL = "cannot tell"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HiddenEffect:
+    """An effect that the data would not show at its typical size."""
+
+    effect: str  # its label, where it would show best
+    smallest: float  # size that would show, of its first unknown; infinite: none
+    unit: str  # of that size
+    missing: str  # the measurements that would show it, in words
 
 
 def verdict(
@@ -93,22 +104,18 @@ def visible_share(selection: Selection) -> float:
     return sum(lam >= DETECTABLE for _, lam in seen.values()) / max(len(seen), 1)
 
 
-def hidden(selection: Selection) -> tuple[dict[str, Any], ...]:
+def hidden_effects(selection: Selection) -> tuple[HiddenEffect, ...]:
     """Return the effects that this data would not show at their typical size, with the size that it would."""
-    found = []
-    for effect, lam in _visible(selection).values():
-        if lam < DETECTABLE:
-            q = effect.parameters[0]
-            smallest = q.size * float(np.sqrt(DETECTABLE / lam)) if lam > 0 else None
-            found.append(
-                {
-                    "effect": effect.label,
-                    "smallest": smallest,
-                    "unit": q.unit,
-                    "missing": _missing(selection, effect),
-                }
-            )
-    return tuple(found)
+    return tuple(
+        HiddenEffect(
+            effect=effect.label,
+            smallest=effect.parameters[0].size * float(np.sqrt(DETECTABLE / lam)) if lam > 0 else math.inf,
+            unit=effect.parameters[0].unit,
+            missing=_missing(selection, effect),
+        )
+        for effect, lam in _visible(selection).values()
+        if lam < DETECTABLE
+    )
 
 
 def _visible(selection: Selection) -> dict[str, tuple[Effect, float]]:

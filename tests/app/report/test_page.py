@@ -13,9 +13,12 @@ from rotorrig.app.report.page import write_report
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.verdict.cause import Figure
+from rotorrig.identify.verdict.gain import Shift
+from rotorrig.identify.verdict.next_run import NextRun
+from rotorrig.identify.verdict.verdict import HiddenEffect
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.errors import DataError
-from tests.app.conftest import make_cause
+from tests.app.conftest import make_cause, make_gain
 
 TRUTH = {"kxx": 34000.0, "kyy": 34100.0, "cxx": 14.8, "cyy": 15.0, "u": 1.61e-5, "phase": 0.70}
 
@@ -229,11 +232,11 @@ def test_quoted_text_cannot_become_markup(
         poor,
         sentence=evil,
         causes=(cause,),
-        next_run={"words": evil},
+        next_run=NextRun(kind=evil, words=evil, lam=1.0, separates=(evil,)),
         tied=((evil,),),
         character=evil,
-        hidden=({"effect": evil, "unit": evil, "missing": evil, "smallest": 1.0},),
-        gain={"base": {evil: {"before": 1.0, "after": 2.0, "sigma": 1.0}}},
+        hidden=(HiddenEffect(effect=evil, smallest=1.0, unit=evil, missing=evil),),
+        gain=dataclasses.replace(make_gain({evil: Shift(before=1.0, after=2.0, sigma=1.0, unit=evil)}), on=evil),
     )
     write_report(
         path,

@@ -8,7 +8,9 @@ import pytest
 from rotorrig.app.text import causes
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.verdict.cause import Figure
-from tests.app.conftest import make_cause
+from rotorrig.identify.verdict.gain import Shift
+from rotorrig.identify.verdict.verdict import HiddenEffect
+from tests.app.conftest import make_cause, make_gain
 
 BOW = make_cause("bow", "residual bow", chosen=True, evidence=800.0, after=4.1e-7)
 
@@ -53,14 +55,16 @@ def test_a_model_that_was_not_extended_has_no_gain(good: Diagnosis) -> None:
 
 
 def test_a_phase_moves_the_short_way_round(named: Diagnosis) -> None:
-    turned = dataclasses.replace(named, gain={"base": {"phase": {"before": -3.1, "after": 3.1, "sigma": 0.01}}})
+    turned = dataclasses.replace(
+        named, gain=make_gain({"phase": Shift(before=-3.1, after=3.1, sigma=0.01, unit="rad")})
+    )
     ((_, _, _, moved),) = causes.absorbed(turned)
     assert moved == "-8.3 σ"  # 6.2 - 2 pi = -0.083
 
 
 def test_an_effect_no_size_of_which_would_show_says_so() -> None:
-    entry = {"effect": "couple", "smallest": None, "unit": "rad", "missing": "a second plane"}
-    assert causes.hidden(entry) == "couple: would not show at any size; what is missing is a second plane"
+    effect = HiddenEffect(effect="couple", smallest=math.inf, unit="rad", missing="a second plane")
+    assert causes.hidden(effect) == "couple: would not show at any size; what is missing is a second plane"
 
 
 def test_a_fit_that_was_given_up_says_the_least_it_could_be() -> None:

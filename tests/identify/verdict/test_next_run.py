@@ -10,7 +10,7 @@ from rotorrig.identify.causes.stepwise_selection import Selection, select
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.next_run import cheapest
+from rotorrig.identify.verdict.next_run import find_next_run
 from rotorrig.identify.verdict.planned_runs import plans
 from rotorrig.identify.verdict.separability import NAMEABLE, separation
 from rotorrig.processing.response import OrderTrackedResponse
@@ -46,12 +46,13 @@ def tied(one_plane: RigConfig, hidden: NDArray[np.float64]) -> Selection:
 
 
 def test_the_causes_are_told_apart_by_the_run_that_is_proposed(tied: Selection, hidden: NDArray[np.float64]) -> None:
-    found = cheapest(tied)
+    found = find_next_run(tied)
+    assert found is not None
     response = tied.problem.recordings[0].response
-    plan = next(plan for plan in plans(response) if found["words"].startswith(plan.words))
-    assert set(found["separates"]) == set(LABELS)
-    assert found["kind"] == plan.kind
-    assert found["lam"] >= NAMEABLE
+    plan = next(plan for plan in plans(response) if found.words.startswith(plan.words))
+    assert set(found.separates) == set(LABELS)
+    assert found.kind == plan.kind
+    assert found.lam >= NAMEABLE
     assert not plan.trial, "one run will do"
     made = swept_response(
         plan.rig,
@@ -72,7 +73,7 @@ def test_before_that_run_they_were_not(tied: Selection) -> None:
 
 
 def test_nothing_is_proposed_where_nothing_is_tied(healthy: OrderTrackedResponse, hidden: NDArray[np.float64]) -> None:
-    assert cheapest(selected(healthy, hidden)) == {}
+    assert find_next_run(selected(healthy, hidden)) is None
 
 
 LATE = {"delay": 1e-3}  # s
@@ -94,10 +95,11 @@ def test_a_late_probe_and_a_turned_one_are_told_apart_by_turning_the_other_way(
     late = [(find(below_critical, "delay, probe 1y"), LATE)]
     forward = swept_response(below_critical, rng=np.random.default_rng(5), hidden=late, **BELOW)
     tied = selected(forward, hidden, LATE_OR_TURNED)
-    found = cheapest(tied)
-    assert found["kind"] == "reverse rotation"
-    assert found["lam"] >= NAMEABLE
-    assert set(found["separates"]) == set(LATE_OR_TURNED)
+    found = find_next_run(tied)
+    assert found is not None
+    assert found.kind == "reverse rotation"
+    assert found.lam >= NAMEABLE
+    assert set(found.separates) == set(LATE_OR_TURNED)
     other_way = below_critical.turned_over
     made = swept_response(other_way, rng=np.random.default_rng(6), hidden=late, unbalance=np.conj(U), **BELOW)
     reverse = Recording(made, number=1, backward=True)

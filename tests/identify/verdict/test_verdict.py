@@ -11,7 +11,7 @@ from rotorrig.identify.causes.candidate_fit import Candidate, plausible
 from rotorrig.identify.causes.stepwise_selection import Selection
 from rotorrig.identify.verdict.cross_validation import Prediction
 from rotorrig.identify.verdict.gain import Predictions
-from rotorrig.identify.verdict.verdict import Verdict, figures, hidden, ties, verdict, visible_share
+from rotorrig.identify.verdict.verdict import Verdict, figures, hidden_effects, ties, verdict, visible_share
 from rotorrig.sims.effects.base import Effect, Parameter, pair
 
 PLAUSIBLE = 0.5
@@ -185,9 +185,9 @@ def test_what_would_stay_hidden_is_told_with_the_size_that_would_show(monkeypatc
     """Lambda goes with the square of the size: of 1 at 1 m, 25 need 5 m."""
     monkeypatch.setattr("rotorrig.identify.verdict.verdict._missing", lambda selection, effect: "")
     seen = [shown(BEND, 100.0), shown(LUMP, 1.0)]
-    (found,) = hidden(selection([Tried(BEND, 1.0)], taken=False, seen=seen))
-    assert found["effect"] == "lump"
-    assert found["smallest"] == pytest.approx(5.0)
+    (found,) = hidden_effects(selection([Tried(BEND, 1.0)], taken=False, seen=seen))
+    assert found.effect == "lump"
+    assert found.smallest == pytest.approx(5.0)
 
 
 def test_a_phasor_is_told_by_magnitude_and_angle_with_their_sigmas() -> None:
