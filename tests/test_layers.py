@@ -80,7 +80,8 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "bench",
     ),
     "identify": (
-        "chea identification least_squares measurement",
+        "chea identification measurement",
+        "least_squares",
         "base_model",
         "extended_model uncertainty",
         "adequacy fit",

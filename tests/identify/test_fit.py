@@ -84,9 +84,9 @@ def test_a_vector_added_in_a_narrow_band_is_located(
 def test_one_probe_alone_leaves_the_other_direction_undetermined(blind_response: OrderTrackedResponse) -> None:
     usable = blind_response.usable.copy()
     usable[:, [1, 2, 3]] = False
-    identify = blind_response.rig.identify
-    assert identify is not None
-    rig = blind_response.rig.model_copy(update={"identify": identify.model_copy(update={"bands": {}})})
+    sought = blind_response.rig.identify
+    assert sought is not None
+    rig = blind_response.rig.model_copy(update={"identify": sought.model_copy(update={"bands": {}})})
     alone = identify(replace(blind_response, rig=rig, usable=usable)).fits[0]
     assert alone.estimate("kxx").determined
     assert not alone.estimate("cyy").determined
@@ -96,9 +96,9 @@ def test_one_probe_alone_leaves_the_other_direction_undetermined(blind_response:
 
 
 def test_a_band_the_data_do_not_reach_is_left_out_and_said(blind_response: OrderTrackedResponse) -> None:
-    identify = blind_response.rig.identify
-    assert identify is not None
-    beyond = identify.model_copy(update={"bands": {"overspeed": (1000.0, 2000.0)}})
+    sought = blind_response.rig.identify
+    assert sought is not None
+    beyond = sought.model_copy(update={"bands": {"overspeed": (1000.0, 2000.0)}})
     found = identify(replace(blind_response, rig=blind_response.rig.model_copy(update={"identify": beyond})))
     assert [f.name for f in found.fits] == [WHOLE]
     assert any("The band 'overspeed' was left out: " in words for words in found.fits[0].words)

@@ -6,7 +6,7 @@ that of the objective itself.
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,11 @@ from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual,
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.chea.residuals import (
     RESIDUAL,
+    SEARCH,
     Counted,
     ResidualSettings,
-    descend,
     descend_absolute,
-    evaluate,
+    minimize_squares,
     residual_search,
 )
 from rotorrig.identify.chea.session import Minima, StopReason
@@ -32,6 +32,7 @@ Real = NDArray[np.float64]
 
 ROUNDING = 1e-9  # of the response: so good are the receptances
 _NEAR = 0.02  # of the cube: first step from a minimum of the shape to that of an objective
+_DESCENT = 100  # calls from the one to the other
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,7 +117,15 @@ def _followed(amplitudes: Amplitudes, v: Real, objective: ObjectiveName) -> tupl
     """Return the minimum of the objective next to `v`, its value, and the calls that took."""
     fun = amplitudes.vector(objective)
     if objective != "f1":
-        return descend_absolute(fun, v, radius=_NEAR)
+        return descend_absolute(fun, v, radius=_NEAR, max_calls=_DESCENT)
     counted = Counted(fun)
-    end = descend(counted, evaluate(counted, v), tolerance=1e-10, reach=_NEAR, max_steps=100)
-    return end.point.u, end.point.cost, counted.calls
+    end = minimize_squares(
+        counted,
+        counted(v),
+        bounds=(np.zeros(len(v)), np.ones(len(v))),
+        settings=replace(SEARCH, reach=_NEAR),
+        share=1e-10,
+        max_steps=_DESCENT,
+        max_calls=_DESCENT,
+    )
+    return end.point.p, end.point.cost, counted.calls

@@ -1,13 +1,23 @@
 """Bounded Levenberg-Marquardt with exact Jacobians, some parameters fixed, and its covariance."""
 
-from rotorrig.identify.least_squares.levenberg_marquardt import TOLERANCE, LinearModel, Stop, Worth, always, take_step
-from rotorrig.identify.least_squares.solve import NONE_FIXED, Index, Solution, inverse_information, solve
+from rotorrig.identify.chea.residuals import LinearModel, Point, Stop, take_step
+from rotorrig.identify.least_squares.solve import (
+    NONE_FIXED,
+    TOLERANCE,
+    Index,
+    Solution,
+    Worth,
+    always,
+    inverse_information,
+    solve,
+)
 
 __all__ = [
     "NONE_FIXED",
     "TOLERANCE",
     "Index",
     "LinearModel",
+    "Point",
     "Solution",
     "Stop",
     "Worth",

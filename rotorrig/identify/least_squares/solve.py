@@ -1,20 +1,20 @@
 """Solve the least-squares problem of a fit, some of its parameters held, and say how well the rest are determined."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.least_squares.levenberg_marquardt import (
-    TOLERANCE,
+from rotorrig.identify.chea.residuals import (
+    FIT,
     Minimum,
+    Point,
     Stop,
-    Worth,
-    always,
-    minimise,
+    minimize_squares,
     triangular_factor,
 )
 from rotorrig.rig import DataError
@@ -22,8 +22,16 @@ from rotorrig.rig import DataError
 Reals = NDArray[np.float64]
 Index = NDArray[np.intp]
 
+TOLERANCE = 1e-4  # of chi2: a step of a hundredth of a standard deviation
 OPEN = 1e-9  # singular value of the scaled Jacobian, relative, below which it is rounding
 NONE_FIXED: Mapping[int, float] = MappingProxyType({})
+
+Worth = Callable[[float, float], bool]  # of the sum of squares and of what a full step promises to take from it
+
+
+def always(cost: float, promise: float) -> bool:
+    """Go on."""
+    return True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,58 +87,79 @@ def solve(
     worth: Worth = always,
     damped: bool = False,
 ) -> Solution:
-    """Refine `start` within the bounds, the parameters in `fixed` held at those values; as least_squares.minimise."""
+    """Refine `start` within the bounds, the parameters in `fixed` held at those values.
+
+    It has converged when a full step promises less than `tolerance` of chi2; it is given up where `worth`, asked before
+    every step but the first, says no. With `damped` no full steps are tried first and the linear parameters are solved
+    for after every step: where a residual takes as long as a Jacobian, full steps cost more than they gain.
+    """
     p = start.copy()
     p[list(fixed)] = list(fixed.values())
     free = np.setdiff1d(np.arange(len(p)), list(fixed))
     low, high = problem.bounds
+    part = _Free(problem, p, free)
+    with np.errstate(over="ignore", invalid="ignore"):  # steps that go too far, and are taken back
+        found = minimize_squares(
+            part,
+            part.first(part.solve_linear(p[free]) if damped else p[free]),
+            bounds=(low[free], high[free]),
+            settings=replace(FIT, full_steps=not damped),
+            solve_linear=part.solve_linear,
+            tolerance=tolerance,
+            max_steps=max_steps,
+            watch=lambda at: None if worth(at.point.cost, at.model.full_promise) else Stop.GIVEN_UP,
+        )
+    return _solution(found, part.full(found.point.p), free, size=problem.size)
 
-    def full(part: Reals) -> Reals:
-        whole = p.copy()
-        whole[free] = part
+
+class _Free:
+    """The problem in its free parameters alone."""
+
+    def __init__(self, problem: LeastSquares, p: Reals, free: Index) -> None:
+        self._problem = problem
+        self._p = p
+        self._free = free
+        self._figures = 1
+
+    def full(self, part: Reals) -> Reals:
+        """Return the whole vector."""
+        whole = self._p.copy()
+        whole[self._free] = part
         return whole
 
-    known: list[int] = []
+    def first(self, part: Reals) -> Point:
+        """Return the point a fit begins from. Raises DataError where the model has no motion there."""
+        r = self._problem.residual(self.full(part))
+        self._figures = len(r)
+        return Point(part, r, partial(self._jacobian, part))
 
-    def residual(part: Reals) -> Reals:
+    def __call__(self, part: Reals) -> Point:
+        """Return a point; a step too far, to where the model has no motion, costs infinitely."""
         try:
-            r = problem.residual(full(part))
-        except DataError:  # a step too far, to where the model has no motion: not if it began there
-            if not known:
-                raise
-            return np.full(known[0], np.inf)
-        known.append(len(r))
-        return r
+            r = self._problem.residual(self.full(part))
+        except DataError:
+            r = np.full(self._figures, np.inf)
+        return Point(part, r, partial(self._jacobian, part))
 
-    def settle(part: Reals) -> Reals:
+    def solve_linear(self, part: Reals) -> Reals:
+        """Return the free parameters with the linear ones at their best."""
         try:
-            return problem.solve_linear(full(part), free)[free]
+            return self._problem.solve_linear(self.full(part), self._free)[self._free]
         except DataError:
             return part
 
-    with np.errstate(over="ignore", invalid="ignore"):  # steps that go too far, and are taken back
-        found = minimise(
-            residual,
-            lambda part: problem.jacobian(full(part), free),
-            p[free],
-            bounds=(low[free], high[free]),
-            settle=settle,
-            tolerance=tolerance,
-            max_steps=max_steps,
-            worth=worth,
-            damped=damped,
-        )
-    return _polished(found, full(found.p), free, size=problem.size)
+    def _jacobian(self, part: Reals) -> Reals:
+        return self._problem.jacobian(self.full(part), self._free)
 
 
-def _polished(found: Minimum, p: Reals, free: Index, *, size: int) -> Solution:
-    """Return a solution of the parameters `free` as one of all of `p`."""
-    dof = size - len(free)
-    jacobian = np.zeros((len(found.jacobian), len(p)))
-    jacobian[:, free] = found.jacobian
+def _solution(found: Minimum, p: Reals, free: Index, *, size: int) -> Solution:
+    """Return a minimum over the parameters `free` as one over all of `p`."""
+    dof, cost, part = size - len(free), found.point.cost, found.point.J
+    jacobian = np.zeros((len(part), len(p)))
+    jacobian[:, free] = part
     covariance = np.zeros((len(p), len(p)))
-    covariance[np.ix_(free, free)] = inverse_information(found.jacobian) * max(1.0, found.cost / max(dof, 1))
-    return Solution(p=p, covariance=covariance, jacobian=jacobian, chi2=found.cost, dof=dof, stop=found.stop)
+    covariance[np.ix_(free, free)] = inverse_information(part) * max(1.0, cost / max(dof, 1))
+    return Solution(p=p, covariance=covariance, jacobian=jacobian, chi2=cost, dof=dof, stop=found.stop)
 
 
 def inverse_information(jacobian: Reals) -> Reals:

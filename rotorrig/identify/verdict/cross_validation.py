@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
-from rotorrig.identify.least_squares import LinearModel, take_step
+from rotorrig.identify.least_squares import LinearModel, Point, take_step
 from rotorrig.rig import DataError
 
 Complex = NDArray[np.complex128]
@@ -63,21 +63,22 @@ def _refitted(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: 
         whole[free] = part
         return whole
 
-    def residual(part: Reals) -> Reals:
+    def evaluate(part: Reals) -> Point:
         try:
             with np.errstate(over="ignore", invalid="ignore"):  # of a step that goes too far, and is taken back
-                return problem.residual(full(part))
+                reached = problem.residual(full(part))
         except DataError:  # a step too far, to where there is no motion
-            return np.full(len(r), np.inf)
+            reached = np.full(len(r), np.inf)
+        return Point(part, reached, lambda: problem.jacobian(full(part))[:, free])
 
     enough = max(_ACCURATE, _NEARLY * float(r @ r))
     for step in range(1, steps + 1):
         model = LinearModel(J[:, free], r, p[free], bounds)
         promise = model.promise(model.best(0.0))
-        taken = take_step(model, residual) if promise > enough else None
+        taken = take_step(model, evaluate) if promise > enough else None
         if taken is None:
             break
-        p, r = full(taken.p), taken.r
+        p, r = full(taken.point.p), taken.point.r
         if step == steps or (promise < _CLOSE * enough and promise - (model.cost - float(r @ r)) < enough):
             break
         J = problem.jacobian(p)

@@ -47,7 +47,7 @@ def fitted(problem: ExtendedProblem, base: Reals, *, worth: Worth = always) -> S
     """Fit a problem from a vector of base parameters, its effects from each of their starts; return the best.
 
     A start is where the parameters of an effect that name several begin, all the first, all the second.. together;
-    one at which there is no motion is passed over. The fit is given up where `worth` says so, as least_squares.minimise
+    one at which there is no motion is passed over. The fit is given up where `worth` says so, as least_squares.solve
     has it. Raises DataError if there is no motion at any start.
     """
     start = problem.parameters.start(base)

@@ -14,7 +14,7 @@ from rotorrig.identify.causes.stepwise_selection import ENOUGH, MODEL_ERROR, Sel
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.least_squares.levenberg_marquardt import Stop
+from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rotorrig.identify.least_squares.levenberg_marquardt import minimise
+from rotorrig.identify.chea.residuals.levenberg_marquardt import Point, minimize_squares
 from rotorrig.identify.least_squares.solve import Solution, inverse_information
 from rotorrig.identify.uncertainty.profile_likelihood import profile_interval
 from rotorrig.identify.uncertainty.quantities import Amount, Phase
@@ -37,13 +37,17 @@ class Known:
     def solve(self, start: np.ndarray, *, fixed: dict[int, float]) -> Solution:
         p = start.copy()
         p[list(fixed)] = list(fixed.values())
-        return self._polished(p)
+        return self._solution(p)
 
     def best(self, start: list[float]) -> Solution:
-        found = minimise(self.residual, self.jacobian, np.array(start), bounds=self.parameters.bounds, tolerance=1e-12)
-        return self._polished(found.p)
+        def evaluate(p: np.ndarray) -> Point:
+            return Point(p, self.residual(p), lambda: self.jacobian(p))
 
-    def _polished(self, p: np.ndarray) -> Solution:
+        first = evaluate(np.array(start))
+        found = minimize_squares(evaluate, first, bounds=self.parameters.bounds, tolerance=1e-12).point
+        return self._solution(found.p)
+
+    def _solution(self, p: np.ndarray) -> Solution:
         r, J = self.model(p)
         return Solution(p=p, covariance=inverse_information(J), jacobian=J, chi2=float(r @ r), dof=100)
 

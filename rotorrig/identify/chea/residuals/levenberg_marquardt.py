@@ -1,118 +1,295 @@
-"""Levenberg and Marquardt's method in the unit cube, where one call gives the residuals and their Jacobian.
+"""Levenberg-Marquardt within bounds: the local least-squares method of searches and of fits.
 
-The damping follows Nielsen ("Damping parameter in Marquardt's method", 1999), scaled by the columns' lengths
-(Marquardt 1963). No step moves a parameter by more than `reach`, for the linear model of a resonance does not
-hold any farther.
+Measured against scipy's `least_squares` within bounds (x_scale="jac", exact Jacobians; its "lm" knows no bounds) and
+against the two methods this one replaces, one for searches and one for fits. Searches: calls, median and 90 %, and ms
+of CPU; all succeed. Fits: residuals and Jacobians, means, and ms; 12 of a healthy RK4, 15 of rigs with a fault.
+
+| | this | searches' | fits', damped | trf | dogbox |
+|---|---|---|---|---|---|
+| Table 7, f2, 20 seeds | 24, 42; 5.6 | 24, 42; 4.3 | 28, 46; 11 | 23, 29; 9 to 15 | 27, 47; 10 |
+| Table 7, complex | 43, 85; 14 | 43, 84; 12 | 74, 216; 60 | 40, 48; 30 | 58, 232; 69 |
+| Table 7, 40 random truths | 27, 58 | 27, 58; 8 | 30, 104; 26 | 30, 132; 44 | 26, 50; 19 |
+| Table 8, f1, 15 draws | 309, 499 | 342, 515; 74 | 582, 767; 183 | 371, 439; 113 | 374, 651; 120 |
+| base fits | 3.4, 3.4 | 6.6, 6.6; 216 | 3.4, 3.4; 108 | 6.4, 6.4; 241 | 4.2, 4.2; 143 |
+| extended fits | 7.5, 5.7; 270 | - | 10.3, 5.9; 315 | 10.0, 9.6; 461 | 7.2, 6.6; 304 |
+
+The minimum of the lowest, to what the fit tolerates, is met by 27 of 27 fits with trf, by 26 with the others. Where
+this one has no time, it was taken under another load of the machine.
+
+Damping follows Nielsen ("Damping parameter in Marquardt's method", 1999), scaled by the columns' lengths (Marquardt
+1963). Two ways to begin, in `Settings`:
+
+- SEARCH, from far off: damped, and no step moves a parameter by more than `reach`, for the linear model of a resonance
+  does not hold any farther.
+- FIT, from a fair guess: full steps first. Where unknowns nearly make up for each other the sum of squares has a narrow
+  valley, and where they enter nonlinearly it bends: a full step leaves it, and a damped one gets nowhere. A second step
+  by the same derivatives leads back into it (Shamanskii, Ukrainian Math. J. 19 (1967) 133), for the price of one
+  residual. While a resonance has to move by several of its widths, the amplitude of its excitation is wrong on the way;
+  solved for again after a step (separable least squares, Golub and Pereyra 1973), it cannot hold the rest back.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.steps import minimize_on_box
+from rotorrig.identify.chea.residuals.linear_model import LEAST_DAMPING, LinearModel
 
 Array = NDArray[np.float64]
 Residual = Callable[[Array], tuple[Array, Array]]  # u (dim,) -> r (figure,) and dr/du (figure, dim)
+Solve = Callable[[Array], Array]  # p with its linear parameters at their best
 
-DAMPING = 0.1  # of the first step
-_LEAST, _MOST = 1e-9, 1e8
-_FLAT = 1e-6  # of the longest column: a shorter one is scaled as if it were this long
 _TINY = np.finfo(float).tiny
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """How steps are chosen."""
+
+    full_steps: bool = True  # tried before damped ones; not where a residual takes as long as its Jacobian
+    damping: float = 1e-5  # of the first damped step, in units of the columns' lengths
+    reach: float = np.inf  # longest step in any parameter
+    trials: int = 12  # damped steps on one Jacobian: the damping grows by 2, 4, 8 .. and exceeds any before that
+    bends: int = 4  # further full steps on it
+    left: float = 0.05  # of its promise: a full step that leaves less needs no further one
+    idle: float = 0.01  # of its promise: a step that gains less has derivatives that are wrong (0: they are not),
+    patience: int = 2  # and so many in a row end the descent
+
+
+FIT = Settings()
+#: Half a resonance's width is within reach; a tenth damps the first step where the start is anywhere.
+SEARCH = Settings(full_steps=False, damping=0.1, reach=0.25, idle=0.0)
+
+
+class Stop(StrEnum):
+    """Why a descent ended."""
+
+    CONVERGED = "converged"
+    STALLED = "stalled"  # no step of any length helped, or hardly: the derivative is at its rounding
+    BUDGET = "budget"  # its steps or calls were used up
+    GIVEN_UP = "given up"  # what was left to gain was not worth it
+    ENOUGH = "enough"  # low enough, or where it leads is known
+
+
 class Point:
-    """A point of the unit cube, the sum of squares there, and the linear model of its surroundings."""
+    """A place, the residuals there, and their Jacobian once it is asked for."""
 
-    u: Array  # (dim,)
-    cost: float  # r r; +inf where fun had no finite answer
-    slope: Array  # (dim,) J^T r
-    normal: Array  # (dim, dim) J^T J
+    __slots__ = ("_jacobian", "_normal", "cost", "p", "r")
+
+    def __init__(self, p: Array, r: Array, jacobian: Array | Callable[[], Array]) -> None:
+        """`p` (parameter,), `r` (figure,), `jacobian` (figure, parameter) or what returns it."""
+        self.p = p
+        self.r = r
+        self.cost = sum_of_squares(r)
+        self._jacobian = jacobian
+        self._normal: Array | None = None
+
+    @property
+    def J(self) -> Array:  # noqa: N802
+        """Jacobian, (figure, parameter)."""
+        if callable(self._jacobian):
+            self._jacobian = self._jacobian()
+        return self._jacobian
+
+    @property
+    def normal(self) -> Array:
+        """J^T J, (parameter, parameter)."""
+        if self._normal is None:
+            self._normal = self.J.T @ self.J
+        return self._normal
 
 
-class End(NamedTuple):
-    """Where a descent ended."""
+def sum_of_squares(r: Array) -> float:
+    """Return r r; infinite where a step went so far that there is no number."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        cost = float(r @ r)
+    return cost if np.isfinite(cost) else np.inf
 
-    point: Point
-    kind: str  # "minimum", "steps" when it ran out of them, or what `watch` said
+
+Evaluate = Callable[[Array], Point]
 
 
 class Counted:
-    """A function that counts its calls."""
+    """A residual with its Jacobian, its calls counted. An answer that is not finite costs infinitely."""
 
     def __init__(self, fun: Residual) -> None:
         self._fun = fun
         self.calls = 0
 
-    def __call__(self, u: Array) -> tuple[Array, Array]:
-        """Return what the function returns."""
+    def __call__(self, u: Array) -> Point:
+        """Return the residual and its Jacobian at `u`."""
         self.calls += 1
-        return self._fun(u)
+        r, J = self._fun(u)
+        finite = np.isfinite(J).all()
+        return Point(u, r if finite else np.full(len(r), np.inf), J)
 
 
-def evaluate(fun: Residual, u: Array) -> Point:
-    """Call `fun` at `u`. An answer that is not finite counts as an infinite sum of squares."""
-    r, J = fun(u)
-    with np.errstate(over="ignore", invalid="ignore"):
-        cost = float(r @ r)
-    if not (np.isfinite(cost) and np.isfinite(J).all()):
-        return Point(u, np.inf, np.zeros(len(u)), np.eye(len(u)))
-    return Point(u, cost, J.T @ r, J.T @ J)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """Where a descent is, shown to `watch` after every step."""
+
+    point: Point  # the lowest
+    costs: Sequence[float]  # the lowest until every call
+    model: LinearModel  # of its surroundings
 
 
-def descend(
-    fun: Residual,
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Minimum:
+    """Where a descent ended."""
+
+    point: Point
+    steps: int  # Jacobians taken
+    calls: int  # residuals taken, but for the start's
+    stop: Stop
+
+    @property
+    def converged(self) -> bool:
+        """Whether a full step promised less than the tolerance."""
+        return self.stop is Stop.CONVERGED
+
+
+def minimize_squares(
+    evaluate: Evaluate,
     start: Point,
     *,
-    tolerance: float,
-    reach: float,
-    max_steps: int,
-    watch: Callable[[Point, Sequence[float]], str | None] = lambda point, costs: None,
-) -> End:
-    """Return the end of a descent from `start`, after at most `max_steps` calls of `fun`.
+    bounds: tuple[Array, Array],
+    settings: Settings = FIT,
+    tolerance: float = 0.0,
+    share: float = 0.0,
+    max_steps: int = 50,
+    max_calls: int | None = None,
+    solve_linear: Solve = lambda p: p,
+    watch: Callable[[Progress], Stop | None] = lambda progress: None,
+) -> Minimum:
+    """Minimize the sum of squares from `start`, which is within the bounds.
 
-    It is a minimum when no step promises more than `tolerance` of the cost, damped or not. After every step `watch` is
-    shown the lowest point and the lowest costs until then, one per step; what it returns, if anything, is the end.
+    It has converged when no step promises more than `tolerance`, or than that `share` of the sum. `max_steps` counts
+    Jacobians, `max_calls` residuals. `solve_linear` returns its argument with the linear parameters at their best;
+    without full steps every step is followed by it. What `watch` says after a step, if anything, ends the descent.
+
+    >>> def valley(p):
+    ...     return np.array([10 * (p[1] - p[0]**2), 1 - p[0]]), np.array([[-20 * p[0], 10], [-1, 0]])
+    >>> fun, box = Counted(valley), (np.full(2, -5.0), np.full(2, 5.0))
+    >>> found = minimize_squares(fun, fun(np.array([-1.2, 1.0])), bounds=box, tolerance=1e-12)
+    >>> found.point.p.round(6).tolist(), found.steps, str(found.stop)
+    ([1.0, 1.0], 2, 'converged')
     """
-    point, damping, growth = start, DAMPING, 2.0
-    costs = [point.cost]
-    for _ in range(max_steps):
-        step = _step(point, damping, reach)
-        promised = _promise(point, step)
-        little = tolerance * point.cost
-        if damping > _MOST or (promised <= little and _promise(point, _step(point, _LEAST, reach)) <= little):
-            return End(point, "minimum")
-        trial = evaluate(fun, np.clip(point.u + step, 0.0, 1.0))
-        if trial.cost < point.cost:
-            gain = min((point.cost - trial.cost) / max(promised, _TINY), 1.0)
-            damping, growth = max(damping * max(0.1, 1 - (2 * gain - 1) ** 3), _LEAST), 2.0
-            point = trial
-        else:
-            damping, growth = damping * growth, 2 * growth
-        costs.append(point.cost)
-        if (why := watch(point, costs)) is not None:
-            return End(point, why)
-    return End(point, "steps")
+    point, damping, idle = start, settings.damping, 0
+    calls = _Calls(evaluate, start.cost, most=max_calls)
+    for step in range(1, max_steps + 1):
+        model = LinearModel(point.J, point.r, point.p, bounds, reach=settings.reach)
+        why = None
+        if _is_minimum(model, max(tolerance, share * point.cost), damping, settings):
+            why = Stop.CONVERGED
+        elif step > 1:
+            why = watch(Progress(point=point, costs=calls.costs, model=model))
+        taken = None
+        if why is None:
+            taken = take_step(model, calls, solve_linear=solve_linear, damping=damping, settings=settings)
+        if taken is not None:
+            gained = point.cost - taken.point.cost
+            idle = idle + 1 if settings.idle and gained < settings.idle * model.full_promise else 0
+        if taken is None or idle == settings.patience:
+            why = why or (Stop.BUDGET if calls.used_up else Stop.STALLED)
+            return Minimum(point=point, steps=step, calls=calls.made, stop=why)
+        point, damping = taken.point, taken.damping
+    return Minimum(point=point, steps=max_steps, calls=calls.made, stop=Stop.BUDGET)
 
 
-def _promise(point: Point, step: Array) -> float:
-    """Return by how much the cost falls along a step if the linear model holds."""
-    return -float(2 * point.slope @ step + step @ point.normal @ step)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """A step that lowered the sum of squares."""
+
+    point: Point  # where it ended
+    damping: float  # of the next one
 
 
-def _step(point: Point, damping: float, reach: float) -> Array:
-    """Return the damped step (dim,) of least predicted cost within the cube and `reach` in every parameter."""
-    low, high = np.maximum(-point.u, -reach), np.minimum(1.0 - point.u, reach)
-    lengths = np.sqrt(point.normal.diagonal())
-    if not lengths.any():
-        return np.zeros(len(point.u))
-    lengths = np.maximum(lengths, _FLAT * lengths.max())
-    slope, damped = point.slope / lengths, point.normal / (lengths[:, None] * lengths)
-    damped.flat[:: len(damped) + 1] += damping
-    step = -np.linalg.solve(damped, slope) / lengths
-    if (step >= low).all() and (step <= high).all():
-        return step
-    return minimize_on_box(slope, damped, low * lengths, high * lengths) / lengths
+def take_step(
+    model: LinearModel,
+    evaluate: Evaluate,
+    *,
+    solve_linear: Solve = lambda p: p,
+    damping: float = FIT.damping,
+    settings: Settings = FIT,
+) -> Step | None:
+    """Take the full step of a linear model, or the longest damped one that helps; None if none does.
+
+    After a damped step that gains less than half of its promise the linear parameters are solved for; without full
+    steps, after every one.
+    """
+    if settings.full_steps and (point := _take_full_step(model, evaluate, settings)) is not None:
+        return Step(point=point, damping=max(0.1 * damping, LEAST_DAMPING))
+    growth = 2.0
+    for _ in range(settings.trials):
+        aimed = model.best(damping)
+        promised = model.promise(aimed)
+        point = evaluate(aimed if settings.full_steps else solve_linear(aimed))
+        if settings.full_steps and model.cost - point.cost < promised / 2:
+            point = _solve_linear(point, evaluate, solve_linear)
+        gained = model.cost - point.cost
+        if gained > 0:
+            share = min(gained / max(promised, _TINY), 1.0)
+            damping *= max(0.1, 1 - (2 * share - 1) ** 3)  # Nielsen, eq. (2.5)
+            return Step(point=point, damping=max(damping, LEAST_DAMPING))
+        damping, growth = damping * growth, 2 * growth
+    return None
+
+
+def _is_minimum(model: LinearModel, enough: float, damping: float, settings: Settings) -> bool:
+    """Say whether no step promises more than `enough`: the damped one is asked first where it is taken first."""
+    if not settings.full_steps and model.promise(model.best(damping)) > enough:
+        return False
+    return model.full_promise <= enough
+
+
+def _take_full_step(model: LinearModel, evaluate: Evaluate, settings: Settings) -> Point | None:
+    """Take the undamped step, and further ones by the same derivatives; None if it gains less than half its promise.
+
+    Each of the further ones has to halve what is left of the promise, or it leads nowhere.
+    """
+    promise = model.full_promise
+    floor = model.cost - promise
+    point = evaluate(model.best(LEAST_DAMPING))
+    for _ in range(settings.bends):
+        left = point.cost - floor
+        if not settings.left * promise < left < np.inf:
+            break
+        further = evaluate(model.further(point.p, point.r))
+        if not further.cost - floor < left / 2:
+            break
+        point = further
+    return point if point.cost - floor < promise / 2 else None
+
+
+def _solve_linear(point: Point, evaluate: Evaluate, solve_linear: Solve) -> Point:
+    """Return the lower one of `point` and where its linear parameters are at their best."""
+    solved = solve_linear(point.p)
+    if solved is point.p:
+        return point
+    return min(evaluate(solved), point, key=lambda end: end.cost)
+
+
+class _Calls:
+    """A function whose calls are counted; it costs infinitely once they are used up."""
+
+    def __init__(self, evaluate: Evaluate, cost: float, *, most: int | None) -> None:
+        self._evaluate = evaluate
+        self._most = most
+        self.costs = [cost]  # the lowest until every call
+
+    @property
+    def made(self) -> int:
+        return len(self.costs) - 1
+
+    @property
+    def used_up(self) -> bool:
+        return self._most is not None and self.made >= self._most
+
+    def __call__(self, p: Array) -> Point:
+        if self.used_up:
+            return Point(p, np.full(1, np.inf), np.zeros((1, len(p))))
+        point = self._evaluate(p)
+        self.costs.append(min(point.cost, self.costs[-1]))
+        return point

@@ -5,18 +5,28 @@ vector makes each part cheap. A descent is Levenberg's and Marquardt's and takes
 shows enough of the ground; and a sum of squares has a bottom, so a minimum as small as rounding is the global one.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.residuals.levenberg_marquardt import Counted, Point, Residual, descend, evaluate
+from rotorrig.identify.chea.residuals.levenberg_marquardt import (
+    SEARCH,
+    Counted,
+    Minimum,
+    Point,
+    Progress,
+    Residual,
+    Stop,
+    minimize_squares,
+)
 from rotorrig.identify.chea.residuals.valleys import Valleys
 from rotorrig.identify.chea.session import StopReason
 from rotorrig.identify.chea.steps import heads, spread
 
 Array = NDArray[np.float64]
+Watch = Callable[[Progress], Stop | None]
 Starts = Callable[[Array], Array]  # points (n, dim) spread evenly over the cube -> where to begin, (n, dim)
 
 
@@ -28,7 +38,7 @@ class ResidualSettings:
     mutants: int = 2  # starts between two looks at whether to stop
     mutation: float = 0.3  # probability that a mutant does not have a parameter of the best minimum
     reach: float = 0.25  # longest step in any parameter
-    steps: int = 40  # of a descent
+    steps: int = 40  # calls of a descent
     rough: float = 1e-3  # a descent ends when a step promises less, of the cost
     fine: float = 1e-10  # so do the last ones, from the minima listed
     same_point: float = 0.02  # ends of descents this close are one minimum,
@@ -102,6 +112,8 @@ class _Search:
         self._starts = starts
         self._max_calls = max_calls
         self._settings = settings
+        self._steps = replace(SEARCH, reach=settings.reach)
+        self._cube = np.zeros(dim), np.ones(dim)
         self._valleys = self._none()
         self._lowest: Point
 
@@ -125,18 +137,18 @@ class _Search:
         None when the calls are used up.
         """
         number = min(self._settings.sample * self._dim, self._max_calls)
-        sample = [evaluate(self._fun, u) for u in self._starts(spread(number, self._dim, self._rng))]
+        sample = [self._fun(u) for u in self._starts(spread(number, self._dim, self._rng))]
         costs = np.array([point.cost for point in sample])
         self._lowest = sample[costs.argmin()]
         if not np.isfinite(costs).any():
             return
-        points = np.array([point.u for point in sample])
+        points = np.array([point.p for point in sample])
         yield from (sample[i] for i in heads(points, costs, neighbours=self._dim))
         while not self._enough():
             for _ in range(self._settings.mutants):
                 if self._fun.calls >= self._max_calls:
                     return
-                yield evaluate(self._fun, self._mutant())
+                yield self._fun(self._mutant())
 
     def _mutant(self) -> Array:
         """Return the lowest point with one parameter or more drawn anew: rotors' axes act almost separately.
@@ -149,34 +161,36 @@ class _Search:
             fresh = self._starts(fresh)
         mutated = self._rng.random(self._dim) < self._settings.mutation
         mutated[self._rng.integers(self._dim)] = True
-        return np.where(mutated, fresh[0], self._lowest.u)
+        return np.where(mutated, fresh[0], self._lowest.p)
 
     def _descend(self, start: Point) -> None:
         if not np.isfinite(start.cost):
             return
-        settings = self._settings
-        end = descend(
-            self._fun,
-            start,
-            tolerance=settings.rough,
-            reach=settings.reach,
-            max_steps=min(settings.steps, self._max_calls - self._fun.calls),
-            watch=self._watch,
-        )
+        end = self._follow(start, share=self._settings.rough, watch=self._watch)
         if end.point.cost < self._lowest.cost:
             self._lowest = end.point
-        if end.kind not in ("abandoned", "steps"):
+        if end.stop not in (Stop.GIVEN_UP, Stop.BUDGET):
             self._valleys.add(end.point)
 
-    def _watch(self, point: Point, costs: Sequence[float]) -> str | None:
-        """Say when a descent need not go on: nothing is left, it is at a known minimum, or it lags behind too far."""
-        settings = self._settings
-        if point.cost <= self._floor:
-            return "solved"
-        if self._valleys.holds(point):
-            return "known"
+    def _follow(self, start: Point, *, share: float, watch: Watch = lambda progress: None) -> Minimum:
+        """Return the end of a descent."""
+        return minimize_squares(
+            self._fun,
+            start,
+            bounds=self._cube,
+            settings=self._steps,
+            share=share,
+            max_calls=min(self._settings.steps, self._max_calls - self._fun.calls),
+            watch=watch,
+        )
+
+    def _watch(self, progress: Progress) -> Stop | None:
+        """End a descent where nothing is left to explain, at a known minimum, or where it lags behind too far."""
+        settings, point, costs = self._settings, progress.point, progress.costs
+        if point.cost <= self._floor or self._valleys.holds(point):
+            return Stop.ENOUGH
         lags = len(costs) > settings.patience and point.cost > (1 - settings.gain) * costs[-1 - settings.patience]
-        return "abandoned" if lags and point.cost > settings.significant * self._valleys.best else None
+        return Stop.GIVEN_UP if lags and point.cost > settings.significant * self._valleys.best else None
 
     def _enough(self) -> bool:
         """Return whether the basins not met are expected to be small enough."""
@@ -192,20 +206,16 @@ class _Search:
         found = self._none()
         for i in np.flatnonzero(self._valleys.cost <= max(settings.significant * self._valleys.best, self._floor)):
             end = self._valleys.points[i]
-            found.add(end if reason is StopReason.TARGET else self._bottom(end), hits=int(self._valleys.hits[i]))
+            bottom = end if reason is StopReason.TARGET else self._follow(end, share=settings.fine).point
+            found.add(bottom, hits=int(self._valleys.hits[i]))
         order = np.argsort(found.cost, kind="stable")
         return ResidualResult(
-            u=np.array([found.points[i].u for i in order]).reshape(-1, self._dim),
+            u=np.array([found.points[i].p for i in order]).reshape(-1, self._dim),
             cost=found.cost[order],
             hits=found.hits[order],
             calls=self._fun.calls,
             stop=reason,
         )
-
-    def _bottom(self, point: Point) -> Point:
-        settings = self._settings
-        steps = min(settings.steps, self._max_calls - self._fun.calls)
-        return descend(self._fun, point, tolerance=settings.fine, reach=settings.reach, max_steps=steps).point
 
     def _none(self) -> Valleys:
         return Valleys(self._dim, same_point=self._settings.same_point, same_fit=self._settings.same_fit)

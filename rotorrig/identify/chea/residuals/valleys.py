@@ -36,21 +36,21 @@ class Valleys:
             self.points.append(point)
             self.cost = np.append(self.cost, point.cost)
             self.hits = np.append(self.hits, hits)
-            self._u = np.vstack([self._u, point.u])
+            self._u = np.vstack([self._u, point.p])
             self._normal = np.concatenate([self._normal, point.normal[None]])
             return
         known = same[self.cost[same].argmin()]
         self.hits[known] += hits
         if point.cost < self.cost[known]:
             self.points[known], self.cost[known] = point, point.cost
-            self._u[known], self._normal[known] = point.u, point.normal
+            self._u[known], self._normal[known] = point.p, point.normal
 
     def holds(self, point: Point) -> bool:
         """Return whether a point is in a known valley, and no lower."""
         return bool((self._same(point) & (self.cost <= point.cost)).any())
 
     def _same(self, point: Point) -> NDArray[np.bool_]:
-        away = point.u - self._u
+        away = point.p - self._u
         change = np.einsum("vi,vij,vj->v", away, self._normal, away)
         near = np.abs(away).max(axis=1) <= self._same_point
         return near | (change <= self._same_fit * self.cost)

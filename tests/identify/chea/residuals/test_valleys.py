@@ -7,8 +7,11 @@ from rotorrig.identify.chea.residuals.valleys import Valleys
 
 
 def end(u, cost, normal=None):
-    u = np.array(u, dtype=float)
-    return Point(u, cost, np.zeros(len(u)), np.eye(len(u)) * 1e4 if normal is None else np.array(normal, dtype=float))
+    normal = np.eye(len(u)) * 1e4 if normal is None else np.array(normal, dtype=float)
+    J = np.sqrt(normal)  # they are diagonal
+    r = np.zeros(len(u))
+    r[0] = np.sqrt(cost)
+    return Point(np.array(u, dtype=float), r, J)
 
 
 def none():
@@ -21,7 +24,7 @@ def test_ends_close_together_are_one_minimum_kept_at_its_lowest():
         valleys.add(end(u, cost))
     assert valleys.cost.tolist() == [1.0]
     assert valleys.hits.tolist() == [3]
-    assert valleys.points[0].u.tolist() == [0.51, 0.49]
+    assert valleys.points[0].p.tolist() == [0.51, 0.49]
 
 
 def test_ends_far_apart_are_two_if_the_residuals_change_between_them():
