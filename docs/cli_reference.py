@@ -11,7 +11,9 @@ from rotorrig.app.cli import app
 HEAD = """# Every verb and option
 
 Written by `make docs` from the command itself; do not edit. `rotor VERB --help` says the same. `rotor
---install-completion` sets up completion for the shell in use.
+--version` shows the version; `rotor --install-completion` sets up completion for the shell in use, and
+`--show-completion` prints what it would install. A CONFIG is a TOML file, or the name of one that comes with the
+program (`rotor init` lists them) where no file is called so.
 
 A command that cannot do what it was asked says in one sentence what it got, what it wants and where, and ends with a
 status other than 0. Angles are from the keyphasor mark in the sense of rotation; amplitudes are 0-peak

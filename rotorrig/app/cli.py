@@ -5,9 +5,11 @@ Heavy libraries are imported inside the verb that needs them, so that `rotor --h
 
 import sys
 from collections.abc import Callable
+from typing import Annotated, Any
 
 import typer
 from rich.text import Text
+from typer.core import TyperGroup
 
 from rotorrig.app.terminal import err, out
 from rotorrig.app.verbs import data, model, rig
@@ -15,7 +17,21 @@ from rotorrig.rig import RigError
 
 __all__ = ["app", "err", "main", "out"]
 
+
+class Rotor(TyperGroup):
+    """The command; its help leaves `--show-completion` out, which would push it over a screen of 24 lines."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return the options that belong to no verb."""
+        options: list[Any] = super().get_params(ctx)
+        for option in options:
+            if option.name == "show_completion":
+                option.hidden = True
+        return options
+
+
 app = typer.Typer(
+    cls=Rotor,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help: fits a screen of 24 lines
@@ -25,6 +41,7 @@ app = typer.Typer(
 
 #: in the order of a session: what --help says of each in a line, and its function
 VERBS: dict[str, tuple[str, Callable[..., None]]] = {
+    "init": ("Write a bundled config to start from, or list them.", rig.init),
     "check": ("Check a config; with --connect, talk to its devices.", rig.check),
     "sweep": ("Run a sweep and record it; with --dry-run, preview it.", rig.sweep),
     "replay": ("Play a recording as if it were live.", data.replay),
@@ -39,6 +56,26 @@ VERBS: dict[str, tuple[str, Callable[..., None]]] = {
     "salvage": ("Make a valid recording of one that was cut off.", data.salvage),
     "demo": ("Show the whole path on a simulated RK4.", rig.demo),
 }
+
+
+def show_version(wanted: bool) -> None:
+    """Print the version, of a checkout with its commit, and end."""
+    if wanted:
+        from rotorrig.rig import code_version
+
+        print(f"rotorrig {code_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=show_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Take the options that belong to no verb."""
+
+
 for name, (in_a_line, verb) in VERBS.items():
     app.command(name, short_help=in_a_line)(verb)
 

@@ -11,6 +11,7 @@ from rotorrig.identify.result_files import read_identification
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.provenance import code_version
 from tests.identify.matched import matched_response, sought
 
 RK4 = str(Path(__file__).parents[2] / "configs/rk4.toml")
@@ -38,6 +39,16 @@ def test_check_names_the_critical_speeds(monkeypatch: pytest.MonkeyPatch, capsys
     ("words", "said"),
     [
         (["check", "none.toml"], "none.toml: cannot be read"),
+        (["check", "rk5"], "config 'rk5': is neither a file nor bundled, want a path or one of kfupm-rk4, rk4"),
+        (["sweep", "rk5", "--dry-run"], "config 'rk5'"),
+        (["simulate", "rk5"], "config 'rk5'"),
+        (["demo", "--config", "rk5"], "config 'rk5'"),
+        (["import", "none.csv", "--config", "rk5", "--out", "x.mcap"], "config 'rk5'"),
+        (["export", "rk5", "--ross", "--out", "x.json"], "config 'rk5'"),
+        (["diagnose", "none.mcap", "--config", "rk5", "--out", "d.json"], "config 'rk5'"),
+        (["init", "rk5"], "config 'rk5'"),
+        (["init", "rk4", "--out", "none/rk4.toml"], "none/rk4.toml: cannot be written"),
+        (["init", "--out", "my.toml"], "--out: wants the NAME of a bundled config"),
         (["check", RK4, "--connect"], "/dev/ttyUSB0"),
         (["sweep", RK4, "--out", "run.mcap", "--simulate", "--plan", "nope"], "plan 'nope'"),
         (["track", RK4, "--out", "x.mcap"], "rk4.toml"),
@@ -72,6 +83,31 @@ def test_a_mistake_is_one_sentence(
     assert "Traceback" not in err
     assert err.startswith("error: ")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_bundled_config_is_written_where_nothing_is(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(monkeypatch, capsys, "init", "rk4", "--out", "my.toml")[0] == 0
+    assert Path("my.toml").read_text() == Path(RK4).read_text()
+    Path("my.toml").write_text("mine")
+    code, _, err = run(monkeypatch, capsys, "init", "rk4", "--out", "my.toml")
+    assert (code, err) == (1, "error: my.toml: is there already, want --out with another name\n")
+    assert Path("my.toml").read_text() == "mine"
+
+
+def test_without_a_name_the_bundled_configs_are_listed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, out, _ = run(monkeypatch, capsys, "init")
+    assert [line.split()[0] for line in out.splitlines()] == ["kfupm-rk4", "rk4"]
+
+
+def test_the_version_is_the_one_that_files_carry(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, capsys, "--version")[:2] == (0, f"rotorrig {code_version()}\n")
 
 
 def test_the_measured_run_up_is_imported_fitted_and_shown_to_fit_poorly(

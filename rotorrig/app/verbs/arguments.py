@@ -7,20 +7,26 @@ from typing import Annotated
 import typer
 
 from rotorrig.rig import RigError
+from rotorrig.rig.config import RigConfig, find_config, load
+
+
+def load_config(given: Path) -> RigConfig:
+    """Read a config that was given by path or, if it is bundled, by name. Raises ConfigError."""
+    return load(find_config(given))
 
 
 def plans_of_the_config(context: typer.Context, incomplete: str) -> list[str]:
     """Return the plans a shell may complete `--plan` with; none where no config given so far can be read."""
-    from rotorrig.rig.config import load
-
     given = [context.params.get("config"), *context.args]  # behind an option without its value it is still a word
     for word in filter(None, given):
         with suppress(RigError):
-            return [name for name in load(Path(word)).plans if name.startswith(incomplete)]
+            return [name for name in load_config(Path(word)).plans if name.startswith(incomplete)]
     return []
 
 
-Config = Annotated[Path, typer.Argument(metavar="CONFIG", help="the rig's TOML file", show_default=False)]
+Config = Annotated[
+    Path, typer.Argument(metavar="CONFIG", help="the rig's TOML file, or a bundled one's name", show_default=False)
+]
 Out = Annotated[Path, typer.Option("--out", "-o", help="the file to write", show_default=False)]
 Response = Annotated[Path, typer.Argument(metavar="RESPONSE", help="a response.mcap", show_default=False)]
 Recording = Annotated[Path, typer.Argument(metavar="RUN", help="a run.mcap", show_default=False)]

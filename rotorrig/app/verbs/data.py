@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 import typer
 
 from rotorrig.app.terminal import err, progress_bars, tell, working
-from rotorrig.app.verbs.arguments import AsJson, Out, Recording, Trial, View
+from rotorrig.app.verbs.arguments import AsJson, Out, Recording, Trial, View, load_config
 from rotorrig.rig import ConfigError
-from rotorrig.rig.config import load
+from rotorrig.rig.config import find_config
 
 
 def replay(
@@ -101,7 +101,7 @@ def import_(
         raise ConfigError("--config: is missing, want the rig's TOML file, as it says what the columns are")
     else:
         with working(f"reading {file.name}"):
-            lines = [import_files.bring_in(file, rig=load(config), mapping=mapping, out=out_file)]
+            lines = [import_files.bring_in(file, rig=load_config(config), mapping=mapping, out=out_file)]
     tell("\n".join(lines), {"file": str(out_file), "said": lines}, as_json=as_json)
 
 
@@ -121,7 +121,7 @@ def export(
     if ross:
         from rotorrig.app.commands import ross_exchange
 
-        lines = ross_exchange.write_out(file, out=out_file, max_element=max_element)
+        lines = ross_exchange.write_out(find_config(file), out=out_file, max_element=max_element)
     else:
         with working(f"writing {out_file.name}"):
             lines = [export_files.write_out(file, out_file)]

@@ -7,8 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from rotorrig.app.terminal import err, out, tell, working
-from rotorrig.app.verbs.arguments import AsJson, Out, Response, Seed
-from rotorrig.rig.config import load
+from rotorrig.app.verbs.arguments import AsJson, Out, Response, Seed, load_config
 
 
 def identify(
@@ -68,7 +67,7 @@ def diagnose(
     from rotorrig.identify import diagnosis_table, write_diagnosis
 
     paths = [*responses, holdout] if holdout else responses
-    seen = diagnose.read_responses(paths, config=load(config) if config else None)
+    seen = diagnose.read_responses(paths, config=load_config(config) if config else None)
     used, unseen = seen[: len(responses)], seen[-1] if holdout else None
     try:
         found = diagnose.diagnosed(used, holdout=unseen, model=model, seed=seed)

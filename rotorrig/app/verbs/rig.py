@@ -1,14 +1,35 @@
-"""Verbs that are about a rig: check, sweep, simulate, demo."""
+"""Verbs that are about a rig: init, check, sweep, simulate, demo."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from rotorrig.app.terminal import err, tell
-from rotorrig.app.verbs.arguments import AsJson, Config, Faults, Hidden, Plan, Rate, Seed, Trial, View
+from rotorrig.app.terminal import err, out, tell
+from rotorrig.app.verbs.arguments import AsJson, Config, Faults, Hidden, Plan, Rate, Seed, Trial, View, load_config
 from rotorrig.rig import ConfigError, RigError
-from rotorrig.rig.config import RigConfig, load
+from rotorrig.rig.config import bundled_config, bundled_configs, copy_config, load
+
+
+def init(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="of a bundled config; without it they are listed")
+    ] = None,
+    out_file: Annotated[
+        Path | None, typer.Option("--out", "-o", help="the file to write", show_default="NAME.toml")
+    ] = None,
+) -> None:
+    """Write a bundled config to start from; without NAME, list them."""
+    if name:
+        path = out_file or Path(f"{name}.toml")
+        copy_config(name, path)
+        out.print(f"{path}: a copy of the bundled config; rotor check {path} says what it describes", highlight=False)
+        return
+    if out_file:
+        raise ConfigError("--out: wants the NAME of a bundled config; rotor init lists them")
+    configs = bundled_configs()
+    for known, file in configs.items():
+        out.print(f"{known:<{max(map(len, configs))}}  {load(file).name}", highlight=False, markup=False)
 
 
 def check(
@@ -23,7 +44,7 @@ def check(
     """Check a config, say what it describes; with --connect, talk to its devices."""
     from rotorrig.app.commands import check as checking
 
-    rig = load(config)
+    rig = load_config(config)
     if as_json:
         if model or clear:
             raise ConfigError("--json: goes with --connect alone, want it without --model and --clear-fault")
@@ -56,7 +77,7 @@ def sweep(
     """Run a sweep and record it; with --dry-run, show its steps, its limits and what speaks against it."""
     if faults and not simulate:
         raise ConfigError("--faults: wants --simulate, only a simulated rig has faults to order")
-    rig = load(config)
+    rig = load_config(config)
     if dry_run:
         from rotorrig.app.commands import sweep_preview as previewing
 
@@ -92,23 +113,15 @@ def simulate(
     from rotorrig.app.commands import simulate as simulating
 
     simulation = simulating.StandIn(seed=seed, hidden=hidden, rate=rate, faults=faults)
-    simulating.stand_in(load(config), simulation)
+    simulating.stand_in(load_config(config), simulation)
 
 
 def demo(
     folder: Annotated[Path, typer.Option("--out", help="the folder to write into")] = Path("demo"),
-    config: Annotated[
-        Path | None, typer.Option("--config", help="another rig", show_default="configs/rk4.toml")
-    ] = None,
+    config: Annotated[Path | None, typer.Option("--config", help="another rig", show_default="rk4")] = None,
     seed: Seed = 1,
 ) -> None:
     """Show the whole path on a simulated RK4, from sweep to report: a healthy rig and one with a bent shaft."""
     from rotorrig.app.commands.demo import run_demo
 
-    run_demo(load(config) if config else bundled("rk4"), out=folder, seed=seed)
-
-
-def bundled(name: str) -> RigConfig:
-    """Return a config that comes with the program: from the checkout, or from the installed package."""
-    places = [Path(__file__).parents[3] / "configs", Path(__file__).parents[2] / "configs"]
-    return load(next((p for d in places if (p := d / f"{name}.toml").exists()), places[0] / f"{name}.toml"))
+    run_demo(load_config(config or bundled_config("rk4")), out=folder, seed=seed)

@@ -1,5 +1,6 @@
 """`RigConfig`: a rig's nameplate, devices, limits and sweep plans, read from TOML with units and checked; SI inside."""
 
+from rotorrig.rig.config.bundled import bundled_config, bundled_configs, copy_config, find_config
 from rotorrig.rig.config.description import Identify, RigConfig, load, parse
 from rotorrig.rig.config.devices import (
     SAME_RAMP,
@@ -82,7 +83,11 @@ __all__ = [
     "TrialMass",
     "TrialMassRuns",
     "Tube",
+    "bundled_config",
+    "bundled_configs",
+    "copy_config",
     "extend",
+    "find_config",
     "load",
     "load_profile",
     "micrometres",
