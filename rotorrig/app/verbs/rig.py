@@ -23,7 +23,11 @@ def init(
     if name:
         path = out_file or Path(f"{name}.toml")
         copy_config(name, path)
-        out.print(f"{path}: a copy of the bundled config; rotor check {path} says what it describes", highlight=False)
+        out.print(
+            f"{path}: a copy of the bundled config; rotor check {path} says what it describes",
+            highlight=False,
+            soft_wrap=True,
+        )
         return
     if out_file:
         raise ConfigError("--out: wants the NAME of a bundled config; rotor init lists them")
