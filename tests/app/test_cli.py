@@ -10,8 +10,8 @@ from rotorrig.app import cli
 from rotorrig.identify.result_files import read_identification
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig import code_version
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.rig.provenance import code_version
 from tests.identify.matched import matched_response, sought
 
 RK4 = str(Path(__file__).parents[2] / "configs/rk4.toml")

@@ -4,9 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.rig.config.bundled import bundled_configs, find_config
-from rotorrig.rig.config.description import load
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig import ConfigError
+from rotorrig.rig.config import bundled_configs, find_config, load
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 
