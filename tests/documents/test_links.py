@@ -35,7 +35,9 @@ def test_the_page_a_page_names_is_there(page: str) -> None:
 
 def test_the_index_has_every_page_once_and_a_line_on_it() -> None:
     rows = re.findall(r"^\| \[[^\]]+\]\(([\w-]+\.md)\) \| (.+) \|$", text_of(INDEX), re.MULTILINE)
-    assert sorted(f"docs/{name}" for name, _ in rows) == sorted(page for page in PAGES if page.startswith("docs/") and page != INDEX)
+    assert sorted(f"docs/{name}" for name, _ in rows) == sorted(
+        page for page in PAGES if page.startswith("docs/") and page != INDEX
+    )
     assert all(line.strip() for _, line in rows)
 
 
