@@ -1,4 +1,4 @@
-"""A recording to order vectors, in a few named calls."""
+"""Tracking pipeline: a recording to order vectors with covariance, mask and slow roll, step by step."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -14,14 +14,15 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.rows import Rows, Span, find_runs, lay_rows, quality
 from rotorrig.processing.settings import USUAL, Tracking
 from rotorrig.processing.shaft_angle import TURN, ShaftAngle, read_keyphasor
+from rotorrig.processing.slow_roll import add_slow_roll
 from rotorrig.processing.slow_roll import vector as slow_roll
-from rotorrig.processing.slow_roll import with_slow_roll
 from rotorrig.processing.tracking import METHODS, TrackingMethod
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig import DataError, code_version
 from rotorrig.rig.config import NO_TRIAL, TrialMass, read_trial_mass, trial_unbalance
 
-_BEGUN, _VECTORS, _KNOWN = 0.2, 0.4, 0.9  # shares of the time: up to the rows, for the vectors, up to the covariance
+# shares of the time: done after the rows, taken by the vectors, done after the covariance
+_ROWS_DONE, _VECTORS_SHARE, _COVARIANCE_DONE = 0.2, 0.4, 0.9
 BEYOND = "the window reaches beyond the samples"
 
 
@@ -35,25 +36,27 @@ def track(
     """Return the order vectors of a recording, rows and method as `settings` say, with their covariance.
 
     `trial` are the trial masses that were on the rotor all the time, None: those the recording notes. `progress` is
-    told the fraction done. Raises DataError if the recording has no keyphasor pulses, no run or no whole row.
+    called with the fraction done. Raises DataError if the recording has no keyphasor pulses, no run or no whole row.
     """
     tell = progress or (lambda done: None)
     waveforms = Waveforms(recording)
     method, orders = METHODS[settings.method], settings.orders
     shaft = read_keyphasor(waveforms)
-    masses = recorded_trial_masses(recording) if trial is None else [(0.0, trial_unbalance(trial))]
+    masses = trial_mass_history(recording) if trial is None else [(0.0, trial_unbalance(trial))]
     spans = find_runs(recording.events, shaft, trial=masses)
     rows = _rows(shaft, spans, settings)
     _check_rows(rows, spans, waveforms.where)
-    tell(_BEGUN)
-    z = method.track(waveforms, shaft, rows, orders=orders, progress=lambda done: tell(_BEGUN + _VECTORS * done))
+    tell(_ROWS_DONE)
+    z = method.track(
+        waveforms, shaft, rows, orders=orders, progress=lambda done: tell(_ROWS_DONE + _VECTORS_SHARE * done)
+    )
     spectrum = noise_between_orders(waveforms, shaft, rows, orders=orders)
     covariance = estimate_covariance(spectrum, shaft, rows, z, orders=orders, method=method)
-    tell(_KNOWN)
+    tell(_COVARIANCE_DONE)
     usable, reasons = quality.assess(waveforms, shaft, rows, spans=spans, probes=recording.rig.probes)
-    usable, reasons = without_vectors(z, usable, reasons)
-    beyond, unknown = quality.blind_orders(rows, orders, rate=waveforms.rate)
-    raw = _without_slow_roll(
+    usable, reasons = mask_rows_without_vectors(z, usable, reasons)
+    beyond, unknown = quality.aliased_orders(rows, orders, rate=waveforms.rate)
+    raw = _assemble_response(
         recording,
         settings,
         shaft,
@@ -65,21 +68,21 @@ def track(
         reasons=reasons,
     )
     hum = line_remarks(spectrum.lines, raw, rows)
-    remarks = quality.together(quality.keyphasor_remarks(shaft, rows), unknown, hum)
-    response = with_slow_roll(replace(raw, remarks=remarks), waveforms, shaft, rows, window=settings.slow_roll)
+    remarks = quality.join_remarks(quality.keyphasor_remarks(shaft, rows), unknown, hum)
+    response = add_slow_roll(replace(raw, remarks=remarks), waveforms, shaft, rows, window=settings.slow_roll)
     tell(1.0)
     return response
 
 
-def _without_slow_roll(
+def _assemble_response(
     recording: WaveformSource,
     settings: Tracking,
     shaft: ShaftAngle,
     spans: tuple[Span, ...],
     rows: Rows,
-    **found: Any,
+    **arrays: Any,
 ) -> OrderTrackedResponse:
-    """Return the response of what was `found` row by row, before a slow roll is looked for."""
+    """Assemble the response from its `arrays` per row, before a slow roll is looked for."""
     method = METHODS[settings.method]
     none = slow_roll.none(probes=len(recording.rig.probes), orders=len(settings.orders))
     return OrderTrackedResponse(
@@ -102,12 +105,12 @@ def _without_slow_roll(
         alpha_sigma=shaft.alpha_sigma(rows.t),
         jitter=shaft.jitter(rows.middle, first=int(shaft.turn[0]), last=int(shaft.turn[-1])),
         source=replace(recording.source, config_hash=recording.rig.hash, code_version=code_version()),
-        **found,
+        **arrays,
     )
 
 
-def recorded_trial_masses(recording: WaveformSource) -> list[tuple[float, dict[str, complex]]]:
-    """Return since when [s] which unbalance [kg m] was on per disk, as a sweep noted it.
+def trial_mass_history(recording: WaveformSource) -> list[tuple[float, dict[str, complex]]]:
+    """Return the trial unbalance [kg m] per disk over time, each with the time [s] it was mounted, as a sweep noted it.
 
     Each note adds a mass to those before, until one says that none is on. Raises ConfigError if one cannot be read.
     """
@@ -148,13 +151,13 @@ def estimate_covariance(
     return noisy + noise.jitter_covariance(z, shaft, rows, orders=orders, bandwidth=method.bandwidth)
 
 
-def without_vectors(
+def mask_rows_without_vectors(
     z: NDArray[np.complex128], usable: NDArray[np.bool_], reasons: quality.Reasons
 ) -> tuple[NDArray[np.bool_], quality.Reasons]:
-    """Return the mask and its reasons with the rows out that have no vectors: their window is longer than the data."""
-    none = np.asarray(usable & np.isnan(z).all(axis=2))
-    said = tuple((*row, BEYOND) if out.any() else row for row, out in zip(reasons, none, strict=True))
-    return usable & ~none, said
+    """Mask rows that have no vectors, since their window reaches beyond the data; return the mask and its reasons."""
+    missing = np.asarray(usable & np.isnan(z).all(axis=2))
+    reasons = tuple((*row, BEYOND) if out.any() else row for row, out in zip(reasons, missing, strict=True))
+    return usable & ~missing, reasons
 
 
 def _rows(shaft: ShaftAngle, spans: tuple[Span, ...], settings: Tracking) -> Rows:

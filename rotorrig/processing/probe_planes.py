@@ -1,4 +1,4 @@
-"""Planes of probes: two at one place along the shaft resolve its motion into x and y, and into whirl."""
+"""Probe planes: two probes at one place along the shaft resolve its motion into x and y, and into whirl."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ PARALLEL = 0.1  # |sin| of the angle between two probes below which they see one
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plane:
-    """Two probes at one position, and how their readings make x and y."""
+    """Two probes at one position, and the matrix from their readings to x and y."""
 
     position: float  # m
     probes: tuple[str, str]
@@ -23,13 +23,13 @@ class Plane:
 
     @property
     def name(self) -> str:
-        """What to call it: "1x, 1y at 250.5 mm"."""
+        """Name for a reader: "1x, 1y at 250.5 mm"."""
         return f"{', '.join(self.probes)} at {self.position * 1e3:g} mm"
 
 
 def planes(rig: RigConfig) -> tuple[Plane, ...]:
     """Return the probe planes of a rig from the coupling outwards; probes without a partner make none."""
-    found = []
+    planes = []
     for position in sorted({probe.position for probe in rig.probes}):
         here = [probe for probe in rig.probes if probe.position == position]
         pairs = [(a, b) for i, a in enumerate(here) for b in here[i + 1 :]]
@@ -37,12 +37,12 @@ def planes(rig: RigConfig) -> tuple[Plane, ...]:
         a, b = max(pairs, key=lambda pair: abs(np.sin(pair[1].angle - pair[0].angle)), default=(here[0], here[0]))
         if abs(np.sin(b.angle - a.angle)) > PARALLEL:
             rows = np.array([[np.cos(a.angle), np.sin(a.angle)], [np.cos(b.angle), np.sin(b.angle)]])
-            found.append(Plane(position=position, probes=(a.name, b.name), to_xy=np.linalg.inv(rows)))
-    return tuple(found)
+            planes.append(Plane(position=position, probes=(a.name, b.name), to_xy=np.linalg.inv(rows)))
+    return tuple(planes)
 
 
 def measured_planes(rig: RigConfig, probes: Sequence[str]) -> Iterator[tuple[Plane, list[int]]]:
-    """Yield the planes of which both probes are among `probes`, and where they stand there."""
+    """Yield the planes with both probes among `probes`, and their indices there."""
     for plane in planes(rig):
         if set(plane.probes) <= set(probes):
             yield plane, [probes.index(name) for name in plane.probes]

@@ -1,4 +1,4 @@
-"""`OrderTrackedResponse`: vibration at shaft orders over speed, and its MCAP file.
+"""`OrderTrackedResponse`: vibration at shaft orders over speed.
 
 Conventions (README): z = 2 mean(x e^{-j theta}), so x = Re(z e^{j theta}) with theta = 0 at the keyphasor edge;
 metres, 0-peak; phase lag = -arg z. Order 0 holds the gap (mean position) as a real number.

@@ -1,4 +1,4 @@
-"""`Tracking`: what a recording is tracked for, checked when it is made, and how its parts are written as text."""
+"""Settings of order tracking, checked when they are made, with the text forms of their parts."""
 
 import math
 from dataclasses import dataclass
@@ -9,15 +9,15 @@ from rotorrig.rig import ConfigError
 from rotorrig.rig.config import to_si
 
 ORDERS = (0.0, 0.5, 1.0, 2.0, 3.0)  # the gap, half and whole multiples of the speed that faults are known by
-#: orders apart times turns that a method wants between an order and the next, or a whole one: Blackman's window is
-#: zero from 3 on; a fit tells them apart from 1 on, where the noise of either rises by a seventh
-APART: dict[Method, float] = {"resampling": 3.0, "least-squares": 1.0, "vold-kalman": 1.0}
+#: separation of neighbouring orders, whole ones included, times turns, that a method needs: Blackman's window is zero
+#: from 3 on; a fit separates them from 1 on, where the noise of either rises by a seventh
+ORDER_SEPARATION: dict[Method, float] = {"resampling": 3.0, "least-squares": 1.0, "vold-kalman": 1.0}
 LONGEST = 10_000  # turns
 HIGHEST = 100.0  # order
 
 
 class SpeedWindow(NamedTuple):
-    """Speeds from `low` to `high` [rad/s]."""
+    """Window of speeds from `low` to `high` [rad/s]."""
 
     low: float
     high: float
@@ -40,7 +40,7 @@ class SpeedWindow(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spacing:
-    """How far rows are apart: in speed [rad/s] or in time [s]."""
+    """Spacing of rows, in speed [rad/s] or in time [s]."""
 
     of: Literal["speed", "time"]
     step: float
@@ -60,7 +60,7 @@ class Spacing:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tracking:
-    """How a recording is tracked. Raises ConfigError for what no recording can be tracked with."""
+    """Settings of order tracking. Raises ConfigError for settings no recording can be tracked with."""
 
     turns: int = 8  # of a row's window
     orders: tuple[float, ...] = ORDERS
@@ -70,38 +70,40 @@ class Tracking:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "orders", tuple(float(order) for order in self.orders))
-        if self.method not in APART:
-            known = ", ".join(name for name in get_args(Method) if name in APART)
+        if self.method not in ORDER_SEPARATION:
+            known = ", ".join(name for name in get_args(Method) if name in ORDER_SEPARATION)
             raise ConfigError(f"method: got '{self.method}', want one of {known}")
         if not 1 <= self.turns <= LONGEST or self.turns != int(self.turns):
             raise ConfigError(f"turns: got {self.turns}, want a whole number from 1 to {LONGEST}")
         if not self.orders or len(set(self.orders)) < len(self.orders):
-            raise ConfigError(f"orders: got {_listed(self.orders)}, want one or more, each once, such as 0, 0.5, 1, 2")
+            raise ConfigError(
+                f"orders: got {_join_orders(self.orders)}, want one or more, each once, such as 0, 0.5, 1, 2"
+            )
         for order in self.orders:
             if not abs(order) <= HIGHEST:  # NaN too
                 raise ConfigError(f"orders: got {order:g}, want none above {HIGHEST:g}")
-            self._check_apart(order)
+            self._check_separation(order)
 
-    def _check_apart(self, order: float) -> None:
-        """Check that an order leaks neither into the others nor into the whole ones, asked for or not."""
+    def _check_separation(self, order: float) -> None:
+        """Raise ConfigError if an order leaks into another or into a whole one, tracked or not."""
         beside = [abs(order - other) for other in (*self.orders, math.floor(order), math.ceil(order)) if other != order]
         apart = min([1.0, *beside])
-        if self.turns * apart < APART[self.method] * (1 - 1e-9) or not self._fits(order, self.turns):
-            enough = math.ceil(APART[self.method] / apart - 1e-9)
+        if self.turns * apart < ORDER_SEPARATION[self.method] * (1 - 1e-9) or not self._fits(order, self.turns):
+            enough = math.ceil(ORDER_SEPARATION[self.method] / apart - 1e-9)
             while not self._fits(order, enough) and enough < LONGEST:
                 enough += 1
             raise ConfigError(
                 f"orders: rows of {self.turns} turns cannot tell order {order:g} from its neighbours"
                 + (f", want turns = {enough} or a multiple of it" if enough < LONGEST else "")
-                + (", or the method least-squares" if self._fitted_can(apart) else "")
+                + (", or the method least-squares" if self._fit_suffices(apart) else "")
             )
 
     def _fits(self, order: float, turns: int) -> bool:
-        """Return whether the method can look at the order through so many turns: a sum wants whole periods of it."""
+        """Return True if the method can track the order over so many turns: resampling needs whole periods of it."""
         return self.method != "resampling" or abs(turns * order - round(turns * order)) < 1e-9
 
-    def _fitted_can(self, apart: float) -> bool:
-        return self.method == "resampling" and self.turns * apart >= APART["least-squares"]
+    def _fit_suffices(self, apart: float) -> bool:
+        return self.method == "resampling" and self.turns * apart >= ORDER_SEPARATION["least-squares"]
 
 
 USUAL = Tracking()
@@ -119,5 +121,5 @@ def read_orders(text: str, *, where: str) -> tuple[float, ...]:
         raise ConfigError(f"{where}: got '{text}', want numbers such as '0, 0.5, 1, 2, 3'") from error
 
 
-def _listed(orders: tuple[float, ...]) -> str:
+def _join_orders(orders: tuple[float, ...]) -> str:
     return ", ".join(f"{order:g}" for order in orders) or "none"

@@ -1,4 +1,4 @@
-"""The samples of a recording by time: raw counts kept as they are, volts and metres made for the stretch asked for."""
+"""Waveforms of a recording by time: raw counts, converted to volts and metres for the stretch asked for."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Stretch:
 
 
 class Waveforms:
-    """A recording's samples, read when they are asked for; time is the sample index over the sample rate."""
+    """Samples of a recording, read when they are asked for; time is the sample index over the sample rate."""
 
     def __init__(self, recording: WaveformSource) -> None:
         """Take the samples of a recording. Raises DataError if there are none or too few channels."""

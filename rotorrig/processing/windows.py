@@ -1,4 +1,4 @@
-"""Windows of a row, as weights of the shaft angle about its middle. Harris, Proc. IEEE 66 (1978) 51.
+"""Window functions of a row, over the shaft angle about its middle. Harris, Proc. IEEE 66 (1978) 51.
 
 A Hann window lets 0.3 % of a line half an order away into a row of 8 turns, and white noise as through 1.5 / turns
 orders; Blackman's, 0.09 % and as through 1.73 / turns.
@@ -13,19 +13,19 @@ HANN_BANDWIDTH = 1.5
 
 
 def hann(psi: NDArray[np.float64], *, turns: float) -> NDArray[np.float64]:
-    """Return the weight of angle psi [rad] from the middle of a row of so many turns; 0 with its slope at the ends."""
+    """Return Hann's window at angle psi [rad] from the middle of a row of `turns`; 0 with its slope at the ends."""
     return 1 + np.cos(psi / turns)
 
 
 def blackman(psi: NDArray[np.float64], *, turns: float) -> NDArray[np.float64]:
-    """Return the same of Blackman's window."""
+    """Return Blackman's window at angle psi [rad] from the middle of a row of `turns`."""
     a, b, c = BLACKMAN
     return a + b * np.cos(psi / turns) + c * np.cos(2 * psi / turns)
 
 
-def blackman_response(beside: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return what the window lets through at `beside` = (orders away) * turns: 1 at 0, 0 at 3, 4, 5 and so on."""
+def blackman_response(offset: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the response of Blackman's window at `offset` = (orders away) * turns: 1 at 0, 0 at 3, 4, 5 and so on."""
     a, b, c = BLACKMAN
-    first = np.sinc(beside - 1) + np.sinc(beside + 1)
-    second = np.sinc(beside - 2) + np.sinc(beside + 2)
-    return np.sinc(beside) + (b * first + c * second) / (2 * a)
+    first = np.sinc(offset - 1) + np.sinc(offset + 1)
+    second = np.sinc(offset - 2) + np.sinc(offset + 2)
+    return np.sinc(offset) + (b * first + c * second) / (2 * a)

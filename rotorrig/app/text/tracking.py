@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from rotorrig.processing import OrderTrackedResponse, Tracking
-from rotorrig.processing.rows import too_close
+from rotorrig.processing.rows import crowded_share
 from rotorrig.rig.config import RPM
 
 
@@ -21,7 +21,7 @@ def tracked_words(response: OrderTrackedResponse) -> str:
 def spacing_words(response: OrderTrackedResponse, settings: Tracking) -> str:
     """Return a sentence where rows stand further apart than was asked for, empty where none does."""
     every = settings.every
-    share = too_close(response, every) if every else 0.0
+    share = crowded_share(response, every) if every else 0.0
     if every is None or not share:
         return ""
     asked = f"{every.step * RPM:g} rpm" if every.of == "speed" else f"{every.step:g} s"

@@ -1,4 +1,4 @@
-"""Order vectors that somebody else tracked: a Bode table in CSV, read by a mapping (see `table_mapping`).
+"""Import of order vectors tracked by others: a Bode table in CSV, read by a mapping (see `bode_table_mapping`).
 
 Where each row is one revolution, times follow by adding up the turns, and with them the keyphasor's pulses, so that
 the model can take the moving speed into account. Where the table says nothing of its uncertainty it is estimated
@@ -24,7 +24,7 @@ from rotorrig.processing.files.bode_table_mapping import (
     load_mapping,
 )
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.processing.slow_roll import FirstOrder, chosen_rows, validity
+from rotorrig.processing.slow_roll import FirstOrder, chosen_rows, validity_remarks
 from rotorrig.processing.slow_roll import vector as slow_roll
 from rotorrig.rig import DataError, Provenance, code_version, file_hash
 from rotorrig.rig.config import RigConfig, trial_unbalance
@@ -45,7 +45,7 @@ def read_table(csv_path: Path, mapping_path: Path, rig: RigConfig) -> OrderTrack
     """
     mapping = load_mapping(mapping_path, rig)
     table = _read_csv(csv_path, mapping)
-    run = _runs_of(table, mapping)
+    run = _run_index(table, mapping)
     omega = _speeds(table, mapping, run)
     orders = tuple(sorted({vector.order for vector in mapping.vectors}))
     z = _vectors(table, mapping, rig, orders)
@@ -60,12 +60,12 @@ def read_table(csv_path: Path, mapping_path: Path, rig: RigConfig) -> OrderTrack
         rig=rig,
         probes=tuple(probe.name for probe in rig.probes),
         orders=orders,
-        runs=tuple(_run(described) for described in mapping.runs),
+        runs=tuple(_run(table_run) for table_run in mapping.runs),
         run=run,
         t=t,
         omega=omega,
         alpha=alpha,
-        revolutions=np.array([_revolutions(described) for described in mapping.runs])[run],
+        revolutions=np.array([_revolutions(table_run) for table_run in mapping.runs])[run],
         window=mapping.window,
         z=z,
         covariance=covariance,
@@ -83,12 +83,12 @@ def read_table(csv_path: Path, mapping_path: Path, rig: RigConfig) -> OrderTrack
         ),
     )
     first = FirstOrder.of(response, chosen_rows(response))
-    return replace(response, slow_roll_remarks=slow.remarks + (validity(first, slow) if first else ()))
+    return replace(response, slow_roll_remarks=slow.remarks + (validity_remarks(first, slow) if first else ()))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Table:
-    """A CSV file as text cells, and where each row stands in it."""
+    """CSV file as text cells, with the line each row stands in."""
 
     path: Path
     cells: dict[str, list[str]]
@@ -125,8 +125,8 @@ def _read_csv(path: Path, mapping: TableMapping) -> _Table:
     header = rows[0][1]
     for column in _columns(mapping):
         if header.count(column) != 1:
-            found = "two columns of that name" if column in header else f"the columns {header}"
-            raise DataError(f"{path}: want one column '{column}', got {found}")
+            got = "two columns of that name" if column in header else f"the columns {header}"
+            raise DataError(f"{path}: want one column '{column}', got {got}")
     for line, row in rows[1:]:
         if len(row) != len(header):
             raise DataError(f"{path}: row {line}: got {len(row)} cells, want {len(header)} as in the header")
@@ -139,17 +139,17 @@ def _columns(mapping: TableMapping) -> list[str]:
     return [*named, mapping.run_column] if mapping.run_column else named
 
 
-def _runs_of(table: _Table, mapping: TableMapping) -> NDArray[np.intp]:
+def _run_index(table: _Table, mapping: TableMapping) -> NDArray[np.intp]:
     """Return the index of each row's run."""
     if mapping.run_column is None:
         return np.zeros(len(table.lines), dtype=np.intp)
     index = {run.value: i for i, run in enumerate(mapping.runs) if run.value is not None}
-    found = np.empty(len(table.lines), dtype=np.intp)
+    run = np.empty(len(table.lines), dtype=np.intp)
     for i, cell in enumerate(table.cells[mapping.run_column]):
         if cell not in index:
             raise table.fault(i, mapping.run_column, f"got '{cell:.60}', want one of {sorted(index)}, the runs' values")
-        found[i] = index[cell]
-    return found
+        run[i] = index[cell]
+    return run
 
 
 def _speeds(table: _Table, mapping: TableMapping, run: NDArray[np.intp]) -> NDArray[np.float64]:
@@ -161,8 +161,8 @@ def _speeds(table: _Table, mapping: TableMapping, run: NDArray[np.intp]) -> NDAr
             raise table.fault(i, column, f"got '{table.cells[column][i]:.60}', want a speed above 0")
         if not SPEEDS[0] <= float(value) * mapping.speed.unit <= SPEEDS[1]:
             raise table.fault(i, column, f"got {value:g}, want the speed of a rotor; is the unit right?")
-    for index, described in enumerate(mapping.runs):
-        rows, direction = np.flatnonzero(run == index), DIRECTIONS[described.direction]
+    for index, table_run in enumerate(mapping.runs):
+        rows, direction = np.flatnonzero(run == index), DIRECTIONS[table_run.direction]
         furthest = np.maximum.accumulate(direction * raw[rows])
         back = furthest - direction * raw[rows] > BACKWARDS * raw[rows]
         if direction and back.any():
@@ -171,7 +171,7 @@ def _speeds(table: _Table, mapping: TableMapping, run: NDArray[np.intp]) -> NDAr
                 int(rows[k]),
                 column,
                 f"got {raw[rows[k]]:g} after {abs(furthest[k]):g}, want speeds that only "
-                f"{'rise' if direction > 0 else 'fall'} in run '{described.name}'",
+                f"{'rise' if direction > 0 else 'fall'} in run '{table_run.name}'",
             )
     return raw * mapping.speed.unit
 
@@ -230,15 +230,15 @@ def _times(
     Pulses follow only for a single run of consecutive revolutions: between runs nobody knows how much time passed.
     """
     t, alpha = np.full(len(omega), np.nan), np.full(len(omega), np.nan)
-    for index, described in enumerate(runs):
+    for index, table_run in enumerate(runs):
         rows = run == index
-        if described.rows and len(runs) == 1:
+        if table_run.rows and len(runs) == 1:
             pulses = np.concatenate([[0.0], np.cumsum(2 * np.pi / omega)])
             t = (pulses[1:] + pulses[:-1]) / 2
             return t, np.gradient(omega, t) if len(t) > 1 else alpha, pulses
-        if described.ramp is not None:
-            alpha[rows] = DIRECTIONS[described.direction] * described.ramp
-        elif described.direction == "dwell":
+        if table_run.ramp is not None:
+            alpha[rows] = DIRECTIONS[table_run.direction] * table_run.ramp
+        elif table_run.direction == "dwell":
             alpha[rows] = 0.0
     return t, alpha, np.empty(0)
 
@@ -301,8 +301,8 @@ def _slow_roll(
     """Return the stated slow roll, or that of the run named "slow roll", or none."""
     nothing = slow_roll.none(probes=z.shape[1], orders=z.shape[2])
     if mapping.slow_roll is not None:
-        return _stated(mapping.slow_roll, nothing, covariance, rig, orders)
-    index = next((i for i, described in enumerate(mapping.runs) if described.name == "slow roll"), None)
+        return _convert_stated(mapping.slow_roll, nothing, covariance, rig, orders)
+    index = next((i for i, table_run in enumerate(mapping.runs) if table_run.name == "slow roll"), None)
     rows = run == index
     if index is None or not rows.any():
         return nothing
@@ -310,7 +310,7 @@ def _slow_roll(
     return slow_roll.estimate(z[rows], covariance[rows], omega[rows], usable=usable)
 
 
-def _stated(
+def _convert_stated(
     stated: StatedSlowRoll,
     nothing: slow_roll.SlowRoll,
     covariance: NDArray[np.float64],
@@ -325,13 +325,13 @@ def _stated(
     return replace(nothing, z=z, covariance=np.median(covariance, axis=0), omega=stated.speed)
 
 
-def _run(described: TableRun) -> Run:
-    direction = DIRECTIONS[described.direction]
-    return Run(name=described.name, direction=direction, trial_unbalance=trial_unbalance(described.trial))
+def _run(table_run: TableRun) -> Run:
+    direction = DIRECTIONS[table_run.direction]
+    return Run(name=table_run.name, direction=direction, trial_unbalance=trial_unbalance(table_run.trial))
 
 
-def _revolutions(described: TableRun) -> float:
+def _revolutions(table_run: TableRun) -> float:
     """Return the turns per row; NaN: unknown."""
-    if described.rows:
+    if table_run.rows:
         return 1.0
-    return described.revolutions if described.revolutions is not None else math.nan
+    return table_run.revolutions if table_run.revolutions is not None else math.nan

@@ -1,4 +1,4 @@
-"""What the columns of a Bode table mean: a small TOML file beside the CSV, checked.
+"""Mapping of a Bode table's columns to speeds and vectors: a small TOML file beside the CSV, checked.
 
 [speed]
 column = "rpm"
@@ -35,14 +35,14 @@ DIRECTIONS = {"up": 1, "down": -1, "dwell": 0}
 
 
 class SpeedColumn(Part):
-    """Which column is the speed."""
+    """Column of the speed."""
 
     column: str
     unit: Speed
 
 
 class VectorColumns(Part):
-    """Which columns are the vector of a probe at an order."""
+    """Columns of the vector of a probe at an order."""
 
     probe: str
     order: float = 1.0

@@ -1,4 +1,4 @@
-"""Order vectors as CSV, for people and programs that read nothing else; the conventions stand in its first lines."""
+"""Export of order vectors as CSV; the conventions stand in its first lines."""
 
 import csv
 import io

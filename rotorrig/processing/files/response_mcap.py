@@ -1,4 +1,4 @@
-"""`response.mcap`: an `OrderTrackedResponse` in a file, twice: exact for this program, readable for everyone else.
+"""Response file `response.mcap`: an `OrderTrackedResponse`, exact for this program and readable for every other.
 
 Topics `/response` and `/response/array` restore it bit by bit. The others hold the same as plain numbers with their
 unit in the name (response_topics.py) and as a scene with a log (response_scene.py), which Rerun, Foxglove and the

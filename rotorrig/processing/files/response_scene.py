@@ -1,4 +1,4 @@
-"""A response as a scene and a log, which Rerun and Foxglove draw by themselves when they open `response.mcap`.
+"""Scene and log of a response, which Rerun and Foxglove draw by themselves when they open `response.mcap`.
 
 `/rig`: shaft, disks, bearings and probes, once. `/orbits`: the 1X orbits of every plane of probes in their place along
 the shaft, over time, larger than they are. `/log`: what the runs are, and from where on rows are not usable.
@@ -40,14 +40,14 @@ def messages(response: OrderTrackedResponse) -> Iterator[Message]:
     yield "/rig", POINT_CLOUD, min(times), _cloud(min(times), _rig(response.rig))
     planes = list(measured_planes(response.rig, response.probes)) if 1.0 in response.orders else []
     scale = exaggeration(response) if planes else 1.0
-    for i in _shown_rows(response) if planes else ():
+    for i in _rows_to_show(response) if planes else ():
         yield "/orbits", POINT_CLOUD, times[i], _cloud(times[i], _orbits(response, i, planes, scale))
     for i, level, words in _lines(response, scale if planes else None):
         yield "/log", LOG, times[i], log_values(times[i], _plain(words), level=level)
 
 
 def exaggeration(response: OrderTrackedResponse) -> float:
-    """Return how many times larger than they are the 1X orbits are drawn: a round number."""
+    """Return the scale at which the 1X orbits are drawn, a round number."""
     size = np.abs(_vectors(response))[response.usable]
     largest = float(np.nanmax(size)) if np.isfinite(size).any() else 0.0
     if not largest > 0:
@@ -63,7 +63,7 @@ def _vectors(response: OrderTrackedResponse) -> NDArray[np.complex128]:
     return response.compensated(1.0) if known else response.order(1.0)
 
 
-def _shown_rows(response: OrderTrackedResponse) -> list[int]:
+def _rows_to_show(response: OrderTrackedResponse) -> list[int]:
     """Return rows of every run at about even steps of speed; of a dwell, the first."""
     shown: list[int] = []
     for run in range(len(response.runs)):
@@ -85,35 +85,37 @@ def _orbits(response: OrderTrackedResponse, i: int, planes: list[tuple[Plane, li
     colour = RISING if direction > 0 else FALLING if direction < 0 else DWELL
     theta = np.linspace(0.0, 2 * np.pi, ORBIT_POINTS, endpoint=False)
     z = _vectors(response)[i]
-    found: list[Piece] = []
+    pieces: list[Piece] = []
     for plane, places in planes:
         if not (response.usable[i, places].all() and np.isfinite(z[places]).all()):
             continue
         xy = scale * plane.to_xy @ (z[places, None] * np.exp(1j * theta)).real
-        found.append((_placed(plane.position, xy), colour))
+        pieces.append((_at_position(plane.position, xy), colour))
         around = 0.004 * response.rig.shaft.length * np.exp(2j * np.pi * np.arange(DOT_POINTS) / DOT_POINTS)
-        found.append((_placed(plane.position, xy[:, :1] + np.array([around.real, around.imag])), KEYPHASOR))
-    return found
+        pieces.append((_at_position(plane.position, xy[:, :1] + np.array([around.real, around.imag])), KEYPHASOR))
+    return pieces
 
 
 def _rig(rig: RigConfig) -> list[Piece]:
     length, radius = rig.shaft.length, rig.shaft.diameter / 2
     z = np.linspace(0.0, length, 3 * RING_POINTS)
-    found: list[Piece] = [(np.column_stack([z, 0 * z, 0 * z]), STEEL)]
-    found += [(_ring(d.position + e * d.width / 2, d.diameter / 2), DISK) for d in rig.disks for e in (-1, 1)]
-    found += [(_ring(bearing.position, 3 * radius), BEARING) for bearing in rig.bearings]
+    pieces: list[Piece] = [(np.column_stack([z, 0 * z, 0 * z]), STEEL)]
+    pieces += [(_ring(d.position + e * d.width / 2, d.diameter / 2), DISK) for d in rig.disks for e in (-1, 1)]
+    pieces += [(_ring(bearing.position, 3 * radius), BEARING) for bearing in rig.bearings]
     for probe in rig.probes:
         reach = radius + np.linspace(0.002, 0.03, 12)
-        found.append((_placed(probe.position, np.outer([math.cos(probe.angle), math.sin(probe.angle)], reach)), PROBE))
-    return found
+        pieces.append(
+            (_at_position(probe.position, np.outer([math.cos(probe.angle), math.sin(probe.angle)], reach)), PROBE)
+        )
+    return pieces
 
 
 def _ring(position: float, radius: float) -> Reals:
     theta = np.linspace(0.0, 2 * np.pi, RING_POINTS, endpoint=False)
-    return _placed(position, radius * np.array([np.cos(theta), np.sin(theta)]))
+    return _at_position(position, radius * np.array([np.cos(theta), np.sin(theta)]))
 
 
-def _placed(position: float, xy: Reals) -> Reals:
+def _at_position(position: float, xy: Reals) -> Reals:
     """Return the points (point, 3) of the frame at x and y (2, point) `position` along the shaft."""
     return np.column_stack([np.full(xy.shape[1], position), xy[0], xy[1]])
 
@@ -130,7 +132,7 @@ def _plain(words: str) -> str:
 
 
 def _lines(response: OrderTrackedResponse, scale: float | None) -> Iterator[tuple[int, int, str]]:
-    """Yield row, level and words: what is shown, where runs begin, where rows cease to be usable, remarks."""
+    """Yield row, level and text of the log: what is shown, where runs begin, where rows cease to be usable, remarks."""
     shown = "" if scale is None else f"; 1X orbits are drawn {scale:g} times larger, blue: speed rises, orange: falls"
     yield 0, INFO, f"{response.rig.name}: amplitudes 0-peak, phase lag from the keyphasor edge{shown}"
     before: tuple[str, ...] = ()
@@ -141,9 +143,9 @@ def _lines(response: OrderTrackedResponse, scale: float | None) -> Iterator[tupl
             way = {1: "speed rises", -1: "speed falls", 0: "speed held"}[run.direction]
             yield i, INFO, f"run '{run.name}' begins at {rpm:.0f} rpm, {way}"
         remarks = response.remarks[i] if response.remarks else ()
-        said = tuple((WARNING, f"not usable: {why}") for why in response.reasons[i])
-        said += tuple((INFO, f"remark: {why}") for why in remarks)
-        for level, words in said:
+        words_by_level = tuple((WARNING, f"not usable: {why}") for why in response.reasons[i])
+        words_by_level += tuple((INFO, f"remark: {why}") for why in remarks)
+        for level, words in words_by_level:
             if FIGURES.sub("", words) not in before:
                 yield i, level, f"{rpm:.0f} rpm, {words}"
-        before = tuple(FIGURES.sub("", words) for _, words in said)
+        before = tuple(FIGURES.sub("", words) for _, words in words_by_level)

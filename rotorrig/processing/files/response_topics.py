@@ -1,4 +1,4 @@
-"""A response as plain numbers, a topic for every plot: what viewers and other programs read of `response.mcap`.
+"""Topics of `response.mcap` for viewers and other programs: a response as plain numbers, a topic for every plot.
 
 `/bode/<probe>/<n>X`, `/gap/<probe>` and `/whirl/<probe>-<probe>/<n>X`, a message per row with the unit in every name.
 """
@@ -66,7 +66,7 @@ Message = tuple[str, MessageType, int, Mapping[str, Any]]  # topic, type, log ti
 
 
 def messages(response: OrderTrackedResponse) -> Iterator[Message]:
-    """Yield what is plotted of a response, row by row."""
+    """Yield the messages to be plotted of a response, row by row."""
     whirl = _whirl(response)
     for i, t_ns in enumerate(row_times(response)):
         for topic, kind, values in (*_of_probes(response, i), *(each for pair in whirl for each in _of_pair(pair, i))):
@@ -118,13 +118,13 @@ Pair = tuple[WhirlVectors, NDArray[np.complex128], NDArray[np.complex128]]  # ra
 
 def _whirl(response: OrderTrackedResponse) -> list[Pair]:
     """Return +-nX of every plane and order above 0, and the same less the slow roll."""
-    found: list[Pair] = []
+    pairs: list[Pair] = []
     for order in response.orders:
         if order > 0:
             compensated = whirl_vectors(response, order=order, compensated=True)
             raw = whirl_vectors(response, order=order)
-            found += [(r, c.forward, c.backward) for r, c in zip(raw, compensated, strict=True)]
-    return found
+            pairs += [(r, c.forward, c.backward) for r, c in zip(raw, compensated, strict=True)]
+    return pairs
 
 
 def _of_pair(pair: Pair, i: int) -> Iterator[tuple[str, MessageType, dict[str, Any]]]:

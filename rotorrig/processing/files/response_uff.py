@@ -1,4 +1,4 @@
-"""Order vectors as a universal file: a data set 58 of type 27, order function over rpm, of each run, probe and order.
+"""Export of order vectors as a universal file: a data set 58 of type 27, order function over rpm, each.
 
 Complex, metres 0-peak, raw; x = Re(z exp(j theta)), so the phase lag is -arg z. The identification lines say so, and
 the slow-roll vector to subtract for compensation. Two probes in a plane make two more data sets for each order: its
@@ -134,7 +134,7 @@ def _function(
 
 
 def _window(response: OrderTrackedResponse, rows: NDArray[np.intp]) -> str:
-    """Return under which weights a row is the mean of its vector; all rows of a run are as long."""
+    """Return the window a row's vector is the mean under; all rows of a run are of one length."""
     turns = response.revolutions[rows[0]]
     return f"{response.window} {turns:.4g} turns" if np.isfinite(turns) else response.window
 

@@ -1,4 +1,4 @@
-"""The noise of tracked vectors: covariance from neighbouring lines and repeats, interference from the mains."""
+"""Noise of order vectors: covariance from the spectrum between the order lines, and interference by mains hum."""
 
 from rotorrig.processing.noise.mains_lines import line_remarks
 

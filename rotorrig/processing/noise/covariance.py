@@ -1,4 +1,4 @@
-"""The covariance of order vectors, from the data: noise is what does not follow the shaft.
+"""Covariance of order vectors, estimated from the data: noise is what does not follow the shaft.
 
 Two sources, added: everything in the waveforms between the order lines, as a cross-spectral matrix S(f) of the
 probes seen through each row's window; and the timing error of the keyphasor's edges, which turns a vector by a
@@ -72,14 +72,14 @@ def noise_spectrum(
             if number % stride == 0:
                 spectra.append((spectrum * np.sqrt(scale)).astype(np.complex64))
                 clear.append(free)
-            search.take(begin, spectrum, free, speeds=(float(omega.min()), float(omega.max())))
+            search.add_segment(begin, spectrum, free, speeds=(float(omega.min()), float(omega.max())))
     if not spectra:
         raise DataError(
             f"{waveforms.where}: has no {SEGMENT:g} s of running without a gap, want some to tell noise from vibration"
         )
     density = _average(frequency, np.stack(spectra), np.stack(clear), waveforms.where)
     floor = np.diag((FLOOR * waveforms.metres_per_count) ** 2 / waveforms.rate)
-    return NoiseSpectrum(frequency=frequency, density=density + floor, lines=search.found())
+    return NoiseSpectrum(frequency=frequency, density=density + floor, lines=search.lines())
 
 
 def row_covariance(
@@ -99,13 +99,13 @@ def row_covariance(
     probes = spectrum.density.shape[1]
     density = np.concatenate([spectrum.density[:0:-1].conj(), spectrum.density])  # from -f to f
     covariance = np.empty((len(rows.t), len(orders), 2 * probes, 2 * probes))
-    beside = np.arange(-REACH * _FINE, REACH * _FINE + 1) / _FINE
+    offset = np.arange(-REACH * _FINE, REACH * _FINE + 1) / _FINE
     for k, order in enumerate(orders):
-        table = response(beside, order=order, orders=orders, turns=rows.turns)
-        power = _through(
+        table = response(offset, order=order, orders=orders, turns=rows.turns)
+        power = _filtered_power(
             density, spectrum.frequency[1], order * rows.omega / TURN, rows.turns * TURN / rows.omega, table
         )
-        covariance[:, k] = _pairs(4 * power) if order else _pairs(2 * power.real.astype(complex))
+        covariance[:, k] = _real_pairs(4 * power) if order else _real_pairs(2 * power.real.astype(complex))
     return covariance
 
 
@@ -128,7 +128,7 @@ def jitter_covariance(
 
 
 def _segment_starts(waveforms: Waveforms, shaft: ShaftAngle, size: int) -> list[int]:
-    """Return at which sample half-overlapping segments begin, within the pulses and the gap-free stretches."""
+    """Return the first samples of half-overlapping segments, within the pulses and the gap-free stretches."""
     starts: list[int] = []
     for first, counts in waveforms.segments:
         begin = max(first, int(np.ceil(shaft.t[0] * waveforms.rate)))
@@ -140,7 +140,7 @@ def _segment_starts(waveforms: Waveforms, shaft: ShaftAngle, size: int) -> list[
 def _clear_of_lines(
     frequency: NDArray[np.float64], shaft_frequency: NDArray[np.float64], lines: list[float]
 ) -> NDArray[np.bool_]:
-    """Return which bins no order line came near while the shaft turned at `shaft_frequency` [Hz]."""
+    """Return the mask (bin,) of bins no order line came near while the shaft turned at `shaft_frequency` [Hz]."""
     low, high = shaft_frequency.min(), shaft_frequency.max()
     clear = np.ones(len(frequency), dtype=bool)
     for line in lines:
@@ -171,7 +171,7 @@ def _average(
 
 
 @njit(cache=True)
-def _through(
+def _filtered_power(
     density: NDArray[np.complex128],
     step: float,
     centre: NDArray[np.float64],
@@ -185,7 +185,7 @@ def _through(
     """
     bins, probes, _ = density.shape
     area, top = table.sum() / _FINE, (bins // 2) * step
-    found = np.zeros((len(centre), probes, probes), dtype=np.complex128)
+    power = np.zeros((len(centre), probes, probes), dtype=np.complex128)
     for row in range(len(centre)):
         middle, reach = min(max(centre[row], -top), top), REACH / duration[row]  # beyond the spectrum, as at its end
         first = max(int(np.ceil((middle - reach) / step)) + bins // 2, 0)
@@ -198,15 +198,15 @@ def _through(
             total += weight
             for p in range(probes):
                 for q in range(p + 1):  # the rest is its conjugate
-                    found[row, p, q] += weight * density[bin, p, q]
-        found[row] *= area / duration[row] / total
+                    power[row, p, q] += weight * density[bin, p, q]
+        power[row] *= area / duration[row] / total
         for p in range(probes):
             for q in range(p):
-                found[row, q, p] = found[row, p, q].conjugate()
-    return found
+                power[row, q, p] = power[row, p, q].conjugate()
+    return power
 
 
-def _pairs(power: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _real_pairs(power: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Return the covariance of (re z_1, im z_1, ...) of circular z with E[z z^H] = `power` (row, probe, probe).
 
     E[re re] = E[im im] = re / 2, E[im_i re_k] = im / 2, E[re_i im_k] = -im / 2.

@@ -1,4 +1,4 @@
-"""Lines in the waveforms that stand at a fixed frequency while the shaft's speed changes: mains hum and its like.
+"""Detection of mains hum and other lines at a fixed frequency, which do not move with the shaft's speed.
 
 A line is told from noise, and from a natural frequency that noise excites, by its phase: from one segment of the
 recording to the next it advances by exactly 2 pi f hop, again and again, where a resonance has forgotten its phase
@@ -51,7 +51,7 @@ class Line:
 
     @property
     def name(self) -> str:
-        """What it is, in words: "mains hum at 50.0 Hz" or "a fixed line at 37.2 Hz"."""
+        """Name for a reader: "mains hum at 50.0 Hz" or "a fixed line at 37.2 Hz"."""
         for mains in MAINS:
             harmonic = round(self.frequency / mains)
             if harmonic and abs(self.frequency - harmonic * mains) <= MAINS_WITHIN * harmonic * mains:
@@ -60,7 +60,7 @@ class Line:
 
 
 class LineSearch:
-    """Looks for lines in the spectra of segments of a recording, one after another; keeps a few figures per bin."""
+    """Search for lines in the spectra of a recording's segments, one after another; keeps a few numbers per bin."""
 
     def __init__(
         self, frequency: NDArray[np.float64], *, taper: NDArray[np.float64], rate: float, hop: int, probes: int
@@ -75,10 +75,10 @@ class LineSearch:
         self._fastest = np.zeros(len(frequency))
         self._last: tuple[int, NDArray[np.complex128], NDArray[np.bool_]] | None = None
 
-    def take(
+    def add_segment(
         self, begin: int, spectrum: NDArray[np.complex128], clear: NDArray[np.bool_], *, speeds: tuple[float, float]
     ) -> None:
-        """Take the Fourier transform (bin, probe) [m] of the tapered segment that begins at sample `begin`.
+        """Add the Fourier transform (bin, probe) [m] of the tapered segment that begins at sample `begin`.
 
         `clear` (bin,) are the bins that no order came near; `speeds` the shaft's lowest and highest in it [rad/s].
         """
@@ -94,28 +94,28 @@ class LineSearch:
             self._pairs += both
         self._last = (begin, unit, clear)
 
-    def found(self) -> tuple[Line, ...]:
+    def lines(self) -> tuple[Line, ...]:
         """Return the lines found, by rising frequency."""
         pairs = np.maximum(self._pairs, 1)[:, None]
         least = np.maximum(COHERENT, np.sqrt(-np.log(FALSE_ALARM) / pairs))
         moved = self._fastest >= SPEED_CHANGE * self._slowest
         judged = (self._frequency >= LOWEST) & (self._pairs >= FEWEST) & moved
-        told = (np.abs(self._cross) / pairs > least) & judged[:, None]
+        detected = (np.abs(self._cross) / pairs > least) & judged[:, None]
         power = np.exp(self._log_power / np.maximum(self._seen, 1)[:, None])
         above = np.zeros(len(power))
-        for k in np.flatnonzero(told.any(axis=1)):
+        for k in np.flatnonzero(detected.any(axis=1)):
             ratio = power[k] / self._floor(int(k), power, judged)
-            told[k] &= ratio > STANDS_OUT
-            above[k] = np.max(ratio, where=told[k], initial=0.0)
+            detected[k] &= ratio > STANDS_OUT
+            above[k] = np.max(ratio, where=detected[k], initial=0.0)
         lines = []
         while above.max(initial=0.0) > 0:
             peak = int(above.argmax())
-            lines.append(self._line(peak, power[peak], told[peak]))
+            lines.append(self._line(peak, power[peak], detected[peak]))
             above[np.abs(self._frequency - self._frequency[peak]) <= LOBE] = 0
         return tuple(sorted(lines, key=lambda line: line.frequency))
 
     def _floor(self, k: int, power: NDArray[np.float64], judged: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Return the noise (probe,) about bin `k`: the median of what lies near, but not within a line's width.
+        """Return the noise floor (probe,) about bin `k`: the median of near bins outside a line's width.
 
         Infinite where too little is known of it: no line stands above that.
         """
@@ -125,25 +125,25 @@ class LineSearch:
             return np.full(power.shape[1], np.inf)
         return np.maximum(np.median(power[near], axis=0), np.finfo(float).tiny)
 
-    def _line(self, peak: int, power: NDArray[np.float64], told: NDArray[np.bool_]) -> Line:
+    def _line(self, peak: int, power: NDArray[np.float64], detected: NDArray[np.bool_]) -> Line:
         """Return the line in bin `peak`: its frequency by the phase's advance, its amplitude by the window's transform.
 
         `power` (probe,) is the geometric mean over the segments, which of a line in weaker noise is the line's own.
         """
-        strongest = int(np.where(told, power, 0).argmax())
+        strongest = int(np.where(detected, power, 0).argmax())
         advance = np.angle(self._cross[peak, strongest]) / TURN  # turns per hop, whole ones unknown
         cycles = self._frequency[peak] * self._hop / self._rate
         frequency = (advance + np.round(cycles - advance)) * self._rate / self._hop
         offset = TURN * (frequency - self._frequency[peak]) / self._rate
         passed = np.abs(self._taper @ np.exp(1j * offset * np.arange(len(self._taper))))
         amplitude = 2 * np.sqrt(power) / passed
-        return Line(frequency=float(frequency), amplitude=np.where(told, amplitude, 0.0))
+        return Line(frequency=float(frequency), amplitude=np.where(detected, amplitude, 0.0))
 
 
 def line_remarks(lines: tuple[Line, ...], response: OrderTrackedResponse, rows: Rows) -> Remarks:
-    """Return per row (row,) which lines fall into which of its vectors, and how much they add at the most.
+    """Return remarks (row,) on the lines that fall into a row's vectors, and how much they add at the most.
 
-    What is lost in the noise of a vector, or adds less than 0.2 % to it, is not told.
+    A line lost in the noise of a vector, or that adds less than 0.2 % to it, is left out.
     """
     words: list[list[str]] = [[] for _ in rows.t]
     variance = np.diagonal(response.covariance, axis1=2, axis2=3)
@@ -153,10 +153,10 @@ def line_remarks(lines: tuple[Line, ...], response: OrderTrackedResponse, rows: 
         for n, order in enumerate(response.orders):
             if not order:
                 continue  # a line is no gap
-            passed = passed_by(rows, order=order, frequency=line.frequency, window=response.window)
+            passed = line_transmission(rows, order=order, frequency=line.frequency, window=response.window)
             added, z = passed * line.amplitude[p], np.abs(response.z[:, p, n])
-            told = (passed > FALLS_IN) & (added > NOTICED * sigma[:, n, p]) & (added > SHARE * z)
-            for i in np.flatnonzero(told):
+            detected = (passed > FALLS_IN) & (added > NOTICED * sigma[:, n, p]) & (added > SHARE * z)
+            for i in np.flatnonzero(detected):
                 share = f", {added[i] / z[i]:.1%} of it" if z[i] > added[i] else ""
                 words[i].append(
                     f"{line.name}, {_um(line.amplitude[p])} at {response.probes[p]}, falls into {order:g}X: "
@@ -165,7 +165,9 @@ def line_remarks(lines: tuple[Line, ...], response: OrderTrackedResponse, rows: 
     return tuple(tuple(row) for row in words)
 
 
-def passed_by(rows: Rows, *, order: float, frequency: float, window: Window = "blackman") -> NDArray[np.float64]:
+def line_transmission(
+    rows: Rows, *, order: float, frequency: float, window: Window = "blackman"
+) -> NDArray[np.float64]:
     """Return the share (row,) of a line's amplitude that the window of each row lets into the vector of an order.
 
     |mean of e^{j (2 pi f t - n psi)} under the window|, with t(psi) of a steady acceleration: a quickly rising speed

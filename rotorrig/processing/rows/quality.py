@@ -1,8 +1,8 @@
-"""What is wrong with a row: a mask per probe, and the reason in words ("1x: clipped", "missed pulse").
+"""Data quality of rows: a mask per probe, with the reason in words ("1x: clipped", "missed pulse").
 
-A reason takes a row, or one probe of it, out of use. What is only worth knowing of a usable row is a remark and is
-found elsewhere too (line_interference). NaN and infinite samples never come this far: counts are whole numbers, and the
-importers refuse a file that holds others, with the place.
+A reason takes a row, or one probe of it, out of use. A remark is only worth knowing of a usable row; others come from
+`noise.mains_lines`. NaN and infinite samples never come this far: counts are whole numbers, and the importers refuse a
+file that holds others, with the place.
 """
 
 import numpy as np
@@ -28,8 +28,8 @@ Reasons = tuple[tuple[str, ...], ...]
 def assess(
     waveforms: Waveforms, shaft: ShaftAngle, rows: Rows, *, spans: tuple[Span, ...], probes: tuple[Probe, ...]
 ) -> tuple[NDArray[np.bool_], Reasons]:
-    """Return usable (row, probe) and the reasons (row,) why not."""
-    turning = _against_the_run(rows, spans)
+    """Return the mask usable (row, probe) and the reasons (row,) why not."""
+    turning = _speed_reversals(rows, spans)
     usable = np.ones((len(rows.t), len(probes)), dtype=bool)
     reasons: list[tuple[str, ...]] = []
     for i in range(len(rows.t)):
@@ -53,7 +53,7 @@ def assess(
 
 
 def probe_faults(stretch: Stretch, *, probes: tuple[Probe, ...], full_scale: int) -> list[str]:
-    """Return what is wrong with each probe's samples, empty if nothing; the first that applies.
+    """Return the fault of each probe's samples, empty if none; the first that applies.
 
     Clipped at the end of the DAQ's range, no signal at all, outside the probe's linear range, or clipped short of the
     DAQ's range: by an input stage or a stuck converter, seen by its flat tops.
@@ -83,8 +83,8 @@ def probe_faults(stretch: Stretch, *, probes: tuple[Probe, ...], full_scale: int
     return faults
 
 
-def blind_orders(rows: Rows, orders: tuple[float, ...], *, rate: float) -> tuple[NDArray[np.bool_], Reasons]:
-    """Return (row, order) where an order lies beyond what the sample rate [Hz] carries, and remarks (row,) that say so.
+def aliased_orders(rows: Rows, orders: tuple[float, ...], *, rate: float) -> tuple[NDArray[np.bool_], Reasons]:
+    """Return (row, order) where an order lies beyond what the sample rate [Hz] carries, with remarks (row,).
 
     The vectors there are not known, the row's other orders are: no reason to mask it.
     """
@@ -102,20 +102,20 @@ def blind_orders(rows: Rows, orders: tuple[float, ...], *, rate: float) -> tuple
 
 
 def keyphasor_remarks(shaft: ShaftAngle, rows: Rows) -> Reasons:
-    """Return remarks (row,): which repairs of the keyphasor's pulses the row's shaft angle rests on, and its own."""
+    """Return remarks (row,) on the shaft angle: its own, and the repaired pulses a row's angle rests on."""
     return tuple(
         (*shaft.remarks, *dict.fromkeys(_overlapping(shaft.repairs, float(first), rows.turns)))
         for first in rows.first_turn
     )
 
 
-def together(*parts: Reasons) -> Reasons:
-    """Return the words of each row from all of `parts`, in order; at least one of them, all of the same rows."""
+def join_remarks(*parts: Reasons) -> Reasons:
+    """Join the remarks of each row from all of `parts`, in order; at least one of them, all of the same rows."""
     return tuple(tuple(word for words in row for word in words) for row in zip(*parts, strict=True))
 
 
 def _flat_top(counts: NDArray[np.int32]) -> bool:
-    """Return whether the highest code of a moving signal is held, and is no rounded crest.
+    """Return True if the highest code of a moving signal is held, and is no rounded crest.
 
     A rounded crest spends time near its top as the root of the depth: a third of what it spends within ten steps it
     spends within one. The step is the smallest change there is, since a foreign file may hold fewer digits than codes.
@@ -143,8 +143,8 @@ def _overlapping(flaws: tuple[Flaw, ...], first_turn: float, turns: int) -> list
     return [f.reason for f in flaws if f.first_turn < first_turn + turns and f.last_turn > first_turn]
 
 
-def _against_the_run(rows: Rows, spans: tuple[Span, ...]) -> list[str]:
-    """Return, per row, in words, that its speed goes against its run's direction; empty where it does not."""
+def _speed_reversals(rows: Rows, spans: tuple[Span, ...]) -> list[str]:
+    """Return per row the reason "speed reversal" where its speed goes against its run's direction; else empty."""
     words = [""] * len(rows.t)
     for index, span in enumerate(spans):
         mine = np.flatnonzero(rows.run == index)

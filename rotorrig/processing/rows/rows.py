@@ -1,7 +1,7 @@
-"""Where the rows of a response lie: `turns` turns each, one after another, or by steps of speed or time.
+"""Layout of a response's rows: `turns` turns each, one after another, or by steps of speed or time.
 
-Rows never overlap: their noise would be correlated, and whoever fits takes rows as independent. Where steps are asked
-for that are shorter than a row is long, rows follow on one another as closely as they can; `too_close` says so.
+Rows never overlap: their noise would be correlated, and a fit takes rows as independent. Where steps are shorter than
+a row, rows follow on one another as closely as they can; `crowded_share` tells how many.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,7 +17,7 @@ from rotorrig.processing.shaft_angle import TURN, ShaftAngle
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rows:
-    """Where the rows lie; all arrays (row,)."""
+    """Rows and their places; all arrays (row,)."""
 
     turns: int
     run: NDArray[np.intp]
@@ -53,8 +53,8 @@ def lay_rows(
         if spacing is None:
             first.append(np.arange(low, high - turns + 0.5, turns))
         else:
-            wanted = (_by_speed if spacing.of == "speed" else _by_time)(shaft, low, high, turns, spacing.step)
-            first.append(np.array([*_apart(wanted - turns / 2, low, high, turns)]))
+            middles = (_by_speed if spacing.of == "speed" else _by_time)(shaft, low, high, turns, spacing.step)
+            first.append(np.array([*_without_overlap(middles - turns / 2, low, high, turns)]))
     first_turn = np.concatenate([*first, np.empty(0)])
     t = shaft.time_at(first_turn + turns / 2)
     return Rows(
@@ -69,8 +69,8 @@ def lay_rows(
     )
 
 
-def too_close(response: OrderTrackedResponse, every: Spacing) -> float:
-    """Return the share of rows that are further from the next than `every` asked for, since they would overlap.
+def crowded_share(response: OrderTrackedResponse, every: Spacing) -> float:
+    """Return the share of rows that stand further from the next than `every` asked for, since they would overlap.
 
     Further is by a half and more: the speed may hunt. In a dwell there are no steps of speed to keep.
     """
@@ -107,7 +107,7 @@ def _by_time(shaft: ShaftAngle, low: float, high: float, turns: int, step: float
     return shaft.theta(step * np.arange(np.ceil(begin / step), np.floor(end / step) + 1)) / TURN
 
 
-def _apart(first_turn: NDArray[np.float64], low: float, high: float, turns: int) -> Iterator[float]:
+def _without_overlap(first_turn: NDArray[np.float64], low: float, high: float, turns: int) -> Iterator[float]:
     """Yield those of the increasing starts whose row lies between turns `low` and `high` and behind the one before."""
     free = low
     for start in first_turn:

@@ -1,4 +1,4 @@
-"""Which stretch of a recording is which run: from the marks of the plan, or from the speed where there are none."""
+"""Runs of a recording: from the marks of the plan, or from the speed where there are none."""
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence

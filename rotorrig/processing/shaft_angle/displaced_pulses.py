@@ -1,4 +1,4 @@
-"""Pulses at the wrong time: a spike on the keyphasor's channel that came before the edge, and was taken for it.
+"""Reject keyphasor pulses triggered early by a noise spike.
 
 Each pulse is held against the cubic through the two before and the two after it, in angle. One that is displaced by d
 is off by d, and its neighbours by minus their share of it, 2/3 where pulses are evenly spaced; a shaft that speeds up
@@ -20,11 +20,11 @@ ALIKE = 0.25  # of the displacement: how far its neighbours may be from their sh
 NEIGHBOURS = 33  # pulses that tell what is usual
 
 
-def without_displaced(train: PulseTrain, angle: NDArray[np.float64]) -> PulseTrain:
-    """Return the pulses at `angle` (pulse,) [rad] without those displaced: they count as extra, and as missed ones."""
+def drop_displaced(train: PulseTrain, angle: NDArray[np.float64]) -> PulseTrain:
+    """Drop displaced pulses among those at `angle` (pulse,) [rad]; each counts as an extra and as a missed one."""
     wrong = np.zeros(len(train.t), dtype=bool)
     if len(train.t) >= 7:  # a pulse with two on either side, whose neighbours have them too
-        wrong[3:-3] = _displaced(train.t, angle)
+        wrong[3:-3] = _find_displaced(train.t, angle)
     if not wrong.any():
         return train
     kept = np.flatnonzero(~wrong)
@@ -41,8 +41,8 @@ def without_displaced(train: PulseTrain, angle: NDArray[np.float64]) -> PulseTra
     )
 
 
-def _displaced(t: NDArray[np.float64], angle: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which of the pulses but the first and last three are displaced."""
+def _find_displaced(t: NDArray[np.float64], angle: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return the mask of displaced pulses, without the first and last three."""
     share = _weights(sliding_window_view(angle, 5))  # (pulse - 4, neighbour)
     window = sliding_window_view(t, 5) - t[2:-2, None]
     off = -np.einsum("kn,kn->k", share, window[:, [0, 1, 3, 4]])

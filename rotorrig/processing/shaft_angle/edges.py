@@ -1,4 +1,4 @@
-"""Where a pulse train crosses its threshold, piece by piece, so that a recording of any length takes little memory.
+"""Edges of a pulse train: threshold crossings, found piece by piece, so that a long recording takes little memory.
 
 Two passes: `LevelFinder` takes the samples for the levels between which the pulses go, `EdgeFinder` takes them again
 for the crossings. What they find does not depend on how the samples are cut into pieces.
@@ -23,7 +23,7 @@ NEIGHBOURS = 5  # stretches in the running median of levels that wander
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Levels:
-    """The levels of a pulse train, steady or wandering."""
+    """Low and high level of a pulse train, steady or wandering."""
 
     sample: NDArray[np.float64]  # (stretch,) middle of each stretch
     low: NDArray[np.float64]  # (stretch,) V
@@ -48,7 +48,7 @@ class Levels:
 
 
 class LevelFinder:
-    """Finds the levels stretch by stretch; a stretch without pulses takes them from its neighbours."""
+    """Finder of the levels, stretch by stretch; a stretch without pulses takes them from its neighbours."""
 
     def __init__(self, rate: float, *, where: str = "keyphasor") -> None:
         """Take samples at `rate` [1/s]."""
@@ -100,10 +100,14 @@ class LevelFinder:
 
 
 class EdgeFinder:
-    """Finds the chosen edges of a pulse train.
+    """Finder of the chosen edges of a pulse train.
 
     A crossing counts when the voltage has left the band about the threshold on one side and then on the other; of
     several in between the last one does. Its place is interpolated linearly between the two samples about it.
+
+    >>> volts = np.array([0.0, 0, -4, -8, -8, 0, 0])
+    >>> EdgeFinder(edge="falling", band=2.0).take(0, volts, threshold=-5.0)
+    array([2.25])
     """
 
     def __init__(self, *, edge: str, band: float) -> None:
@@ -118,7 +122,7 @@ class EdgeFinder:
     def take(
         self, first_sample: int, volts: NDArray[np.float64], *, threshold: float | NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Return the edges (edge,), in fractional samples, that the next samples (sample,) [V] bring to light.
+        """Return the edges (edge,), in fractional samples, completed by the next samples (sample,) [V].
 
         `threshold` [V] may be one per sample. After a gap in the indices nothing before it is known.
         """
@@ -139,17 +143,6 @@ class EdgeFinder:
 
     def _forget(self) -> None:
         self._last, self._crossing, self._above = np.nan, np.nan, True
-
-
-def find_edges(
-    volts: NDArray[np.float64], *, edge: str, threshold: float, band: float, first_sample: int = 0
-) -> NDArray[np.float64]:
-    """Return where `volts` (sample,) crosses `threshold` on the "falling" or "rising" edge, in fractional samples.
-
-    >>> find_edges(np.array([0.0, 0, -4, -8, -8, 0, 0]), edge="falling", threshold=-5.0, band=2.0)
-    array([2.25])
-    """
-    return EdgeFinder(edge=edge, band=band).take(first_sample, volts, threshold=threshold)
 
 
 def levels(volts: NDArray[np.float64], *, where: str = "keyphasor") -> tuple[float, float]:

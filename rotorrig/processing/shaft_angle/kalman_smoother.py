@@ -1,4 +1,4 @@
-"""The Kalman filter and smoother of a shaft whose acceleration drifts: theta''' is white noise of density q.
+"""Kalman filter and smoother of a shaft whose acceleration drifts: theta''' is white noise of density q.
 
 State (theta, omega, alpha), at each pulse known to have turned by a given angle, to a variance r [rad^2]. In state and
 covariance theta is the deviation from the pulse's angle, which keeps digits where a shaft has made 1e5 turns.
@@ -31,8 +31,8 @@ def innovations(h: Vector, turned: Vector, r: Vector, q: Vector, chi2: Vector, l
         if k == 0 or np.isinf(q[k - 1]):
             _start(k, h, turned, r, q, x_next, p_next)
         else:
-            _go_on(x, h[k - 1], turned[k - 1], x_next)
-            _spread(p, h[k - 1], q[k - 1], p_next)
+            _predict_state(x, h[k - 1], turned[k - 1], x_next)
+            _predict_covariance(p, h[k - 1], q[k - 1], p_next)
         s = p_next[0, 0] + r[k]
         chi2[k] = x_next[0] ** 2 / s
         log_s[k] = np.log(s)
@@ -52,14 +52,14 @@ def smooth(h: Vector, turned: Vector, r: Vector, q: Vector) -> tuple[Vector, Vec
         if k == 0 or np.isinf(q[k - 1]):
             _start(k, h, turned, r, q, x_next, p_next)
         else:
-            _go_on(x[k - 1], h[k - 1], turned[k - 1], x_next)
-            _spread(p[k - 1], h[k - 1], q[k - 1], p_next)
+            _predict_state(x[k - 1], h[k - 1], turned[k - 1], x_next)
+            _predict_covariance(p[k - 1], h[k - 1], q[k - 1], p_next)
         _correct(x_next, p_next, r[k], x[k], p[k])
     so_far = p.copy()
     for k in range(n - 2, -1, -1):
         if not np.isinf(q[k]):
-            _go_on(x[k], h[k], turned[k], x_next)
-            gain, p[k] = _look_back(so_far[k], h[k], q[k], p[k + 1])
+            _predict_state(x[k], h[k], turned[k], x_next)
+            gain, p[k] = _smooth_step(so_far[k], h[k], q[k], p[k + 1])
             for i in range(3):
                 for j in range(3):
                     x[k, i] += gain[i, j] * (x[k + 1, j] - x_next[j])
@@ -80,15 +80,15 @@ def covariance_between(t: Vector, knots: Vector, q: Vector, smoothed: Vector, so
         if k < 0:  # back in time omega has the other sign
             for d in range(9):
                 p_first[d // 3, d % 3] = smoothed[0, d // 3, d % 3] * (-1.0) ** (d % 2)
-            _spread(p_first, knots[0] - t[i], 0.0 if np.isinf(q[0]) else q[0], p)
+            _predict_covariance(p_first, knots[0] - t[i], 0.0 if np.isinf(q[0]) else q[0], p)
         elif k >= last:
-            _spread(smoothed[last], t[i] - knots[last], 0.0 if np.isinf(q[last - 1]) else q[last - 1], p)
+            _predict_covariance(smoothed[last], t[i] - knots[last], 0.0 if np.isinf(q[last - 1]) else q[last - 1], p)
         elif np.isinf(q[k]):
             for d in range(3):
                 p[d, d] = (np.pi / (knots[k + 1] - knots[k]) ** d) ** 2
         else:
-            _spread(so_far[k], t[i] - knots[k], q[k], p)
-            p = _look_back(p, knots[k + 1] - t[i], q[k], smoothed[k + 1])[1]
+            _predict_covariance(so_far[k], t[i] - knots[k], q[k], p)
+            p = _smooth_step(p, knots[k + 1] - t[i], q[k], smoothed[k + 1])[1]
         for d in range(3):
             variance[i, d] = p[d, d]
     return variance
@@ -176,7 +176,7 @@ def _start(k: int, h: Vector, turned: Vector, r: Vector, q: Vector, x: Vector, p
 
 
 @njit(cache=True)
-def _go_on(x: Vector, h: float, turned: float, x_next: Vector) -> None:
+def _predict_state(x: Vector, h: float, turned: float, x_next: Vector) -> None:
     """Write F x, theta counted from the next pulse's angle."""
     x_next[0] = x[0] + h * x[1] + h * h / 2 * x[2] - turned
     x_next[1] = x[1] + h * x[2]
@@ -184,7 +184,7 @@ def _go_on(x: Vector, h: float, turned: float, x_next: Vector) -> None:
 
 
 @njit(cache=True)
-def _spread(p: Vector, h: float, q: float, p_next: Vector) -> None:
+def _predict_covariance(p: Vector, h: float, q: float, p_next: Vector) -> None:
     """Write F p F^T + Q."""
     half = h * h / 2
     a0 = p[0, 0] + h * p[1, 0] + half * p[2, 0]
@@ -223,15 +223,15 @@ def _correct(x: Vector, p: Vector, r: float, x_out: Vector, p_out: Vector) -> No
 
 
 @njit(cache=True)
-def _look_back(p: Vector, h: float, q: float, p_after: Vector) -> tuple[Vector, Vector]:
+def _smooth_step(p: Vector, h: float, q: float, p_after: Vector) -> tuple[Vector, Vector]:
     """Return the smoother's gain G and covariance (I - G F) p (I - G F)^T + G (p_after + Q) G^T, h before p_after."""
     carried, predicted, after = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for i in range(3):  # p F^T
         carried[i, 0] = p[i, 0] + h * p[i, 1] + h * h / 2 * p[i, 2]
         carried[i, 1] = p[i, 1] + h * p[i, 2]
         carried[i, 2] = p[i, 2]
-    _spread(p, h, q, predicted)
-    gain = _divided(carried, predicted)
+    _predict_covariance(p, h, q, predicted)
+    gain = _right_divide(carried, predicted)
     rest = np.empty((3, 3))
     for i in range(3):  # I - G F
         rest[i, 0] = -gain[i, 0]
@@ -259,7 +259,7 @@ def _add_sandwich(a: Vector, p: Vector, out: Vector) -> None:
 
 
 @njit(cache=True)
-def _divided(b: Vector, a: Vector) -> Vector:
+def _right_divide(b: Vector, a: Vector) -> Vector:
     """Return b a^-1 of a symmetric positive definite `a`, by Cholesky: a scale per row and column does no harm."""
     l00 = np.sqrt(a[0, 0])
     l10, l20 = a[1, 0] / l00, a[2, 0] / l00

@@ -1,4 +1,4 @@
-"""Several pulses per turn: which pulse is which tooth, and where on the shaft the teeth are.
+"""Keyphasor wheels with several teeth: the tooth of every pulse, and the angles of the teeth on the shaft.
 
 The pattern of the intervals repeats every turn. A stretch in which it does so best tells it, and from there the pulses
 are followed either way: one that comes nowhere near a tooth is extra, a tooth without a pulse is missed.
@@ -15,7 +15,15 @@ from numba import njit
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from rotorrig.processing.shaft_angle.pulse_train import FEWEST, MOST_MISSED, WANTED, WORST, Gaps, PulseTrain, across
+from rotorrig.processing.shaft_angle.pulse_train import (
+    FEWEST,
+    MOST_MISSED,
+    WANTED,
+    WORST,
+    Gaps,
+    PulseTrain,
+    steps_across,
+)
 from rotorrig.processing.shaft_angle.smooth_angle import TURN, fit_angle
 from rotorrig.rig import DataError
 
@@ -40,7 +48,7 @@ def count_teeth(edges: NDArray[np.float64], *, teeth: int, gaps: Gaps = (), wher
 
     Raises DataError for fewer than five turns without a gap, or if no pattern repeats every turn.
     """
-    stretches = np.split(edges, np.flatnonzero(across(gaps, edges)) + 1)
+    stretches = np.split(edges, np.flatnonzero(steps_across(gaps, edges)) + 1)
     stretches = [stretch for stretch in stretches if len(stretch) >= FEWEST * teeth]
     if not stretches:
         raise DataError(f"{where}: got {len(edges)} keyphasor pulses, want {FEWEST} turns of {teeth} without a gap")
@@ -49,10 +57,10 @@ def count_teeth(edges: NDArray[np.float64], *, teeth: int, gaps: Gaps = (), wher
     counted = [part for part in counted if part.first is not None] if marked else counted[:1]
     t, number = counted[0].t, counted[0].from_tooth_0()
     for part in counted[1:]:
-        t, number = _joined(t, number, part)
+        t, number = _append_stretch(t, number, part)
     number -= teeth * (-(-number[0] // teeth))
     step = np.diff(number)
-    in_gap = across(gaps, t)
+    in_gap = steps_across(gaps, t)
     missed = (step > 1) & ~in_gap
     extra = [time for part in counted for time in part.extra]
     if len(extra) + missed.sum() > WORST * len(edges):
@@ -187,7 +195,7 @@ def _median(values: NDArray[np.float64]) -> float:
     return values[0]
 
 
-def _joined(
+def _append_stretch(
     t: NDArray[np.float64], number: NDArray[np.int64], part: _Counted
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return times and numbers with a further stretch's behind them, as many turns on as the speed before makes."""

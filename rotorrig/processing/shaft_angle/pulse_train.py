@@ -1,4 +1,4 @@
-"""Keyphasor edges to counted pulses: which are no pulses, and how many are missing between two of them.
+"""Count keyphasor pulses: drop extra edges, and number the missing ones between two pulses.
 
 A pulse at the wrong time is found by comparing its period with the median of its neighbours'.
 """
@@ -45,12 +45,15 @@ def count_pulses(edges: NDArray[np.float64], *, gaps: Gaps = (), where: str = "k
     t, extra = _without_extra(edges, where)
     period = np.diff(t)
     typical = _typical(period)
-    typical[0], typical[-1] = _end(period[1], period[2], typical[0]), _end(period[-2], period[-3], typical[-1])
+    typical[0], typical[-1] = (
+        _end_period(period[1], period[2], typical[0]),
+        _end_period(period[-2], period[-3], typical[-1]),
+    )
     ratio = period / typical
     for i in np.flatnonzero(ratio > LONG):
         ratio[i] = period[i] * _speed_across(period, int(i))
     step = np.where(ratio > LONG, np.maximum(np.round(ratio), 1), 1).astype(np.int64)
-    in_gap = across(gaps, t)
+    in_gap = steps_across(gaps, t)
     missed = (step > 1) & ~in_gap
     if len(extra) + missed.sum() > WORST * len(edges):
         raise DataError(
@@ -66,8 +69,8 @@ def count_pulses(edges: NDArray[np.float64], *, gaps: Gaps = (), where: str = "k
     )
 
 
-def across(gaps: Gaps, t: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which steps (pulse - 1,) between the pulses `t` samples are missing in."""
+def steps_across(gaps: Gaps, t: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return the mask (pulse - 1,) of steps between the pulses `t` with missing samples."""
     in_gap = np.zeros(len(t) - 1, dtype=bool)
     for begin, end in gaps:
         in_gap |= (t[:-1] < end) & (t[1:] > begin)
@@ -94,7 +97,7 @@ def _without_extra(edges: NDArray[np.float64], where: str) -> tuple[NDArray[np.f
 
 
 def _misfit(period: NDArray[np.float64], typical: NDArray[np.float64], i: int) -> int:
-    """Return which edge about the short period i to drop: the one whose going leaves a period like the neighbours'.
+    """Return the edge about the short period i to drop: the one without which the period is like its neighbours'.
 
     At either end the neighbours lie on one side, and the period goes on as they do.
     """
@@ -118,7 +121,7 @@ def _typical(period: NDArray[np.float64]) -> NDArray[np.float64]:
     return median_filter(period, NEIGHBOURS, mode="mirror")
 
 
-def _end(next_one: float, next_but_one: float, usual: float) -> float:
+def _end_period(next_one: float, next_but_one: float, usual: float) -> float:
     """Return the period at an end by the next two, at constant acceleration as of a start from rest; or the `usual`."""
     if next_one <= next_but_one:
         return usual

@@ -1,10 +1,10 @@
-"""The keyphasor's channel of a recording to the shaft angle, by the config's threshold, hysteresis, edge and pulses."""
+"""Read a recording's keyphasor channel into the shaft angle, by the config's threshold, hysteresis, edge and pulses."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing.shaft_angle.edges import EdgeFinder, LevelFinder, Levels
-from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle, shaft_angle
+from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle, fit_shaft_angle
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig import DataError
 from rotorrig.rig.config import Keyphasor
@@ -24,7 +24,7 @@ def read_keyphasor(waveforms: Waveforms) -> ShaftAngle:
     for first, volts in waveforms.keyphasor_pieces():
         finder.take(first, volts)
     edges = _edges(waveforms, keyphasor, finder.levels(), where=where)
-    return shaft_angle(
+    return fit_shaft_angle(
         edges / waveforms.rate, gaps=waveforms.gaps, per_turn=keyphasor.pulses_per_revolution, where=where
     )
 
@@ -32,11 +32,11 @@ def read_keyphasor(waveforms: Waveforms) -> ShaftAngle:
 def _edges(waveforms: Waveforms, keyphasor: Keyphasor, levels: Levels, *, where: str) -> NDArray[np.float64]:
     """Return the edges (edge,) of the whole recording, in fractional samples."""
     finder = EdgeFinder(edge=keyphasor.edge, band=_band(keyphasor, levels, where=where))
-    found = [np.empty(0)]
+    edges = [np.empty(0)]
     for first, volts in waveforms.keyphasor_pieces():
         middle = levels.middle(first, len(volts)) if keyphasor.threshold is None else keyphasor.threshold
-        found.append(finder.take(first, volts, threshold=middle))
-    return np.concatenate(found)
+        edges.append(finder.take(first, volts, threshold=middle))
+    return np.concatenate(edges)
 
 
 def _band(keyphasor: Keyphasor, levels: Levels, *, where: str) -> float:

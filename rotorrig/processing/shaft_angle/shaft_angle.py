@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
-from rotorrig.processing.shaft_angle.displaced_pulses import without_displaced
+from rotorrig.processing.shaft_angle.displaced_pulses import drop_displaced
 from rotorrig.processing.shaft_angle.multi_tooth import count_teeth, tooth_angles
 from rotorrig.processing.shaft_angle.pulse_train import Gaps, PulseTrain, count_pulses
 from rotorrig.processing.shaft_angle.smooth_angle import TURN, SmoothAngle, fit_angle
@@ -58,10 +58,6 @@ class ShaftAngle:
     def alpha(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the angular acceleration [rad/s^2] at times t [s]."""
         return self.spline(t, 2)
-
-    def angle_sigma(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the 1-sigma uncertainty (time,) of the angle [rad]."""
-        return np.sqrt(self.smooth.variance(t)[:, 0])
 
     def omega_sigma(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the 1-sigma uncertainty (time,) of the speed [rad/s]."""
@@ -111,10 +107,6 @@ class ShaftAngle:
         """Return the time [s] of every whole turn by the smooth angle, where a pulse without timing error would be."""
         return self.time_at(np.arange(self.turn[-1] + 1, dtype=float))
 
-    def residual(self) -> NDArray[np.float64]:
-        """Return by how much each edge (pulse,) came too late [s], by the smooth angle."""
-        return (self.theta(self.t) - TURN * self.turn) / np.maximum(self.omega(self.t), 1e-6)
-
     def jitter(self, turn: NDArray[np.float64], *, first: int, last: int) -> NDArray[np.float64]:
         """Return the 1-sigma timing error [s] of single edges around each of `turn`, from turns `first` to `last`.
 
@@ -127,7 +119,7 @@ class ShaftAngle:
         return np.interp(turn, self.turn[inside], sigma)
 
 
-def shaft_angle(
+def fit_shaft_angle(
     edges: NDArray[np.float64], *, gaps: Gaps = (), per_turn: int = 1, where: str = "keyphasor"
 ) -> ShaftAngle:
     """Return the shaft angle through keyphasor edges at times `edges` [s], increasing, `per_turn` of them a turn.
@@ -137,18 +129,18 @@ def shaft_angle(
     or too many flawed ones.
     """
     if per_turn > 1:
-        return _by_teeth(edges, per_turn, gaps, where)
+        return _fit_wheel(edges, per_turn, gaps, where)
     train = count_pulses(edges, gaps=gaps, where=where)
-    train = without_displaced(train, TURN * train.number.astype(float))
+    train = drop_displaced(train, TURN * train.number.astype(float))
     smooth = fit_angle(train.t, TURN * train.number.astype(float), cut=train.in_gap | train.uncounted)
     flaws, repairs = _judge(train, smooth, per_turn)
     return ShaftAngle(t=train.t, turn=train.number, flaws=flaws, repairs=repairs, smooth=smooth)
 
 
-def _by_teeth(edges: NDArray[np.float64], teeth: int, gaps: Gaps, where: str) -> ShaftAngle:
+def _fit_wheel(edges: NDArray[np.float64], teeth: int, gaps: Gaps, where: str) -> ShaftAngle:
     wheel = count_teeth(edges, teeth=teeth, gaps=gaps, where=where)
     places = tooth_angles(wheel, where=where)
-    train = without_displaced(wheel.train, _angle(wheel.train, places))
+    train = drop_displaced(wheel.train, _angle(wheel.train, places))
     smooth = fit_angle(train.t, _angle(train, places), cut=train.in_gap | train.uncounted)
     turn, tooth = np.divmod(train.number, teeth)
     flaws, repairs = _judge(train, smooth, teeth)
@@ -168,7 +160,7 @@ def _angle(train: PulseTrain, places: NDArray[np.float64]) -> NDArray[np.float64
 
 
 def _judge(train: PulseTrain, smooth: SmoothAngle, per_turn: int) -> tuple[tuple[Flaw, ...], tuple[Flaw, ...]]:
-    """Return what cannot be used, and what has been repaired."""
+    """Return the flaws, whose turns cannot be used, and the repairs."""
     amid = np.sqrt(smooth.variance((train.t[1:] + train.t[:-1]) / 2)[:, 0])
     bridged = train.missed & ~train.uncounted & (amid < BRIDGED)
     flaws = _turns(train, train.in_gap, per_turn, "gap in the samples")

@@ -1,7 +1,7 @@
-"""A smooth shaft angle through pulses that are not quite in time, with its uncertainty.
+"""Smooth shaft angle through pulses with timing errors, and its uncertainty.
 
 The pulses' timing error sigma turns into an angle of omega sigma; the shaft's acceleration is a random walk (see
-angle_filter). Both sizes come from the data. The random walk's density is given as the number of pulses that the
+kalman_smoother). Both sizes come from the data. The random walk's density is given as the number of pulses that the
 smoother averages, its `length` L: q = (2 pi / T)^2 sigma^2 / (T^5 L^6) for pulses T apart (the cut-off of a smoothing
 spline, Wahba, Spline Models for Observational Data (1990), ch. 1). For a ladder of lengths a filter runs over the
 pulses from either end; how well it foresees each pulse is the evidence:
@@ -45,7 +45,7 @@ SWING_PASSES = 0.08  # of a swing's period: averaging over no more takes 2 % off
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SmoothAngle:
-    """A curve of degree 5 between pulses, and what it takes to tell how well it is known."""
+    """Shaft angle as a curve of degree 5 between pulses, with what its uncertainty follows from."""
 
     curve: PPoly  # rad over s, its knots the pulses
     sigma: NDArray[np.float64]  # (pulse,) s, timing error of a single pulse
@@ -71,13 +71,13 @@ def fit_angle(
     sigma = _timing_error(pulses, np.full(len(t), _first_guess(t)))
     length = _averaging_length(pulses, sigma)
     state, *_ = _smooth(pulses, sigma, length)
-    sigma, length = _swings_followed(pulses, state[:, 0] / (pulses.omega * sigma), sigma, length)
+    sigma, length = _follow_swings(pulses, state[:, 0] / (pulses.omega * sigma), sigma, length)
     state, smoothed, so_far = _smooth(pulses, sigma, length)
     return SmoothAngle(
         curve=_curve(t, angle, state, pulses.cut),
         sigma=sigma,
         length=length,
-        drift=pulses.drift(sigma) / _between(length) ** 6,
+        drift=pulses.drift(sigma) / _geometric_mean(length) ** 6,
         smoothed=smoothed,
         so_far=so_far,
     )
@@ -138,10 +138,10 @@ def _timing_error(pulses: _Pulses, sigma: NDArray[np.float64]) -> NDArray[np.flo
     ends = np.linspace(0, n, max(1, min(n // BLOCK, MOST_BLOCKS)) + 1).astype(int)
     starts = ends[:-1]
     chi2, log_s = np.zeros((len(starts), len(LENGTHS))), np.zeros((len(starts), len(LENGTHS)))
-    for m, each_chi2, each_log_s in _foreseen(pulses, sigma):
+    for m, each_chi2, each_log_s in _prediction_errors(pulses, sigma):
         chi2[:, m] += np.add.reduceat(each_chi2, starts)
         log_s[:, m] += np.add.reduceat(each_log_s, starts)
-    count = np.add.reduceat(sum(_judged(n)), starts)
+    count = np.add.reduceat(sum(_judged_masks(n)), starts)
     mean_square = np.add.reduceat(sigma**2, starts) / np.diff(ends)
     path = kalman_smoother.smoothest_scales(
         chi2, log_s, count, SIGMAS**2 / mean_square[:, None], SIGMA_PRICE, LENGTH_PRICE
@@ -155,7 +155,7 @@ def _averaging_length(pulses: _Pulses, sigma: NDArray[np.float64]) -> NDArray[np
     The two filters see the same pulses, so each counts half.
     """
     evidence = np.zeros((len(sigma), len(LENGTHS)), dtype=np.float32)
-    for m, chi2, log_s in _foreseen(pulses, sigma):
+    for m, chi2, log_s in _prediction_errors(pulses, sigma):
         evidence[:, m] -= 0.25 * (chi2 + log_s)
     return LENGTHS[kalman_smoother.smoothest_path(evidence, LENGTH_PRICE)]
 
@@ -164,14 +164,14 @@ def _smooth(
     pulses: _Pulses, sigma: NDArray[np.float64], length: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     r = (pulses.omega * sigma) ** 2
-    return kalman_smoother.smooth(pulses.h, pulses.turned, r, pulses.drift(sigma) / _between(length) ** 6)
+    return kalman_smoother.smooth(pulses.h, pulses.turned, r, pulses.drift(sigma) / _geometric_mean(length) ** 6)
 
 
-def _between(length: NDArray[np.float64]) -> NDArray[np.float64]:
+def _geometric_mean(length: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.sqrt(length[1:] * length[:-1])
 
 
-def _swings_followed(
+def _follow_swings(
     pulses: _Pulses, residual: NDArray[np.float64], sigma: NDArray[np.float64], length: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return sigma and length (pulse,), made small where the `residual` (pulse,) [sigma] is mainly a swing.
@@ -206,21 +206,21 @@ def _line(residual: NDArray[np.float64], at: NDArray[np.int64]) -> tuple[float, 
     return (peak + 1) / len(whole), float(line[peak] / power.sum())
 
 
-def _foreseen(
+def _prediction_errors(
     pulses: _Pulses, sigma: NDArray[np.float64]
 ) -> Iterator[tuple[int, NDArray[np.float64], NDArray[np.float64]]]:
     """Yield, for each rung of the ladder twice, v^2 / s and log s (pulse,): of the filter from either end."""
     n = len(sigma)
-    for mask, step in zip(_judged(n), (1, -1), strict=True):
-        seen = pulses if step == 1 else pulses.backwards()
-        r, drift = (seen.omega * sigma[::step]) ** 2, seen.drift(sigma[::step])
+    for mask, step in zip(_judged_masks(n), (1, -1), strict=True):
+        direction = pulses if step == 1 else pulses.backwards()
+        r, drift = (direction.omega * sigma[::step]) ** 2, direction.drift(sigma[::step])
         for m, length in enumerate(LENGTHS):
             chi2, log_s = np.empty(n), np.empty(n)
-            kalman_smoother.innovations(seen.h, seen.turned, r, drift / length**6, chi2, log_s)
+            kalman_smoother.innovations(direction.h, direction.turned, r, drift / length**6, chi2, log_s)
             yield m, mask * chi2[::step], mask * log_s[::step]
 
 
-def _judged(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _judged_masks(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return 1.0 for the pulses (pulse,) that the filter from the first, and from the last, is held to."""
     forwards = np.ones(n)
     forwards[:LEARNING] = 0

@@ -1,4 +1,4 @@
-"""Is the slow roll slow enough? What speaks against it in 1X, each in a sentence with its figures.
+"""Validity of a slow roll: whether 1X in it is run-out, or already response to unbalance; remarks with numbers.
 
 Run-out does not change with the speed, the response to unbalance does: at low speed by Omega^2 / (1 - (Omega / w)^2),
 with w the speed at which 1X is largest. A straight line of the low-speed rows over that says how much of the slow-roll
@@ -29,7 +29,7 @@ PEAK_INSIDE = 0.98  # of the highest speed: a 1X that is largest at the end of a
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FirstOrder:
-    """The 1X of all rows with the trial masses of the slow roll."""
+    """1X of all rows with the trial masses of the slow roll."""
 
     index: int  # of 1X among the orders
     probes: tuple[str, ...]
@@ -60,8 +60,8 @@ class FirstOrder:
         )
 
 
-def validity(first: FirstOrder, slow: SlowRoll) -> tuple[str, ...]:
-    """Return what speaks against a slow roll, empty if nothing."""
+def validity_remarks(first: FirstOrder, slow: SlowRoll) -> tuple[str, ...]:
+    """Return what speaks against a slow roll, a sentence each; empty if nothing."""
     vector = slow.z[:, first.index]
     if not np.isfinite(vector).any():
         return ()
@@ -72,8 +72,8 @@ def validity(first: FirstOrder, slow: SlowRoll) -> tuple[str, ...]:
             f"{slow.omega * RPM:.0f} rpm are {slow.omega / peak:.2f} of the {peak * RPM:.0f} rpm at "
             f"which 1X is largest ({_um(largest)} at {first.probes[where]}), want less than {SLOW:g}"
         )
-    remarks += _within(first, vector, peak)
-    remarks += _dynamic(first, vector, peak, slow.omega)
+    remarks += _changes_within(first, vector, peak)
+    remarks += _dynamic_parts(first, vector, peak, slow.omega)
     return tuple(remarks)
 
 
@@ -83,12 +83,12 @@ def _largest(first: FirstOrder, vector: NDArray[np.complex128]) -> tuple[float, 
     row, probe = np.unravel_index(amplitude.argmax(), amplitude.shape)
     speed = float(first.omega[row])
     inside = speed < PEAK_INSIDE * first.omega.max()
-    told = amplitude[row, probe] > PEAK * first.sigma[row, probe]
-    return speed if inside and told else np.inf, float(amplitude[row, probe]), int(probe)
+    significant = amplitude[row, probe] > PEAK * first.sigma[row, probe]
+    return speed if inside and significant else np.inf, float(amplitude[row, probe]), int(probe)
 
 
 def dynamic_part(first: FirstOrder, *, probe: int, omega: float, peak: float) -> tuple[float, float]:
-    """Return how much of a probe's 1X at a low speed `omega` [rad/s] is response, and its sigma [m].
+    """Return the part of a probe's 1X at a low speed `omega` [rad/s] that is response, and its sigma [m].
 
     By the rows below half the speed `peak` of the largest 1X, or below four times `omega` where there is none (inf).
     Sigma is zero where they are too few, or not far enough apart, to tell.
@@ -100,36 +100,36 @@ def dynamic_part(first: FirstOrder, *, probe: int, omega: float, peak: float) ->
     return slope * _growth(omega, peak), sigma * _growth(omega, peak)
 
 
-def _within(first: FirstOrder, vector: NDArray[np.complex128], peak: float) -> list[str]:
-    """Say by how much the vector changes over the speeds of the slow roll itself."""
-    found: list[tuple[float, str]] = []
+def _changes_within(first: FirstOrder, vector: NDArray[np.complex128], peak: float) -> list[str]:
+    """Return the remark on how much the vector changes over the speeds of the slow roll itself."""
+    changes: list[tuple[float, str]] = []
     for p, name in enumerate(first.probes):
         rows = first.chosen & first.usable[:, p] & (first.omega <= LOW * peak)
         slope, sigma = _slope(first, rows, p, peak)
         if sigma:
             low, high = float(first.omega[rows].min()), float(first.omega[rows].max())
             span = _growth(high, peak) - _growth(low, peak)
-            if _tells(slope * span, sigma * span, vector[p]):
+            if _is_notable(slope * span, sigma * span, vector[p]):
                 words = (
                     f"1X at {name} changes by {_um(slope * span)} from {low * RPM:.0f} to {high * RPM:.0f} rpm within "
                     f"the slow roll, {slope / sigma:.0f} times its uncertainty"
                 )
-                found.append((slope * span, words))
-    return [max(found)[1]] if found else []
+                changes.append((slope * span, words))
+    return [max(changes)[1]] if changes else []
 
 
-def _dynamic(first: FirstOrder, vector: NDArray[np.complex128], peak: float, omega: float) -> list[str]:
-    """Say how much of the vector at the slow roll's speed `omega` is response, by the rows just above it."""
-    found: list[tuple[float, str]] = []
+def _dynamic_parts(first: FirstOrder, vector: NDArray[np.complex128], peak: float, omega: float) -> list[str]:
+    """Return the remark on the part of the vector at the slow roll's speed `omega` that is response."""
+    parts: list[tuple[float, str]] = []
     for p, name in enumerate(first.probes):
         part, sigma = dynamic_part(first, probe=p, omega=omega, peak=peak)
-        if _tells(part, sigma, vector[p]):
+        if _is_notable(part, sigma, vector[p]):
             words = (
                 f"at {omega * RPM:.0f} rpm about {_um(part)} of {_um(abs(vector[p]))} at {name} (1 sigma {_um(sigma)}) "
                 "is response to unbalance, not run-out: it grows with the square of speed"
             )
-            found.append((part, words))
-    return [max(found)[1]] if found else []
+            parts.append((part, words))
+    return [max(parts)[1]] if parts else []
 
 
 def _slope(first: FirstOrder, rows: NDArray[np.bool_], probe: int, peak: float) -> tuple[float, float]:
@@ -161,8 +161,8 @@ def _growths(omega: NDArray[np.float64], peak: float) -> NDArray[np.float64]:
     return omega**2 / (1 - (omega / peak) ** 2)
 
 
-def _tells(part: float, sigma: float, vector: np.complex128) -> bool:
-    """Return whether a part of the slow-roll vector is certain and large enough to be told."""
+def _is_notable(part: float, sigma: float, vector: np.complex128) -> bool:
+    """Return True if a part of the slow-roll vector is certain and large enough for a remark."""
     return bool(sigma > 0 and part > SIGNIFICANT * sigma and part > NOTABLE * abs(vector))
 
 

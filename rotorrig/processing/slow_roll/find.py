@@ -1,4 +1,4 @@
-"""Where a recording turns slowly, and its slow roll added to the response: vector, waveform and what speaks against it.
+"""Find the slow roll of a recording and add it to the response: vector, waveform and what speaks against it.
 
 The rows are those of the run named "slow roll", a dwell; or, where a window of speed was chosen, those within it, of a
 run-up or coast-down for instance. A dwell that is none (its speed varies, its rows scatter) loses its rows, as it does
@@ -15,7 +15,7 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.rows import Rows
 from rotorrig.processing.shaft_angle import ShaftAngle
 from rotorrig.processing.slow_roll import vector as slow_roll
-from rotorrig.processing.slow_roll.checks import FirstOrder, validity
+from rotorrig.processing.slow_roll.checks import FirstOrder, validity_remarks
 from rotorrig.processing.slow_roll.waveform import slow_roll_waveform
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig import DataError
@@ -24,7 +24,7 @@ from rotorrig.rig.config import RPM
 NAME = "slow roll"  # of the run that is one
 
 
-def with_slow_roll(
+def add_slow_roll(
     response: OrderTrackedResponse,
     waveforms: Waveforms,
     shaft: ShaftAngle,
@@ -48,19 +48,19 @@ def with_slow_roll(
         dwell=window is None,
     )
     first = FirstOrder.of(response, chosen)
-    found = replace(
+    response = replace(
         response,
         slow_roll=slow.z,
         slow_roll_covariance=slow.covariance,
         slow_roll_omega=slow.omega,
         slow_roll_waveform=slow_roll_waveform(waveforms, shaft, rows, slow, chosen=chosen),
-        slow_roll_remarks=slow.remarks + (validity(first, slow) if first else ()),
+        slow_roll_remarks=slow.remarks + (validity_remarks(first, slow) if first else ()),
     )
-    return _without(found, chosen, slow.remarks) if window is None and slow.remarks else found
+    return _mask_rows(response, chosen, slow.remarks) if window is None and slow.remarks else response
 
 
 def chosen_rows(response: OrderTrackedResponse, *, window: tuple[float, float] | None = None) -> NDArray[np.bool_]:
-    """Return which rows (row,) are the slow roll.
+    """Return the mask (row,) of rows that are the slow roll.
 
     Within a window only runs count that had the same trial masses on as the first of them: another unbalance is
     another vector. Raises DataError if no row is within the window.
@@ -80,7 +80,9 @@ def chosen_rows(response: OrderTrackedResponse, *, window: tuple[float, float] |
     return np.asarray(inside & alike[response.run])
 
 
-def _without(response: OrderTrackedResponse, rows: NDArray[np.bool_], remarks: tuple[str, ...]) -> OrderTrackedResponse:
-    """Return the response with `rows` masked for what stands in `remarks`."""
+def _mask_rows(
+    response: OrderTrackedResponse, rows: NDArray[np.bool_], remarks: tuple[str, ...]
+) -> OrderTrackedResponse:
+    """Return the response with `rows` masked, `remarks` as the reasons."""
     reasons = tuple((*row, *remarks) if out else row for row, out in zip(response.reasons, rows, strict=True))
     return replace(response, usable=response.usable & ~rows[:, None], reasons=reasons)

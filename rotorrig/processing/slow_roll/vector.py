@@ -1,9 +1,8 @@
-"""The slow-roll vector: what a probe reads of run-out and bow where the rotor turns too slowly to respond.
+"""Slow-roll vector: run-out and bow as a probe reads them where the rotor turns too slowly to respond.
 
 Estimated once, kept beside the raw vectors, subtracted and restored by pure functions: a response is never stored
-compensated, since at a few hundred rpm part of the "slow roll" is response to unbalance, which a model can tell. Where
-a response has its slow roll is told by slow_roll_finding, what speaks against it by slow_roll_checks; the waveform that
-goes with it is in slow_roll_waveform.
+compensated, since at a few hundred rpm part of the "slow roll" is response to unbalance, which a model can tell.
+`find.py` chooses the rows, `checks.py` says what speaks against them, `waveform.py` makes the waveform.
 """
 
 from dataclasses import dataclass

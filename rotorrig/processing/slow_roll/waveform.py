@@ -1,4 +1,4 @@
-"""The slow-roll waveform: one turn of what a probe reads of run-out and bow, and its compensation by shaft angle.
+"""Slow-roll waveform: one turn of run-out and bow as a probe reads them, and compensation by shaft angle.
 
 An average over the turns of the slow roll, each row under its window in angle, so that the waveform's n-th
 harmonic is the slow-roll vector of order n as resampling tracks it (other methods agree within their noise), for every
@@ -33,7 +33,7 @@ def slow_roll_waveform(
     used = np.flatnonzero(chosen)[slow.used]
     if not len(used):
         return np.empty((0, 0))
-    points = points_for(waveforms.rate * TURN / float(rows.omega[used].max()))
+    points = points_per_turn(waveforms.rate * TURN / float(rows.omega[used].max()))
     total, count = np.zeros((points, waveforms.probes)), 0
     for row in used:
         x = row_waveform(waveforms, shaft, rows, int(row), points=points)
@@ -60,7 +60,7 @@ def turn_average(x: NDArray[np.float64], *, turns: int, behind: float = 0.0) -> 
     return np.asarray((weight * x.reshape(turns, -1, x.shape[1])).sum(axis=0) / weight.sum(axis=0))
 
 
-def points_for(samples_per_turn: float) -> int:
+def points_per_turn(samples_per_turn: float) -> int:
     """Return a number of points per turn, a power of two, that these samples can fill."""
     return int(np.clip(2 ** np.floor(np.log2(samples_per_turn)), FEWEST_POINTS, MOST_POINTS))
 

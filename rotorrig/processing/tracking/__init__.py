@@ -1,7 +1,4 @@
-"""Vectors at shaft orders.
-
-Angular resampling, harmonic least squares, Vold-Kalman; full spectrum, synchronous waveform.
-"""
+"""Order tracking by angular resampling, harmonic least squares or Vold-Kalman; full spectrum, synchronous waveform."""
 
 from rotorrig.processing.tracking.full_spectrum import HIGHEST, WhirlVectors, full_spectra, full_spectrum, whirl_vectors
 from rotorrig.processing.tracking.methods import METHODS, NoiseResponse, TrackingMethod

@@ -1,4 +1,4 @@
-"""The default method: angular resampling and a windowed DFT, done as the one sum that both together are.
+"""Angular resampling and a windowed DFT, the default method, as the one sum that both together are.
 
 A row is `turns` turns about the shaft angle theta_0 in its middle, weighted by Blackman's window in *angle*:
 
@@ -46,7 +46,7 @@ def track(
     orders: tuple[float, ...],
     progress: Callable[[float], None] | None = None,
 ) -> Complex:
-    """Return z (row, probe, order) [m, 0-peak]; NaN where samples are missing. `progress` is told the fraction done.
+    """Return z (row, probe, order) [m, 0-peak]; NaN where samples are missing. `progress` gets the fraction done.
 
     `turns` times each order has to be whole.
     """
@@ -83,13 +83,13 @@ def _powers(orders: tuple[float, ...], turns: int) -> tuple[Reals, NDArray[np.in
     return n, ascending, np.diff(powers[ascending], prepend=0)
 
 
-def noise_response(beside: Reals, *, order: float, orders: tuple[float, ...], turns: int) -> Reals:
-    """Return |H|^2 at `beside` = (orders from the one tracked) * turns, 1 at 0."""
-    return blackman_response(beside) ** 2
+def noise_response(offset: Reals, *, order: float, orders: tuple[float, ...], turns: int) -> Reals:
+    """Return |H|^2 at `offset` = (orders from the one tracked) * turns, 1 at 0."""
+    return blackman_response(offset) ** 2
 
 
 @njit(cache=True)
-def _turned(cosine: float, sine: float, before: float, phase: float) -> tuple[float, float]:
+def _next_phasor(cosine: float, sine: float, before: float, phase: float) -> tuple[float, float]:
     """Return cos and -sin of `phase` from those of the one `before`: in a quarter of the time, where it is near."""
     d = phase - before
     if abs(d) > _NEAR:
@@ -114,7 +114,7 @@ def _sums(
     total, before, cosine, sine = 0.0, np.inf, 1.0, 0.0
     for i in range(samples):
         phase = psi[i] / turns
-        cosine, sine = _turned(cosine, sine, before, phase) if i % _ANEW else (np.cos(phase), -np.sin(phase))
+        cosine, sine = _next_phasor(cosine, sine, before, phase) if i % _ANEW else (np.cos(phase), -np.sin(phase))
         before = phase
         weight = (_A - _C + cosine * (_B + 2 * _C * cosine)) * omega[i]
         total += weight

@@ -1,4 +1,4 @@
-"""The envelopes of several orders as cubic splines in shaft angle, smooth by a penalty on their curvature.
+"""Envelopes of several orders as cubic splines in shaft angle, smooth by a penalty on their curvature.
 
 x(theta) = Re sum_n A_n(theta) e^{j n theta} + rest, A_n = sum_i c_ni B_i, B_i the B-splines of equally spaced knots:
 
@@ -40,24 +40,26 @@ class EnvelopeSplines:
         """Return them for a filter that lets the part 1 / (1 + (f / cutoff)^4) of f orders beside its own pass."""
         return cls(orders=np.array(orders), knot=knot, cell=_cell(np.array(orders), knot, cutoff))
 
-    def add_moments(self, found: Reals, turn: Reals, weight: Reals, x: Reals, *, cells: tuple[int, int]) -> None:
-        """Add what samples give to `found`, the right-hand side (function, probe, order, 2) of the `cells` from, to.
+    def add_moments(self, moments: Reals, turn: Reals, weight: Reals, x: Reals, *, cells: tuple[int, int]) -> None:
+        """Add the samples' part to `moments`, the right-hand side (function, probe, order, 2) of the `cells` from, to.
 
         `turn` (sample,) is where they are, `weight` (sample,) how much of a turn each stands for, `x` (sample, probe).
         Those outside the cells do not count.
         """
-        _add_moments(found, turn / self.knot - cells[0], weight, TURN * turn, self.orders, np.ascontiguousarray(x))
+        _add_moments(moments, turn / self.knot - cells[0], weight, TURN * turn, self.orders, np.ascontiguousarray(x))
 
     def solve(self, moments: Reals, *, first: int) -> Complex:
         """Return the splines' coefficients c (function, probe, order) from moments whose first cell is `first`."""
         functions, probes, orders, _ = moments.shape
-        turned = self._carrier(first, functions)[:, None]
-        d = (moments[..., 0] + 1j * moments[..., 1]) * turned
+        carried = self._carrier(first, functions)[:, None]
+        d = (moments[..., 0] + 1j * moments[..., 1]) * carried
         right = np.stack([d.real, d.imag], axis=-1).transpose(0, 2, 3, 1).reshape(-1, probes)
-        band = cholesky_banded(self._banded(functions - SPAN + 1), lower=True, overwrite_ab=True, check_finite=False)
-        found = cho_solve_banded((band, True), right, overwrite_b=True, check_finite=False)
-        pairs = found.reshape(functions, orders, 2, probes)
-        return (pairs[:, :, 0] + 1j * pairs[:, :, 1]).swapaxes(1, 2) * turned.conj()
+        band = cholesky_banded(
+            self._band_matrix(functions - SPAN + 1), lower=True, overwrite_ab=True, check_finite=False
+        )
+        solution = cho_solve_banded((band, True), right, overwrite_b=True, check_finite=False)
+        pairs = solution.reshape(functions, orders, 2, probes)
+        return (pairs[:, :, 0] + 1j * pairs[:, :, 1]).swapaxes(1, 2) * carried.conj()
 
     def at(self, coefficients: Complex, turn: Reals, *, first: int) -> Complex:
         """Return the envelopes (point, probe, order) at `turn` (point,); the coefficients' first cell is `first`."""
@@ -70,7 +72,7 @@ class EnvelopeSplines:
         """Return e^{j n theta_i} (function, order) at the first knot under each function."""
         return np.exp(1j * TURN * self.knot * np.outer(first + np.arange(functions), self.orders))
 
-    def _banded(self, cells: int) -> Reals:
+    def _band_matrix(self, cells: int) -> Reals:
         """Return the equations of so many cells, lower band form."""
         size = len(self.cell)
         step = size // SPAN
@@ -95,25 +97,25 @@ def _cell(orders: Reals, knot: float, cutoff: float) -> Reals:
     function = np.arange(SPAN)
     angle = TURN * knot * (s[:, None] - function)[..., None] * orders
     wave = (value[..., None, None] * np.stack([np.cos(angle), -np.sin(angle)], axis=-1)).reshape(len(s), -1)
-    found = (wave.T @ (share * wave)).reshape(2 * (SPAN, len(orders), 2))
+    matrix = (wave.T @ (share * wave)).reshape(2 * (SPAN, len(orders), 2))
     curvature = bend.T @ (share * bend) / (2 * (TURN * cutoff) ** 4)
     for n, order in enumerate(orders):
-        turned = curvature * np.exp(1j * TURN * knot * order * (function[:, None] - function))
-        block = found[:, n, :, :, n, :]
-        block[:, 0, :, 0] += turned.real
-        block[:, 1, :, 1] += turned.real
-        block[:, 0, :, 1] -= turned.imag
-        block[:, 1, :, 0] += turned.imag
+        carried = curvature * np.exp(1j * TURN * knot * order * (function[:, None] - function))
+        block = matrix[:, n, :, :, n, :]
+        block[:, 0, :, 0] += carried.real
+        block[:, 1, :, 1] += carried.real
+        block[:, 0, :, 1] -= carried.imag
+        block[:, 1, :, 0] += carried.imag
         if order == 0:
-            block[:, 0, :, 0] += turned.real
+            block[:, 0, :, 0] += carried.real
             block[:, 1, :, 1] += value.T @ (share * value)
-    return found.reshape(wave.shape[1], -1)
+    return matrix.reshape(wave.shape[1], -1)
 
 
 @njit(cache=True, error_model="numpy")
-def _add_moments(found: Reals, place: Reals, weight: Reals, theta: Reals, orders: Reals, x: Reals) -> None:
+def _add_moments(moments: Reals, place: Reals, weight: Reals, theta: Reals, orders: Reals, x: Reals) -> None:
     """Add weight B x e^{-j n theta} of every sample to the four functions B about its `place`, in cells."""
-    functions, probes, _, _ = found.shape
+    functions, probes, _, _ = moments.shape
     value = np.empty(SPAN)
     for i in range(len(place)):
         cell = int(np.floor(place[i]))
@@ -127,8 +129,8 @@ def _add_moments(found: Reals, place: Reals, weight: Reals, theta: Reals, orders
             for b in range(SPAN):
                 real, imaginary = value[b] * cosine, -value[b] * sine
                 for p in range(probes):
-                    found[cell + b, p, n, 0] += real * x[i, p]
-                    found[cell + b, p, n, 1] += imaginary * x[i, p]
+                    moments[cell + b, p, n, 0] += real * x[i, p]
+                    moments[cell + b, p, n, 1] += imaginary * x[i, p]
 
 
 def _basis(s: Reals) -> Reals:

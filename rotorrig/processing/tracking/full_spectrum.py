@@ -1,4 +1,4 @@
-"""The full spectrum of a plane of probes: what of a motion goes with the rotor's rotation, and what against it.
+"""Full spectrum of a probe plane: the parts of the motion that whirl with the rotor's rotation and against it.
 
 Two probes give the orbit x + jy, whose spectrum has two sides: a component c e^{jn theta} is a circle of radius |c|
 that is run through forward, in the rotor's own sense, for n > 0 and backward for n < 0. Amplitudes are these radii, so
@@ -49,7 +49,7 @@ class WhirlVectors:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FullSpectra:
-    """The full spectrum of one plane in every row: a cascade."""
+    """Full spectrum of one plane in every row: a cascade."""
 
     plane: Plane
     order: NDArray[np.float64]  # (bin,) from -N to N, 1 / turns apart
@@ -66,12 +66,12 @@ def whirl_vectors(
     """
     z = response.compensated(order) if compensated else response.order(order)
     covariance = response.covariance[:, response.orders.index(order)]
-    found = []
+    vectors = []
     for plane, places in measured_planes(response.rig, response.probes):
         forward, backward = whirl(plane, z[:, places], rotation=response.rig.rotation)
         turn = _real_map(plane, response.rig.rotation)
         pairs = np.array([2 * place + part for place in places for part in (0, 1)])
-        found.append(
+        vectors.append(
             WhirlVectors(
                 plane=plane,
                 order=order,
@@ -81,7 +81,7 @@ def whirl_vectors(
                 usable=np.asarray(response.usable[:, places].all(axis=1)),
             )
         )
-    return tuple(found)
+    return tuple(vectors)
 
 
 def full_spectra(
@@ -93,21 +93,21 @@ def full_spectra(
     highest: float = HIGHEST,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[FullSpectra, ...]:
-    """Return the full spectrum of every row and plane up to order `highest`; `progress` is told the fraction done."""
-    found = list(measured_planes(rig, tuple(probe.name for probe in rig.probes)))
-    points = points_for(highest)
+    """Return the full spectrum of every row and plane up to order `highest`; `progress` gets the fraction done."""
+    planes = list(measured_planes(rig, tuple(probe.name for probe in rig.probes)))
+    points = points_per_turn(highest)
     order = _orders(rows.turns, highest)
-    amplitude = np.full((len(found), len(rows.t), len(order)), np.nan)
+    amplitude = np.full((len(planes), len(rows.t), len(order)), np.nan)
     for row in range(len(rows.t)):
         x = row_waveform(waveforms, shaft, rows, row, points=points)
         if x is not None:
-            for n, (plane, places) in enumerate(found):
+            for n, (plane, places) in enumerate(planes):
                 _, amplitude[n, row] = full_spectrum(
                     x[:, places], plane=plane, rotation=rig.rotation, turns=rows.turns, highest=highest
                 )
         if progress:
             progress((row + 1) / len(rows.t))
-    return tuple(FullSpectra(plane=plane, order=order, amplitude=amplitude[n]) for n, (plane, _) in enumerate(found))
+    return tuple(FullSpectra(plane=plane, order=order, amplitude=amplitude[n]) for n, (plane, _) in enumerate(planes))
 
 
 def full_spectrum(
@@ -128,8 +128,8 @@ def full_spectrum(
     return order, np.abs(spectrum[np.round(order * turns).astype(int)])
 
 
-def points_for(highest: float) -> int:
-    """Return how many points per turn hold the orders up to `highest`: resampling is exact to 0.35 of them."""
+def points_per_turn(highest: float) -> int:
+    """Return the points per turn that hold the orders up to `highest`: resampling is exact to 0.35 of them."""
     return max(_FEWEST_POINTS, 2 ** int(np.ceil(np.log2(highest / 0.35))))
 
 

@@ -1,4 +1,4 @@
-"""Least squares on the known angle: all orders asked for, their neighbours and the mean at once, row by row.
+"""Harmonic least squares on the known angle: all orders asked for, their neighbours and the mean at once, row by row.
 
 A row of `turns` turns about its middle angle is taken as
 
@@ -6,9 +6,9 @@ A row of `turns` turns about its middle angle is taken as
 
 over the orders asked for and the whole ones up to one above the highest, order 0 among them; z_n is a_n, turned back
 from the middle angle. In a fit, orders need not be three bins of 1 / turns apart, as in the DFT, but one
-(`settings.APART`): an order tracked with its neighbours takes a third of the turns. The slopes b_n keep an amplitude
-that changes through the row from leaking into its neighbours. A parabola in the amplitude is seen as under the Hann
-window alone, the fit being symmetric in psi: the same smear, as long as two Hann bins separate the orders.
+(`settings.ORDER_SEPARATION`): an order tracked with its neighbours takes a third of the turns. The slopes b_n keep an
+amplitude that changes through the row from leaking into its neighbours. A parabola in the amplitude is seen as under
+the Hann window alone, the fit being symmetric in psi: the same smear, as long as two Hann bins separate the orders.
 
 Björck, Numerical Methods for Least Squares Problems (1996), ch. 2.2: normal equations, here of a few well separated
 functions whose condition number stays below 2e4.
@@ -40,7 +40,7 @@ def track(
     orders: tuple[float, ...],
     progress: Callable[[float], None] | None = None,
 ) -> Complex:
-    """Return z (row, probe, order) [m, 0-peak]; NaN where samples are missing. `progress` is told the fraction done."""
+    """Return z (row, probe, order) [m, 0-peak]; NaN where samples are missing. `progress` gets the fraction done."""
     z = np.full((len(rows.t), waveforms.probes, len(orders)), np.nan, dtype=complex)
     for i, (x, psi, omega) in samples_by_row(waveforms, shaft, rows, progress):
         z[i] = order_vectors(x, psi, omega, orders=orders, turns=rows.turns)
@@ -52,41 +52,41 @@ def order_vectors(x: Reals, psi: Reals, omega: Reals, *, orders: tuple[float, ..
 
     `omega` (sample,) is the speed, which makes d(psi) of equal steps in time.
     """
-    fitted = together(orders)
+    fitted = fitted_orders(orders)
     reference = x[:1].copy()
     matrix, right = _normal_equations(np.ascontiguousarray(x - reference), psi, omega, np.array(fitted), float(turns))
     # (probe, function): two of order 0, four of every other; samples too few to tell them apart give the least of all
-    found = np.linalg.lstsq(matrix, right, rcond=SINGULAR)[0].T
+    coefficients = np.linalg.lstsq(matrix, right, rcond=SINGULAR)[0].T
     z = np.empty((x.shape[1], len(orders)), dtype=complex)
     for k, order in enumerate(orders):
         at = 4 * fitted.index(abs(order)) - 2
-        pair = found[:, at] - 1j * found[:, at + 1] if order else found[:, 0] + reference[0]
+        pair = coefficients[:, at] - 1j * coefficients[:, at + 1] if order else coefficients[:, 0] + reference[0]
         z[:, k] = pair.conj() if order < 0 else pair
     return z
 
 
-def together(orders: tuple[float, ...]) -> tuple[float, ...]:
+def fitted_orders(orders: tuple[float, ...]) -> tuple[float, ...]:
     """Return the orders that are fitted at once: those asked for, and the whole ones to one above the highest.
 
-    >>> together((1.0, 0.47))
+    >>> fitted_orders((1.0, 0.47))
     (0.0, 0.47, 1.0, 2.0)
     """
     sizes = [abs(order) for order in orders]
     return tuple(sorted({*sizes, *map(float, range(math.floor(max(sizes)) + 2))}))
 
 
-def noise_response(beside: Reals, *, order: float, orders: tuple[float, ...], turns: int) -> Reals:
-    """Return |H|^2 at `beside` = (orders from the one tracked) * turns, 1 at 0 and 0 at every other order of the fit.
+def noise_response(offset: Reals, *, order: float, orders: tuple[float, ...], turns: int) -> Reals:
+    """Return |H|^2 at `offset` = (orders from the one tracked) * turns, 1 at 0 and 0 at every other order of the fit.
 
     In closed form: with many samples per turn the normal equations are Hann's transform and its derivatives.
     """
-    fitted = together(orders)
+    fitted = fitted_orders(orders)
     signed = np.array([*(-o for o in fitted[:0:-1]), *fitted])
     at, power = np.tile(signed, 2), np.repeat([0, 1], len(signed))  # the constants, then the slopes
     matrix = _hann_moment((at[None, :] - at[:, None]) * turns, power[:, None] + power[None, :])
     mine = int(np.argmin(np.abs(signed - abs(order))))
     weights = np.linalg.solve(matrix, np.eye(len(at))[mine])  # that column of the inverse, a Hermitian matrix
-    seen = _hann_moment(beside[:, None] + (abs(order) - at[None, :]) * turns, power[None, :])
+    seen = _hann_moment(offset[:, None] + (abs(order) - at[None, :]) * turns, power[None, :])
     return np.abs(seen @ weights.conj()) ** 2
 
 

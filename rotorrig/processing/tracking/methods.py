@@ -1,4 +1,4 @@
-"""The methods of tracking by their names: how to get the vectors, and what the model and the noise have to know."""
+"""Tracking methods by their names: function, window, length and noise response of each."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from rotorrig.processing.windows import BLACKMAN_BANDWIDTH, HANN_BANDWIDTH
 
 
 class Track(Protocol):
-    """What a method does."""
+    """Tracking function of a method."""
 
     def __call__(
         self,
@@ -27,21 +27,21 @@ class Track(Protocol):
         orders: tuple[float, ...],
         progress: Callable[[float], None] | None = None,
     ) -> NDArray[np.complex128]:
-        """Return z (row, probe, order) [m, 0-peak], NaN where samples are missing; tell `progress` the share done."""
+        """Return z (row, probe, order) [m, 0-peak], NaN where samples are missing; `progress` gets the share done."""
 
 
 class NoiseResponse(Protocol):
-    """What a method lets through beside the order it tracks."""
+    """Response of a method to what lies beside the order it tracks."""
 
     def __call__(
-        self, beside: NDArray[np.float64], *, order: float, orders: tuple[float, ...], turns: int
+        self, offset: NDArray[np.float64], *, order: float, orders: tuple[float, ...], turns: int
     ) -> NDArray[np.float64]:
-        """Return |H|^2 at `beside` = (orders from `order`) * turns when tracking `orders` through rows of `turns`."""
+        """Return |H|^2 at `offset` = (orders from `order`) * turns when tracking `orders` through rows of `turns`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackingMethod:
-    """One way to track."""
+    """Tracking method with what the model and the noise need to know of it."""
 
     track: Track
     window: Window  # the weights under which a row is the mean of an order's amplitude
@@ -55,10 +55,10 @@ def _all_of(turns: float) -> float:
 
 
 def _vold_kalman_noise(
-    beside: NDArray[np.float64], *, order: float, orders: tuple[float, ...], turns: int
+    offset: NDArray[np.float64], *, order: float, orders: tuple[float, ...], turns: int
 ) -> NDArray[np.float64]:
     """Return the filter's own response: what the other orders' equations take out of it is not counted."""
-    return vold_kalman.power_response(beside)
+    return vold_kalman.power_response(offset)
 
 
 METHODS: dict[Method, TrackingMethod] = {

@@ -1,4 +1,4 @@
-"""The samples of one row after another, with the shaft angle and speed at each."""
+"""Samples row by row, with the shaft angle and speed at each."""
 
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
@@ -15,7 +15,7 @@ Reals = NDArray[np.float64]
 
 
 class RowSamples(NamedTuple):
-    """What lies within a row."""
+    """Samples within a row."""
 
     x: Reals  # (sample, probe) m
     psi: Reals  # (sample,) rad from the row's middle angle
@@ -25,7 +25,7 @@ class RowSamples(NamedTuple):
 def samples_by_row(
     waveforms: Waveforms, shaft: ShaftAngle, rows: Rows, progress: Callable[[float], None] | None = None
 ) -> Iterator[tuple[int, RowSamples]]:
-    """Yield the rows whose samples are all there, with their number. `progress` is told the fraction done."""
+    """Yield the rows whose samples are all there, with their number. `progress` gets the fraction done."""
     for i, (begin, end) in enumerate(zip(rows.begin, rows.end, strict=True)):
         stretch = waveforms.between(begin, end)
         if stretch is not None and len(stretch.t):

@@ -1,4 +1,4 @@
-"""Waveforms at equal steps of shaft angle: turns of the shaft that can be laid over each other.
+"""Synchronous waveforms: samples at equal steps of shaft angle, turns that can be laid over each other.
 
 Every sample takes part: the waveform is low-passed to what the new points can hold, half as many orders as there are
 points per turn, and read at the points' own times, in one sum with a Kaiser-windowed sinc in time (Smith and Gossett,
@@ -22,7 +22,7 @@ BETA = 10.0  # of its Kaiser window: -100 dB
 _FINE = 2048  # entries of the filter's table per zero crossing; straight lines between them are right to 3e-7
 
 
-def resampled(
+def resample(
     stretch: Stretch, shaft: ShaftAngle, *, first_turn: float, turns: float, points: int
 ) -> NDArray[np.float64]:
     """Return the waveforms [m] at `points` equal steps of shaft angle per turn, (turns * points, probe).
@@ -35,11 +35,11 @@ def resampled(
     t = shaft.time_at(at)
     rate = (len(stretch.t) - 1) / (stretch.t[-1] - stretch.t[0])
     per_point = shaft.omega(t) / TURN * points / rate  # points per sample
-    return _filtered(stretch.x, (t - stretch.t[0]) * rate, np.minimum(per_point, 1.0), _table())
+    return _interpolate(stretch.x, (t - stretch.t[0]) * rate, np.minimum(per_point, 1.0), _table())
 
 
 def margin(omega: float, *, points: int, rate: float) -> float:
-    """Return how long [s] the filter reaches to either side at speed omega [rad/s] and a sample rate [Hz]."""
+    """Return the reach [s] of the filter to either side at speed omega [rad/s] and a sample rate [Hz]."""
     return CROSSINGS / min(rate, points * omega / TURN)
 
 
@@ -51,12 +51,12 @@ def _table() -> NDArray[np.float64]:
 
 
 @njit(cache=True)
-def _filtered(
+def _interpolate(
     x: NDArray[np.float64], at: NDArray[np.float64], cutoff: NDArray[np.float64], table: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return `x` (sample, probe) at places `at` (point,) in samples, low-passed at `cutoff` of half the sample rate."""
     samples, probes = x.shape
-    found = np.zeros((len(at), probes))
+    points = np.zeros((len(at), probes))
     for k in range(len(at)):
         reach = CROSSINGS / cutoff[k]
         total = 0.0
@@ -66,13 +66,13 @@ def _filtered(
             weight = table[entry] + (place - entry) * (table[entry + 1] - table[entry])
             total += weight
             inside = min(max(i, 0), samples - 1)
-            mirrored = min(max(2 * inside - i, 0), samples - 1)
+            reflected = min(max(2 * inside - i, 0), samples - 1)
             for p in range(probes):
                 value = x[inside, p]
-                found[k, p] += weight * (value if mirrored == inside else 2 * value - x[mirrored, p])
+                points[k, p] += weight * (value if reflected == inside else 2 * value - x[reflected, p])
         for p in range(probes):
-            found[k, p] /= total
-    return found
+            points[k, p] /= total
+    return points
 
 
 def row_waveform(
@@ -90,9 +90,9 @@ def row_waveform(
     stretch = waveforms.between(begin - reach, end + reach) or waveforms.between(begin, end)
     if stretch is None or len(stretch.t) < 2:
         return None
-    return resampled(stretch, shaft, first_turn=first, turns=rows.turns, points=points)
+    return resample(stretch, shaft, first_turn=first, turns=rows.turns, points=points)
 
 
 def first_point(rows: Rows, row: int, *, points: int) -> int:
-    """Return how many steps of a turn / `points` after turn 0 the first point within a row is."""
+    """Return the number of the first point within a row, in steps of a turn / `points` from turn 0."""
     return int(np.ceil(float(rows.first_turn[row]) * points - 1e-6))

@@ -1,4 +1,4 @@
-"""Order vectors by a Vold-Kalman filter: all orders at once, so that those close to each other come apart.
+"""Vold-Kalman filter: order vectors of all orders at once, so that close orders are separated.
 
 The waveform is Re(sum_n A_n(theta) e^{j n theta}) plus a rest, and the A_n are as smooth as they can be: they minimise
 
@@ -43,7 +43,7 @@ Complex = NDArray[np.complex128]
 
 
 def support(turns: float) -> float:
-    """Return over how many turns a row of noise bandwidth 1.5 / `turns` orders looks; `revolutions` of the record.
+    """Return the turns that a row of noise bandwidth 1.5 / `turns` orders rests on; `revolutions` of the response.
 
     >>> round(support(8), 3)
     31.416
@@ -67,7 +67,7 @@ def track(
     """Return z (row, probe, order) [m, 0-peak]; NaN where a row's support is not within gap-free samples and pulses.
 
     Orders less than 3 / turns apart share what modulates them: 1 / turns apart, each gets 0.8 of the noise power that
-    it would get alone. `progress` is told the fraction done.
+    it would get alone. `progress` gets the fraction done.
     """
     asked = np.abs(orders)
     solved = np.union1d(asked, ALWAYS)
@@ -78,9 +78,9 @@ def track(
     for mine, cells in _blocks(waveforms, shaft, rows, knot=splines.knot):
         moments, mean = _moments(waveforms, shaft, splines, cells)
         coefficients = splines.solve(moments, first=cells[0])
-        found = splines.at(coefficients, rows.middle[mine], first=cells[0])
-        found[:, :, splines.orders == 0] += mean[:, None]
-        z[mine] = found[:, :, column]
+        envelopes = splines.at(coefficients, rows.middle[mine], first=cells[0])
+        envelopes[:, :, splines.orders == 0] += mean[:, None]
+        z[mine] = envelopes[:, :, column]
         done += len(mine)
         if progress:
             progress(done / len(rows.t))
@@ -94,7 +94,7 @@ def track(
 def _blocks(
     waveforms: Waveforms, shaft: ShaftAngle, rows: Rows, *, knot: float
 ) -> Iterator[tuple[NDArray[np.intp], tuple[int, int]]]:
-    """Yield which rows are solved at once and the cells between knots that their block covers, its overlap included."""
+    """Yield the rows solved at once and the cells between knots that their block covers, its overlap included."""
     half, around = support(rows.turns) / 2, OVERLAP * rows.turns
     for first, last in _stretches(waveforms, shaft):
         begin, end = shaft.theta(np.array([first, last - 1]) / waveforms.rate) / TURN
@@ -119,12 +119,12 @@ def _stretches(waveforms: Waveforms, shaft: ShaftAngle) -> Iterator[tuple[int, i
 def _moments(
     waveforms: Waveforms, shaft: ShaftAngle, splines: EnvelopeSplines, cells: tuple[int, int]
 ) -> tuple[Reals, Reals]:
-    """Return the equations' right-hand side (function, probe, order, 2) and the mean (probe,) it is told from.
+    """Return the equations' right-hand side (function, probe, order, 2) and the mean (probe,) taken out of it.
 
     That is the mean of the first samples, so that a gap of a millimetre costs no digits of micrometres.
     """
     first, last = (math.ceil(t * waveforms.rate) for t in shaft.time_at(np.array(cells) * splines.knot))
-    found = np.zeros((cells[1] - cells[0] + SPAN - 1, waveforms.probes, len(splines.orders), 2))
+    moments = np.zeros((cells[1] - cells[0] + SPAN - 1, waveforms.probes, len(splines.orders), 2))
     mean = None
     for start in range(first, last, CHUNK):
         stretch = waveforms.samples(start, min(start + CHUNK, last))
@@ -132,6 +132,6 @@ def _moments(
         mean = stretch.x.mean(axis=0) if mean is None else mean
         theta, omega = angle_and_speed(stretch.t, shaft.spline.x, shaft.spline.c)
         turns_each = omega / (TURN * waveforms.rate)
-        splines.add_moments(found, theta / TURN, turns_each, stretch.x - mean, cells=cells)
+        splines.add_moments(moments, theta / TURN, turns_each, stretch.x - mean, cells=cells)
     assert mean is not None
-    return found, mean
+    return moments, mean

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.noise.covariance import NoiseSpectrum
-from rotorrig.processing.noise.mains_lines import Line, line_remarks, passed_by
+from rotorrig.processing.noise.mains_lines import Line, line_remarks, line_transmission
 from rotorrig.processing.pipeline import noise_between_orders, track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.rows.rows import Rows, lay_rows
@@ -103,7 +103,7 @@ def test_what_a_line_is_said_to_add_is_what_it_adds(
     _, rows = spectrum(pair[1])
     without, humming = responses
     added = np.abs(humming.order(order) - without.order(order))[:, 0]
-    said = HUM[0] * passed_by(rows, order=order, frequency=FREQUENCY)
+    said = HUM[0] * line_transmission(rows, order=order, frequency=FREQUENCY)
     np.testing.assert_allclose(added, said, atol=0.01 * HUM[0])  # side lobes three bins off are not told
 
 
@@ -112,7 +112,7 @@ def test_a_vold_kalman_window_lets_in_what_its_filter_does(
 ) -> None:
     _, rows = spectrum(pair[1])
     slow = replace(rows, alpha=np.zeros_like(rows.alpha))
-    passed = passed_by(slow, order=3.0, frequency=FREQUENCY, window="vold-kalman")
+    passed = line_transmission(slow, order=3.0, frequency=FREQUENCY, window="vold-kalman")
     f0 = 2 * np.sqrt(2) / (8 * np.pi)  # orders, for 8 turns
     beside = (2 * np.pi * FREQUENCY / rows.omega - 3.0) / f0
     near = passed > 0
@@ -126,11 +126,11 @@ def test_rows_that_a_line_falls_into_say_so_and_stay_usable(
     clean, humming = responses
     assert not any(clean.remarks) and len(clean.remarks) == len(clean.t)
     assert humming.usable.all() and not any(humming.reasons)
-    told = np.array([any("falls into 3X" in word for word in row) for row in humming.remarks])
+    detected = np.array([any("falls into 3X" in word for word in row) for row in humming.remarks])
     bin_rpm = 2 * humming.omega / RPM / 8 / 3  # where the window of 8 turns ends
     apart = np.abs(humming.omega / RPM - 20 * FREQUENCY)
-    assert told[apart < 0.8 * bin_rpm].all()
-    assert not told[apart > bin_rpm + 30].any()
+    assert detected[apart < 0.8 * bin_rpm].all()
+    assert not detected[apart > bin_rpm + 30].any()
     crossing = int(apart.argmin())
     words = "mains hum at 50.0 Hz, 0.4 um at 1x, falls into 3X: adds up to 0.4 um"
     assert humming.remarks[crossing] == (words,)  # 3X itself is nothing but the hum: no share of it is told

@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
-from rotorrig.processing.rows.quality import blind_orders, probe_faults, together
+from rotorrig.processing.rows.quality import aliased_orders, join_remarks, probe_faults
 from rotorrig.processing.rows.rows import Rows
 from rotorrig.processing.settings import Tracking
 from rotorrig.processing.waveform import Stretch
@@ -83,7 +83,7 @@ def rows_at(*rpm: float) -> Rows:
 
 
 def test_an_order_beyond_the_sample_rate_is_said_to_be_unknown() -> None:
-    beyond, remarks = blind_orders(rows_at(1200, 6000), (1.0, -8.0, 20.0), rate=2560.0)
+    beyond, remarks = aliased_orders(rows_at(1200, 6000), (1.0, -8.0, 20.0), rate=2560.0)
     np.testing.assert_array_equal(beyond, [[False, False, False], [False, False, True]])  # 2000 Hz of 1000
     assert remarks == ((), ("20X is not known: 2000 Hz, beyond the 1000 Hz that 2560 Hz carry",))
 
@@ -119,7 +119,7 @@ def test_a_dead_and_a_flat_probe_are_masked_alone(record: Callable[..., RawRecor
 
 
 def test_words_of_a_row_are_put_together_in_order() -> None:
-    assert together((("a",), ()), ((), ("b", "c")), (("d",), ("e",))) == (("a", "d"), ("b", "c", "e"))
+    assert join_remarks((("a",), ()), ((), ("b", "c")), (("d",), ("e",))) == (("a", "d"), ("b", "c", "e"))
 
 
 def test_a_recording_of_no_moving_probe_at_all_is_masked_and_not_refused(record: Callable[..., RawRecording]) -> None:

@@ -7,9 +7,9 @@ import pytest
 
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
-from rotorrig.processing.rows.rows import Rows, lay_rows, too_close
+from rotorrig.processing.rows.rows import Rows, crowded_share, lay_rows
 from rotorrig.processing.settings import Spacing, Tracking
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle, shaft_angle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle, fit_shaft_angle
 from tests.processing.synthetic import chirp
 
 RPM = np.pi / 30
@@ -21,7 +21,9 @@ LOW, HIGH, RISE = 600 * RPM, 1800 * RPM, 40 * RPM  # up in 30 s, then down in 30
 def shaft() -> ShaftAngle:
     up = np.arange(0, (HIGH**2 - LOW**2) / (2 * RISE), TURN)
     rising = (np.sqrt(LOW**2 + 2 * RISE * up) - LOW) / RISE
-    return shaft_angle(np.concatenate([rising, 60 - rising[::-1]]))  # the top is a turn and a bit away on either side
+    return fit_shaft_angle(
+        np.concatenate([rising, 60 - rising[::-1]])
+    )  # the top is a turn and a bit away on either side
 
 
 UP_DOWN = [(0.0, 29.5), (30.5, 60.0)]
@@ -65,7 +67,7 @@ def test_steps_shorter_than_a_row_leave_rows_that_do_not_overlap(shaft: ShaftAng
 def test_a_speed_that_hunts_gives_one_row_to_each_step() -> None:
     t = np.arange(0, 60, 1e-3)
     theta = 90 * t + t**2 / 4 + 2 * np.sin(2 * t)  # turns back by 4 of its 30 rad/s, again and again
-    hunting = shaft_angle(np.interp(TURN * np.arange(int(theta[-1] / TURN)), theta, t))
+    hunting = fit_shaft_angle(np.interp(TURN * np.arange(int(theta[-1] / TURN)), theta, t))
     step = 2.0
     rows = lay_rows(hunting, [(0.0, 60.0)], turns=4, every=[Spacing(of="speed", step=step)])
     multiple = rows.omega / step
@@ -85,7 +87,7 @@ def test_rows_further_apart_than_asked_for_are_counted(record: Callable[..., Raw
     x = np.tile(20e-6 * np.cos(theta)[:, None], 4) + 1e-8 * np.random.default_rng(5).standard_normal((len(t), 4))
     recording = record(theta, x, rate=rate, marks=[(0.0, "up")])
     wide, narrow = (Spacing(of="speed", step=step * RPM) for step in (30, 5))  # a row takes 0.8 s and 16 rpm at first
-    assert too_close(track(recording, Tracking(every=wide)), wide) == 0
-    assert too_close(track(recording, Tracking(every=narrow)), narrow) > 0.9
+    assert crowded_share(track(recording, Tracking(every=wide)), wide) == 0
+    assert crowded_share(track(recording, Tracking(every=narrow)), narrow) > 0.9
     dwell = record(theta, x, rate=rate, marks=[(0.0, "dwell")])
-    assert too_close(track(dwell, Tracking(every=narrow)), narrow) == 0  # no steps of speed are kept there
+    assert crowded_share(track(dwell, Tracking(every=narrow)), narrow) == 0  # no steps of speed are kept there

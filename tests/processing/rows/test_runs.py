@@ -5,7 +5,7 @@ import pytest
 
 from rotorrig.acquisition.recording import Event
 from rotorrig.processing.rows.runs import find_runs
-from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle, shaft_angle
+from rotorrig.processing.shaft_angle.shaft_angle import TURN, ShaftAngle, fit_shaft_angle
 
 RPM = np.pi / 30
 
@@ -16,7 +16,7 @@ def shaft_with(profile: list[tuple[float, float]]) -> ShaftAngle:
     t = np.arange(0, at[-1], 1e-3)
     speed = np.interp(t, at, rpm) * RPM
     theta = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 * 1e-3)])
-    return shaft_angle(np.interp(TURN * np.arange(int(theta[-1] / TURN)), theta, t))
+    return fit_shaft_angle(np.interp(TURN * np.arange(int(theta[-1] / TURN)), theta, t))
 
 
 SWEEP = shaft_with([(0, 240), (12, 240), (22, 480), (82, 2280), (90, 2280), (130, 480)])
@@ -98,7 +98,7 @@ def test_a_drive_that_hunts_makes_no_runs_of_its_own(share: float, hertz: float)
 
 
 def test_pulses_out_of_time_make_no_runs(rng: np.random.Generator) -> None:
-    jittered = shaft_angle(SWEEP.t + 50e-6 * rng.standard_normal(len(SWEEP.t)))
+    jittered = fit_shaft_angle(SWEEP.t + 50e-6 * rng.standard_normal(len(SWEEP.t)))
     assert [span.run.name for span in find_runs([], jittered)] == ["slow roll", "up", "dwell 2280 rpm", "down"]
 
 

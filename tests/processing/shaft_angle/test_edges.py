@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from rotorrig.processing.shaft_angle.edges import EdgeFinder, LevelFinder, find_edges, levels
+from rotorrig.processing.shaft_angle.edges import EdgeFinder, LevelFinder, levels
 from rotorrig.processing.shaft_angle.smooth_angle import TURN
 from rotorrig.rig.errors import DataError
 from tests.processing.synthetic import chirp, falling_notch
@@ -28,20 +28,24 @@ def levels_of(volts: NDArray[np.float64], cuts: list[int]) -> tuple[float, float
     return found.highest_low, found.lowest_high
 
 
+def edges_of(volts: NDArray[np.float64], *, edge: str, threshold: float) -> NDArray[np.float64]:
+    return EdgeFinder(edge=edge, band=4.0).take(0, volts, threshold=threshold)
+
+
 def test_the_falling_edge_of_a_notch_is_angle_zero() -> None:
-    edges = find_edges(falling_notch(chirp(T, start=60.0, rate=0.0) - 1.0), edge="falling", threshold=-6, band=4)
+    edges = edges_of(falling_notch(chirp(T, start=60.0, rate=0.0) - 1.0), edge="falling", threshold=-6)
     np.testing.assert_allclose(edges / RATE, (1.0 + TURN * np.arange(len(edges))) / 60.0, atol=1e-7)
 
 
 def test_the_rising_edge_comes_a_notch_later() -> None:
-    edges = find_edges(falling_notch(60.0 * T - 1.0), edge="rising", threshold=-6, band=4)
+    edges = edges_of(falling_notch(60.0 * T - 1.0), edge="rising", threshold=-6)
     np.testing.assert_allclose(edges / RATE, (1.0 + np.radians(20) + TURN * np.arange(len(edges))) / 60.0, atol=1e-7)
 
 
 def test_noise_smaller_than_the_band_makes_no_extra_edges(rng: np.random.Generator) -> None:
     t = np.arange(100_000) / RATE
     volts = falling_notch(50.0 * t - 1.0, slope=np.radians(10)) + 0.4 * rng.standard_normal(len(t))
-    assert len(find_edges(volts, edge="falling", threshold=-6, band=4)) == 1 + int((50.0 * t[-1] - 1.0) // TURN)
+    assert len(edges_of(volts, edge="falling", threshold=-6)) == 1 + int((50.0 * t[-1] - 1.0) // TURN)
 
 
 @given(cuts=st.lists(st.integers(1, 19_999), max_size=15, unique=True))
@@ -51,7 +55,7 @@ def test_edges_and_levels_do_not_depend_on_the_cuts(cuts: list[int]) -> None:
     finder = EdgeFinder(edge="falling", band=4.0)
     pieces = in_pieces(volts, sorted(cuts))
     found = np.concatenate([finder.take(first, part, threshold=-6.0) for first, part in pieces])
-    np.testing.assert_array_equal(found, find_edges(volts, edge="falling", threshold=-6.0, band=4.0))
+    np.testing.assert_array_equal(found, edges_of(volts, edge="falling", threshold=-6.0))
     assert levels_of(volts, sorted(cuts)) == levels_of(volts, [])
 
 
@@ -85,7 +89,7 @@ def test_a_runout_under_the_keyphasor_probe_shifts_no_pulse_from_turn_to_turn() 
     angle = 50.0 * np.arange(100_000) / RATE
     volts = falling_notch(angle) + 0.8 * np.cos(angle + 1.0)  # as much as a tenth of the pulse
     low, high = levels(volts)
-    period = np.diff(find_edges(volts, edge="falling", threshold=(low + high) / 2, band=4.0))
+    period = np.diff(edges_of(volts, edge="falling", threshold=(low + high) / 2))
     np.testing.assert_allclose(period, RATE * TURN / 50.0, atol=0.05)  # interpolation on a flank of four samples
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.processing.slow_roll import vector as slow_roll
-from rotorrig.processing.slow_roll.checks import FirstOrder, dynamic_part, validity
+from rotorrig.processing.slow_roll.checks import FirstOrder, dynamic_part, validity_remarks
 
 RPM = np.pi / 30
 CRITICAL = 2200 * RPM
@@ -43,12 +43,12 @@ def sweep(
 
 
 def test_nothing_is_said_of_a_slow_roll_that_is_run_out_alone(rng: np.random.Generator) -> None:
-    said = [validity(*sweep(rng, eccentricity=e)) for e in (0.0, 5e-6) for _ in range(200)]
+    said = [validity_remarks(*sweep(rng, eccentricity=e)) for e in (0.0, 5e-6) for _ in range(200)]
     assert sum(bool(words) for words in said) <= 2  # 5 um leave 0.06 um of 3, too little to be told
 
 
 def test_the_share_of_the_response_is_told_with_its_uncertainty(rng: np.random.Generator) -> None:
-    (words,) = validity(*sweep(rng, eccentricity=40e-6))
+    (words,) = validity_remarks(*sweep(rng, eccentricity=40e-6))
     there = abs(jeffcott(np.array([240 * RPM]), eccentricity=40e-6)[0])
     assert f"{there * 1e6:.2f}" == "0.48"
     assert words.startswith("at 240 rpm about 0.48 um of 3.")
@@ -66,7 +66,7 @@ def test_its_figure_is_right_as_often_as_its_sigma_says(rng: np.random.Generator
 
 
 def test_a_slow_roll_too_near_the_critical_speed_is_told(rng: np.random.Generator) -> None:
-    words = validity(*sweep(rng, eccentricity=40e-6, slow=(800, 800)))
+    words = validity_remarks(*sweep(rng, eccentricity=40e-6, slow=(800, 800)))
     assert words[0].startswith("800 rpm are 0.36 of the ")
     assert words[0].endswith("at 1x), want less than 0.25")
     peak = float(words[0].split("of the ")[1].split(" rpm")[0])
@@ -74,27 +74,27 @@ def test_a_slow_roll_too_near_the_critical_speed_is_told(rng: np.random.Generato
 
 
 def test_no_critical_speed_is_claimed_that_the_sweep_did_not_pass(rng: np.random.Generator) -> None:
-    words = validity(*sweep(rng, eccentricity=40e-6, slow=(800, 800), end=2000))
+    words = validity_remarks(*sweep(rng, eccentricity=40e-6, slow=(800, 800), end=2000))
     assert not any("largest" in word for word in words)
 
 
 def test_a_vector_that_changes_within_the_window_is_told(rng: np.random.Generator) -> None:
     first, slow = sweep(rng, eccentricity=40e-6, slow=(200, 540))
     change = abs(np.diff(jeffcott(np.array([200, 540]) * RPM, eccentricity=40e-6, damping=0.0))[0])
-    within = next(word for word in validity(first, slow) if "within" in word)
+    within = next(word for word in validity_remarks(first, slow) if "within" in word)
     assert within.startswith("1X at 1x changes by 2.")
     assert float(within.split("changes by ")[1].split(" um")[0]) == pytest.approx(change * 1e6, rel=0.05)
     assert "from 200 to 540 rpm within the slow roll" in within
 
 
 def test_a_window_up_to_the_critical_speed_and_beyond_is_told_once(rng: np.random.Generator) -> None:
-    (words,) = validity(*sweep(rng, eccentricity=40e-6, slow=(1900, 2600)))
+    (words,) = validity_remarks(*sweep(rng, eccentricity=40e-6, slow=(1900, 2600)))
     assert "at which 1X is largest" in words
 
 
 def test_a_slow_roll_that_never_was_is_not_judged(rng: np.random.Generator) -> None:
     first, _ = sweep(rng, eccentricity=40e-6)
-    assert validity(first, slow_roll.none(probes=2, orders=1)) == ()
+    assert validity_remarks(first, slow_roll.none(probes=2, orders=1)) == ()
 
 
 def test_unusable_rows_and_probes_take_no_part(rng: np.random.Generator) -> None:
@@ -102,4 +102,4 @@ def test_unusable_rows_and_probes_take_no_part(rng: np.random.Generator) -> None
     first.z[40] = 1.0
     first.usable[40] = False
     first.z[:, 1], first.usable[:, 1] = np.nan, False
-    assert validity(first, slow) == ()
+    assert validity_remarks(first, slow) == ()

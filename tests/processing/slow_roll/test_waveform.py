@@ -10,7 +10,7 @@ from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.settings import Spacing, SpeedWindow, Tracking
-from rotorrig.processing.slow_roll.waveform import at_angles, points_for, restore, subtract, turn_average
+from rotorrig.processing.slow_roll.waveform import at_angles, points_per_turn, restore, subtract, turn_average
 from rotorrig.rig.errors import DataError
 
 RPM = np.pi / 30
@@ -104,4 +104,4 @@ def test_there_is_none_without_a_slow_roll(sweep: RawRecording) -> None:
 
 
 def test_points_per_turn_are_as_many_as_the_samples_fill() -> None:
-    assert [points_for(samples) for samples in (5.0, 40.0, 700.0, 1e5)] == [16, 32, 512, 512]
+    assert [points_per_turn(samples) for samples in (5.0, 40.0, 700.0, 1e5)] == [16, 32, 512, 512]

@@ -12,7 +12,7 @@ from rotorrig.processing.probe_planes import planes
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.rows.rows import lay_rows
 from rotorrig.processing.shaft_angle.read_keyphasor import read_keyphasor
-from rotorrig.processing.tracking.full_spectrum import full_spectra, full_spectrum, points_for, whirl_vectors
+from rotorrig.processing.tracking.full_spectrum import full_spectra, full_spectrum, points_per_turn, whirl_vectors
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.config.description import RigConfig
 from tests.processing.synthetic import chirp
@@ -130,4 +130,4 @@ def test_rows_without_samples_have_no_spectrum(record: Callable[..., RawRecordin
 
 
 def test_points_per_turn_hold_the_highest_order() -> None:
-    assert [points_for(highest) for highest in (1.0, 4.0, 10.0)] == [16, 16, 32]
+    assert [points_per_turn(highest) for highest in (1.0, 4.0, 10.0)] == [16, 16, 32]

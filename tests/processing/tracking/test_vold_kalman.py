@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotorrig.processing.rows.rows import Rows, lay_rows
-from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle, shaft_angle
+from rotorrig.processing.shaft_angle.shaft_angle import ShaftAngle, fit_shaft_angle
 from rotorrig.processing.tracking import vold_kalman
 from rotorrig.processing.waveform import Waveforms
 from tests.processing.synthetic import chirp
@@ -34,7 +34,7 @@ def laid_out(seconds: float, start: float, rate: float) -> tuple[ShaftAngle, Row
     """Return the true shaft angle and its rows."""
     pulses = 2 * np.pi * np.arange(int((start * seconds + rate * seconds**2 / 2 - 0.3) / (2 * np.pi)) + 1) + 0.3
     edges = pulses / start if rate == 0 else (np.sqrt(start**2 + 2 * rate * pulses) - start) / rate
-    shaft = shaft_angle(edges)
+    shaft = fit_shaft_angle(edges)
     return shaft, lay_rows(shaft, [(0.0, seconds)], turns=TURNS)
 
 

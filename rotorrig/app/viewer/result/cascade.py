@@ -9,7 +9,7 @@ from rotorrig.app.viewer.plots import CascadePicture
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.processing import Waveforms
 from rotorrig.processing.rows import lay_rows
-from rotorrig.processing.shaft_angle import shaft_angle
+from rotorrig.processing.shaft_angle import fit_shaft_angle
 from rotorrig.processing.tracking import HIGHEST, full_spectra, whirl_vectors
 from rotorrig.rig.config import RPM, UM
 
@@ -41,7 +41,7 @@ def recorded(result: Result, waveforms: Waveforms, rows: list[int]) -> list[Casc
         return []
     slack = 1e-6  # s, so that the outer edges lie within the span
     spans = [(pulses[k - TURNS // 2] - slack, pulses[k + TURNS // 2] + slack) for k in middle]
-    shaft = shaft_angle(pulses, gaps=waveforms.gaps, where=waveforms.where)
+    shaft = fit_shaft_angle(pulses, gaps=waveforms.gaps, where=waveforms.where)
     laid = lay_rows(shaft, spans, turns=TURNS)
     spectra = full_spectra(waveforms, shaft, laid, rig=result.response.rig)
     wanted = {plane.name for plane, _ in result.planes}
