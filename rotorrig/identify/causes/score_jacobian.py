@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Moving, Recording, halved_loads
 from rotorrig.sims.effects import Effect, Parameter
-from rotorrig.sims.rotor.model import Direction, Load, RotorModel, between
+from rotorrig.sims.rotor.model import Direction, Load, RotorModel, finite_difference
 
 Complex = NDArray[np.complex128]
 
@@ -64,7 +64,7 @@ def _steps(effect: Effect, model: RotorModel) -> Iterator[_Step]:
             theta=theta,
             h=h,
             loads=effect.loads(model, theta) if "loads" in effect.acts_on else (),
-            direction=between(model, there, h) if there is not model and there.dof == model.dof else None,
+            direction=finite_difference(model, there, h) if there is not model and there.dof == model.dof else None,
         )
 
 

@@ -16,7 +16,7 @@ from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.tracked_recording import ORDERS, Recording
 from rotorrig.identify.extended_model.unit_responses import UnitResponses
 from rotorrig.sims.effects import Effect, Theta
-from rotorrig.sims.rotor.model import Direction, Load, RotorModel, between, unbalance_pattern
+from rotorrig.sims.rotor.model import Direction, Load, RotorModel, finite_difference, unbalance_pattern
 
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
@@ -188,7 +188,7 @@ class ExtendedModel:
                 continue
             moved = p.copy()
             moved[i] += STEP
-            found.append(between(model, self.rotor(moved), STEP))
+            found.append(finite_difference(model, self.rotor(moved), STEP))
         return found
 
     def amounts(self, recording: Recording, p: Reals, *, halved: bool = False) -> Complex:

@@ -19,9 +19,9 @@ from rotorrig.sims.rotor.model import (
     Load,
     RotorModel,
     in_recording,
-    reversed_direction,
-    reversed_load,
-    reversed_rotor,
+    reverse_direction,
+    reverse_load,
+    reverse_rotor,
 )
 from rotorrig.sims.rotor.nonlinear import (
     ForceLaw,
@@ -136,7 +136,7 @@ class Recording:
     ) -> Derivatives:
         """Return that and its derivatives along `directions`, (direction, row + 1, probe, load)."""
         model, loads = self._turning(model, self._own(loads))
-        directions = [reversed_direction(d) for d in directions] if self.backward else directions
+        directions = [reverse_direction(d) for d in directions] if self.backward else directions
         if self._tracked is not None:
             moving = swept_derivatives(model, self._tracked, loads=loads, directions=directions, order=order)
         else:
@@ -243,8 +243,8 @@ class Recording:
         if not self.backward:
             return model, loads
         if not self._reversed or self._reversed[0][0] is not model:
-            self._reversed = [(model, reversed_rotor(model))]
-        return self._reversed[0][1], [reversed_load(load) for load in loads]
+            self._reversed = [(model, reverse_rotor(model))]
+        return self._reversed[0][1], [reverse_load(load) for load in loads]
 
     def _check_forward(self) -> None:
         if self.backward:

@@ -1,4 +1,1 @@
-"""The identifier's rotor model.
-
-`model` (finite elements), `modes`, `steady` and `swept` responses, `nonlinear` forces.
-"""
+"""Rotor model of the identifier: finite elements, modes, steady and swept responses, nonlinear force laws."""

@@ -8,7 +8,7 @@ import pytest
 from rotorrig.identify.base_model.structure import StructuralModel, Structure, with_places
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.model.assembly import assemble
-from rotorrig.sims.rotor.model.derivatives import between
+from rotorrig.sims.rotor.model.derivatives import finite_difference
 from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 PROBES = ("2y", "1x")
@@ -77,7 +77,7 @@ def test_a_direction_is_the_derivative_of_the_matrices(structural: StructuralMod
     there = replace(STRUCTURE, **{name: tuple(moved) if name == "others" else moved})
     model = structural(STRUCTURE)
     found = structural.direction(model, STRUCTURE, change)
-    expected = between(model, structural(there), 1.0)
+    expected = finite_difference(model, structural(there), 1.0)
     assert any(np.any(matrix) for matrix in expected)
     for matrix, left, right in zip(found._fields, found, expected, strict=True):
         np.testing.assert_allclose(left, right, atol=1e-9 * (1 + np.abs(right).max()), err_msg=matrix)

@@ -16,7 +16,7 @@ from rotorrig.identify import Fit
 from rotorrig.identify.base_model import Space
 from rotorrig.rig.config import RPM, RigConfig
 from rotorrig.sims.rotor.model import RotorModel, assemble, scaled, with_bearing
-from rotorrig.sims.rotor.modes import Mode, critical_modes, manageable, whirl_modes
+from rotorrig.sims.rotor.modes import Mode, critical_modes, reduce_if_large, whirl_modes
 from rotorrig.sims.rotor.steady import steady_response
 
 MOST_MODES = 3
@@ -52,7 +52,7 @@ def modes_in_range(model: RotorModel, fastest: float) -> tuple[Mode, ...]:
 
     Their shapes are at the nodes of `model`.
     """
-    small = manageable(model)
+    small = reduce_if_large(model)
     return critical_modes(small, up_to=BEYOND * fastest)[:MOST_MODES] or whirl_modes(small, fastest, count=2)
 
 

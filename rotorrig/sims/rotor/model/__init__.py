@@ -21,7 +21,7 @@ from rotorrig.sims.rotor.model.derivatives import (
     along_density,
     along_disk_mass,
     along_modulus,
-    between,
+    finite_difference,
 )
 from rotorrig.sims.rotor.model.disk import disk_gyroscopic, disk_mass, unbalance_direction
 from rotorrig.sims.rotor.model.loads import (
@@ -44,7 +44,7 @@ from rotorrig.sims.rotor.model.loads import (
     unbalance_pattern,
 )
 from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.model.reversal import reversed_direction, reversed_load, reversed_rotor
+from rotorrig.sims.rotor.model.reversal import reverse_direction, reverse_load, reverse_rotor
 
 __all__ = [
     "NOTHING",
@@ -64,11 +64,11 @@ __all__ = [
     "along_modulus",
     "area",
     "assemble",
-    "between",
     "between_recordings",
     "bow_force",
     "disk_gyroscopic",
     "disk_mass",
+    "finite_difference",
     "force_rows",
     "hysteretic",
     "in_recording",
@@ -78,9 +78,9 @@ __all__ = [
     "patterns",
     "recording_at",
     "reduce",
-    "reversed_direction",
-    "reversed_load",
-    "reversed_rotor",
+    "reverse_direction",
+    "reverse_load",
+    "reverse_rotor",
     "scaled",
     "speed_stiffness",
     "unbalance_direction",

@@ -20,12 +20,12 @@ from rotorrig.rig.config import SHORTEST, Rayleigh, RigConfig, Tube
 from rotorrig.sims.rotor.model.beam import NODE_DOF, Element, shaft_element
 from rotorrig.sims.rotor.model.bearing import (
     BearingAttachment,
-    attached_bearing,
+    attach_bearing,
     bearing_damping,
     bearing_stiffness,
     with_coefficients,
 )
-from rotorrig.sims.rotor.model.disk import DiskAttachment, PlaneAttachment, attached_disk, disk_gyroscopic, disk_mass
+from rotorrig.sims.rotor.model.disk import DiskAttachment, PlaneAttachment, attach_disk, disk_gyroscopic, disk_mass
 
 
 class _Named(Protocol):
@@ -46,7 +46,7 @@ class Matrices(NamedTuple):
 
 
 class Added(NamedTuple):
-    """What stands beside the nameplate's matrices, (dof, dof) each, in fixed axes; None: nothing.
+    """Matrices added to the nameplate's, (dof, dof) each, in fixed axes; None: zero.
 
     In a motion Re(q e^{j n theta}) it adds K + Omega H + Omega^2 S - n^2 Omega^2 M + j n Omega (C + Omega G) to the
     dynamic stiffness. The sense of rotation is already in G and H. A complex K has a loss factor: its imaginary part is
@@ -90,18 +90,18 @@ class RotorModel:
 
     def disk(self, name: str) -> DiskAttachment:
         """Return the disk of that name. Raises ValueError."""
-        return _named(self.disks, name, "disk")
+        return _find_named(self.disks, name, "disk")
 
     def plane(self, name: str) -> DiskAttachment | PlaneAttachment:
         """Return the disk or plane of that name. Raises ValueError."""
         places: tuple[DiskAttachment | PlaneAttachment, ...] = (*self.disks, *self.planes)
-        return _named(places, name, "disk or plane" if self.planes else "disk")
+        return _find_named(places, name, "disk or plane" if self.planes else "disk")
 
     def bearing(self, name: str) -> BearingAttachment:
         """Return the elastic bearing of that name. Raises ValueError."""
         if name in self.rigid:
             raise ValueError(f"bearing '{name}' is rigid and has no coefficients, want an elastic one")
-        return _named(self.bearings, name, "bearing")
+        return _find_named(self.bearings, name, "bearing")
 
 
 def assemble(rig: RigConfig, *, element: Element = "timoshenko", max_element: float = 0.02) -> RotorModel:
@@ -128,9 +128,9 @@ def assemble(rig: RigConfig, *, element: Element = "timoshenko", max_element: fl
         shaft=Matrices(*(A[np.ix_(free, free)] for A in whole)),
         rayleigh=rig.shaft.rayleigh,
         structural_damping=rig.shaft.structural_damping,
-        disks=tuple(attached_disk(d, rows(d.position, NODE_DOF)) for d in rig.disks),
+        disks=tuple(attach_disk(d, rows(d.position, NODE_DOF)) for d in rig.disks),
         planes=tuple(PlaneAttachment(name=p.name, rows=rows(p.position, NODE_DOF)) for p in rig.planes),
-        bearings=tuple(attached_bearing(b, rows(b.position, 2)) for b in rig.bearings if not b.rigid),
+        bearings=tuple(attach_bearing(b, rows(b.position, 2)) for b in rig.bearings if not b.rigid),
         rigid=tuple(b.name for b in rig.bearings if b.rigid),
         probes=np.array([[math.cos(p.angle), math.sin(p.angle)] @ rows(p.position, 2) for p in rig.probes]),
         probe_names=tuple(p.name for p in rig.probes),
@@ -195,11 +195,11 @@ def with_coordinates(model: RotorModel, count: int) -> RotorModel:
     motion less the pedestal's. Until it has a mass the model has no equations of motion. `model.appended` reads these.
     """
     dof = model.dof + count
-    larger = mapped(model, np.eye(model.dof, dof))
+    larger = transform(model, np.eye(model.dof, dof))
     return replace(larger, appended=np.vstack([larger.appended, np.eye(dof)[model.dof :]]))
 
 
-def mapped(model: RotorModel, V: NDArray[np.float64]) -> RotorModel:
+def transform(model: RotorModel, V: NDArray[np.float64]) -> RotorModel:
     """Return the model on the coordinates p of q = V p, V (dof, new)."""
 
     def project(A: NDArray) -> NDArray:
@@ -250,10 +250,10 @@ def _mesh(rig: RigConfig, max_element: float) -> NDArray[np.float64]:
     parts = [part.position for kind in (rig.bearings, rig.disks, rig.planes, rig.probes) for part in kind]
     fixed = sorted({0.0, rig.shaft.length, *parts, *(tube.start for tube in rig.shaft.tubes)})
     kept = [place for before, place in pairwise([-1.0, *fixed]) if place - before > SHORTEST]
-    return np.array([*_divided(kept, max_element), kept[-1]])
+    return np.array([*_divide(kept, max_element), kept[-1]])
 
 
-def _divided(places: list[float], max_element: float) -> Iterator[float]:
+def _divide(places: list[float], max_element: float) -> Iterator[float]:
     for left, right in pairwise(places):
         count = math.ceil((right - left) / max_element * (1 - 1e-9))  # 100 mm is five times 20 mm, rounding or not
         yield from np.linspace(left, right, count, endpoint=False)
@@ -289,7 +289,7 @@ def _plus(A: NDArray, B: NDArray | None) -> NDArray:
     return A if B is None else A + B
 
 
-def _named(parts: tuple[T, ...], name: str, kind: str) -> T:
+def _find_named(parts: tuple[T, ...], name: str, kind: str) -> T:
     for part in parts:
         if part.name == name:
             return part

@@ -40,7 +40,7 @@ def shaft_element(tube: Tube, length: float, *, element: Element = "timoshenko")
     if not length > 0:
         raise ValueError(f"the element's length is {length:g} m, want one above zero")
     plane = _one_plane(tube, length)
-    mass, tilt = (plane.mass, plane.tilt) if element == "timoshenko" else _lumped(tube, length)
+    mass, tilt = (plane.mass, plane.tilt) if element == "timoshenko" else _lump(tube, length)
     M, G, K = (np.zeros((2 * NODE_DOF, 2 * NODE_DOF)) for _ in range(3))
     for dof in (_X_PLANE, _Y_PLANE):
         M[np.ix_(dof, dof)] = mass + tilt  # M_T + M_R of eq. (6)
@@ -125,7 +125,7 @@ def _shape_functions(length: float, phi: float) -> tuple[Matrix, Matrix, Matrix,
     return deflection, slope, bend, shear_angle
 
 
-def _lumped(tube: Tube, length: float) -> tuple[Matrix, Matrix]:
+def _lump(tube: Tube, length: float) -> tuple[Matrix, Matrix]:
     half = tube.density * length / 2
     mass = half * area(tube) * np.diag([1.0, 0.0, 1.0, 0.0])
     tilt = half * second_moment(tube) * np.diag([0.0, 1.0, 0.0, 1.0])

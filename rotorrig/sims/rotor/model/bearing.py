@@ -26,7 +26,7 @@ class BearingAttachment:
 
     @property
     def constant(self) -> bool:
-        """Whether the coefficients are the same at every speed."""
+        """True if the coefficients are the same at every speed."""
         return len(self.omega) == 1
 
     @property
@@ -56,8 +56,8 @@ class BearingAttachment:
             raise ConfigError(f"bearing '{self.name}': its coefficients depend on speed, want constants for this")
 
 
-def attached_bearing(bearing: Bearing, rows: Matrix) -> BearingAttachment:
-    """Return a nameplate bearing, not a rigid one, on the journal that `rows` (2, dof) read."""
+def attach_bearing(bearing: Bearing, rows: Matrix) -> BearingAttachment:
+    """Attach a nameplate bearing, not a rigid one, to the journal that `rows` (2, dof) read."""
     tables = [value for name in bearing.model_fields_set if isinstance(value := getattr(bearing, name), OverSpeed)]
     omega = np.unique([speed for table in tables for speed in table.speed] or [0.0])
 
@@ -73,7 +73,7 @@ def with_coefficients(bearing: BearingAttachment, K: ArrayLike, C: ArrayLike) ->
 
     Raises ValueError on another shape, on NaN or infinity and on a negative direct stiffness or damping.
     """
-    checked = [_checked(label, matrix, bearing.name)[None] for label, matrix in (("K", K), ("C", C))]
+    checked = [_check_coefficients(label, matrix, bearing.name)[None] for label, matrix in (("K", K), ("C", C))]
     return replace(bearing, omega=np.zeros(1), stiffness=checked[0], damping=checked[1])
 
 
@@ -96,7 +96,7 @@ def _values(coefficient: float | OverSpeed, omega: Matrix) -> Matrix:
     return np.full(len(omega), coefficient)
 
 
-def _checked(label: str, matrix: ArrayLike, name: str) -> Matrix:
+def _check_coefficients(label: str, matrix: ArrayLike, name: str) -> Matrix:
     matrix = np.asarray(matrix, dtype=float)
     if matrix.shape != (2, 2):
         raise ValueError(f"{label} has shape {matrix.shape}, want (2, 2)")

@@ -1,4 +1,4 @@
-"""Derivatives of a model's matrices by what a fit changes in it."""
+"""Directions: derivatives of a model's matrices by the parameters of a fit."""
 
 from collections.abc import Collection
 from typing import NamedTuple
@@ -66,16 +66,18 @@ def along_disk_mass(model: RotorModel) -> Direction:
     )
 
 
-def between(before: RotorModel, after: RotorModel, step: float) -> Direction:
+def finite_difference(before: RotorModel, after: RotorModel, step: float) -> Direction:
     """Return the direction from one model's matrices to another's of the same coordinates, per `step`."""
     a, b = matrices(before), matrices(after)
     M, C, G, K = ((y - x) / step for x, y in zip(a, b, strict=True))
     loss = (hysteretic(after) - hysteretic(before)) / step
     H, S = ((y - x) / step for x, y in zip(speed_stiffness(before), speed_stiffness(after), strict=True))
-    return Direction(M=M, C=C, G=G, K=K + 1j * loss if loss.any() else K, H=H, S=S, T=_turning(before, after) / step)
+    return Direction(
+        M=M, C=C, G=G, K=K + 1j * loss if loss.any() else K, H=H, S=S, T=_rotating_difference(before, after) / step
+    )
 
 
-def _turning(before: RotorModel, after: RotorModel) -> NDArray[np.complex128] | float:
+def _rotating_difference(before: RotorModel, after: RotorModel) -> NDArray[np.complex128] | float:
     """Return the difference of what turns with the shaft."""
     a, b = (0.0 if model.added.T is None else model.added.T for model in (before, after))
     return b - a

@@ -27,8 +27,8 @@ class DiskAttachment:
     transverse: float  # kg m^2, about a diameter
 
 
-def attached_disk(disk: Disk, rows: NDArray[np.float64]) -> DiskAttachment:
-    """Return a nameplate disk on the node that `rows` (4, dof) read."""
+def attach_disk(disk: Disk, rows: NDArray[np.float64]) -> DiskAttachment:
+    """Attach a nameplate disk to the node that `rows` (4, dof) read."""
     return DiskAttachment(
         name=disk.name, rows=rows, mass=disk.mass, polar=disk.polar_inertia, transverse=disk.transverse_inertia
     )

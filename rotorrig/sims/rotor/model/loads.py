@@ -1,4 +1,4 @@
-"""What drives a steady response: unbalance, residual bow and given forces, as phasors over speed.
+"""Loads of a steady response: unbalance, residual bow and given forces, as phasors over speed.
 
 A force is Re(F e^{j n theta}); one that turns with the shaft has (Fx, Fy) proportional to (1, -j) for rotation x to y.
 Each is linear in its amount, so the response to a unit of it is also its derivative: harmonic.columns.
@@ -172,9 +172,9 @@ def bow_shape(model: RotorModel, place: str) -> NDArray[np.float64]:
 def force_rows(model: RotorModel, place: str) -> NDArray[np.float64]:
     """Return the rows that read x and y at a disk, plane or elastic bearing, (2, dof). Raises ValueError."""
     places = [(part.name, part.rows) for kind in (model.disks, model.planes, model.bearings) for part in kind]
-    found = [rows for name, rows in places if name == place]
-    if len(found) != 1:
+    named = [rows for name, rows in places if name == place]
+    if len(named) != 1:
         raise ValueError(
-            f"force: {len(found)} parts are named '{place}', want exactly one of {sorted(name for name, _ in places)}"
+            f"force: {len(named)} parts are named '{place}', want exactly one of {sorted(name for name, _ in places)}"
         )
-    return found[0][:2]
+    return named[0][:2]

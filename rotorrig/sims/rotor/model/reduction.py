@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from rotorrig.sims.rotor.model.assembly import RotorModel, mapped, matrices
+from rotorrig.sims.rotor.model.assembly import RotorModel, matrices, transform
 from rotorrig.sims.rotor.model.bearing import BearingAttachment, with_coefficients
 
 HOLDING = 1e3  # N/m: a bearing of less (0: to be identified) still holds the shaft while the basis is made
@@ -26,7 +26,7 @@ def reduce(model: RotorModel, *, modes: int = 10) -> RotorModel:
     Young's modulus and disk mass 5 % off. The rotor of Lalanne and Ferraris to 15 000 rpm, past its fourth critical
     speed: 2e-5 with 10 modes.
     """
-    return mapped(model, _basis(model, modes))
+    return transform(model, _basis(model, modes))
 
 
 def _basis(model: RotorModel, modes: int) -> NDArray[np.float64]:

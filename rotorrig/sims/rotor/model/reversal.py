@@ -22,39 +22,39 @@ from rotorrig.sims.rotor.model.derivatives import Direction
 from rotorrig.sims.rotor.model.loads import Load
 
 
-def reversed_rotor(model: RotorModel) -> RotorModel:
+def reverse_rotor(model: RotorModel) -> RotorModel:
     """Return the rotor as it is when it turns the other way, its angle counted upwards again."""
     more = model.added
     return replace(
         model,
         rotation=-model.rotation,  # turns the gyroscopic matrix of shaft and disks over
-        bearings=tuple(_reversed_bearing(bearing) for bearing in model.bearings),
+        bearings=tuple(_reverse_bearing(bearing) for bearing in model.bearings),
         added=Added(
-            M=_transposed(more.M),
-            C=_transposed(more.C),
-            G=_transposed(more.G),
-            K=_transposed(more.K),
-            H=_transposed(more.H),
-            S=_transposed(more.S),
+            M=_transpose(more.M),
+            C=_transpose(more.C),
+            G=_transpose(more.G),
+            K=_transpose(more.K),
+            H=_transpose(more.H),
+            S=_transpose(more.S),
             T=None if more.T is None else more.T.conj(),
         ),
     )
 
 
-def reversed_load(load: Load) -> Load:
+def reverse_load(load: Load) -> Load:
     """Return a load that is fixed to the shaft as the rotor feels it when it turns the other way."""
     return replace(load, pattern=load.pattern.conj())
 
 
-def reversed_direction(direction: Direction) -> Direction:
+def reverse_direction(direction: Direction) -> Direction:
     """Return the derivative of the reversed rotor's matrices."""
     M, C, G, K, H, S, T = direction
     return Direction(M=M.T, C=C.T, G=G.T, K=K.T, H=np.transpose(H), S=np.transpose(S), T=np.conj(T))
 
 
-def _reversed_bearing(bearing: BearingAttachment) -> BearingAttachment:
+def _reverse_bearing(bearing: BearingAttachment) -> BearingAttachment:
     return replace(bearing, stiffness=bearing.stiffness.swapaxes(1, 2), damping=bearing.damping.swapaxes(1, 2))
 
 
-def _transposed(A: NDArray | None) -> NDArray | None:
+def _transpose(A: NDArray | None) -> NDArray | None:
     return None if A is None else A.T

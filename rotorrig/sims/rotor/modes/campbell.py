@@ -11,7 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
 
 from rotorrig.sims.rotor.model import RotorModel
-from rotorrig.sims.rotor.modes.modes import Mode, eigenpairs, eigenvalues, manageable, mode_of, still, whirl_modes
+from rotorrig.sims.rotor.modes.modes import (
+    Mode,
+    eigenpairs,
+    eigenvalues,
+    mode_of,
+    reduce_if_large,
+    rounding_limit,
+    whirl_modes,
+)
 
 SPARE = 6  # modes beyond those asked for, among which a branch may find its continuation
 ANOTHER = 1.0  # a step of a branch with a larger change of eigenvalue and shape is one to another mode
@@ -47,11 +55,11 @@ def campbell(model: RotorModel, omega: ArrayLike, *, count: int = 8) -> Campbell
     in order and close enough (a few dozen). In an isotropic rotor at rest the whirl of a pair is arbitrary.
     """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
-    small = manageable(model)
+    small = reduce_if_large(model)
     branches: list[list[Mode | None]] = [[mode] for mode in whirl_modes(small, omega[0], count=count)]
     for speed in omega[1:]:
         candidates = whirl_modes(small, speed, count=count + SPARE)
-        for branch, mode in zip(branches, _continued(branches, candidates), strict=True):
+        for branch, mode in zip(branches, _match_branches(branches, candidates), strict=True):
             branch.append(mode)
     return Campbell(
         omega=omega,
@@ -68,7 +76,7 @@ def stability_onset(model: RotorModel, *, up_to: float) -> Mode | None:
     """
     if not up_to > 0:
         raise ValueError(f"up_to is {up_to:g} rad/s, want a speed above zero")
-    small = manageable(model)
+    small = reduce_if_large(model)
     speeds = np.linspace(0.0, up_to, SCAN + 1)
     growth = np.array([_growth(small, speed) for speed in speeds])
     if not np.any(growth > 0):
@@ -80,7 +88,7 @@ def stability_onset(model: RotorModel, *, up_to: float) -> Mode | None:
     return _fastest_growing(small, float(optimize.brentq(lambda speed: _growth(small, speed), low, high, rtol=1e-10)))
 
 
-def _continued(branches: list[list[Mode | None]], candidates: tuple[Mode, ...]) -> list[Mode | None]:
+def _match_branches(branches: list[list[Mode | None]], candidates: tuple[Mode, ...]) -> list[Mode | None]:
     """Return the continuation of every branch among the candidates, the sum of all changes being least."""
     change = np.array([[_change(branch, mode) for mode in candidates] for branch in branches])
     change = np.minimum(change, ANOTHER)  # a branch that has ended takes no other's continuation
@@ -119,5 +127,5 @@ def _fastest_growing(model: RotorModel, omega: float) -> Mode:
 def _rates(model: RotorModel, values: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Return Re / |eigenvalue|; -1 where that is no growth: for a drift, and for the other half of each pair."""
     size = np.abs(values)
-    meant = (values.imag >= -still(model) * size) & (size > DRIFT)
+    meant = (values.imag >= -rounding_limit(model) * size) & (size > DRIFT)
     return np.where(meant, values.real / np.maximum(size, DRIFT), -1.0)

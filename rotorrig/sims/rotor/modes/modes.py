@@ -1,4 +1,4 @@
-"""Natural frequencies, critical speeds, mode shapes and sag: what the rotor does by itself.
+"""Natural frequencies, critical speeds, mode shapes and sag of the free rotor.
 
 All take a full or a reduced model; eigenvalues cost dof^3 (about 30 ms at 128 DOF, 0.3 ms at 22), so reduce a model
 first where they are asked for often. The Campbell diagram and stability are in campbell.py.
@@ -79,18 +79,18 @@ def critical_modes(model: RotorModel, *, up_to: float, order: float = 1.0) -> tu
         raise ValueError(f"up_to is {up_to:g} rad/s, want a speed above zero")
     if not order > 0:
         raise ValueError(f"order is {order:g}, want one above zero")
-    small = manageable(model)
+    small = reduce_if_large(model)
     speeds = np.linspace(up_to / SCAN, up_to, SCAN)
     # The k-th frequency of the sorted list is continuous in speed, whatever branches cross in it.
     above = np.array([natural_frequencies(small, omega) - order * omega for omega in speeds])
     steps, branches = np.nonzero((above[:-1] > 0) != (above[1:] > 0))
-    found = [
+    crossings = [
         _crossing(small, int(branch), order, *speeds[i : i + 2]) for i, branch in zip(steps, branches, strict=True)
     ]
-    return tuple(sorted(found, key=lambda mode: mode.omega))
+    return tuple(sorted(crossings, key=lambda mode: mode.omega))
 
 
-def manageable(model: RotorModel) -> RotorModel:
+def reduce_if_large(model: RotorModel) -> RotorModel:
     """Return the model, reduced if it is too large for eigenvalues at many speeds."""
     return model if model.dof <= LARGE else reduce(model, modes=LARGE // 2)
 
@@ -146,10 +146,10 @@ def eigenpairs(model: RotorModel, omega: float) -> tuple[NDArray[np.complex128],
 
 def oscillating(model: RotorModel, values: NDArray[np.complex128]) -> NDArray[np.bool_]:
     """Return which eigenvalues are of modes that vibrate, one of each pair."""
-    return values.imag > still(model) * np.abs(values)
+    return values.imag > rounding_limit(model) * np.abs(values)
 
 
-def still(model: RotorModel) -> float:
+def rounding_limit(model: RotorModel) -> float:
     """Return the part of |lambda| that Im lambda may be of a mode that does not vibrate.
 
     It is rounding, or what structural damping makes of an overdamped mode: the loss factor at the most.

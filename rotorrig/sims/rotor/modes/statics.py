@@ -1,4 +1,4 @@
-"""What a rotor weighs, and what its bearings carry at rest."""
+"""Mass of the shaft, and static loads on the bearings."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -58,7 +58,7 @@ def steady_response(
     """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
     loads = load(model, omega, unbalance=unbalance, bow=bow, force=force, order=order, alpha=alpha)
-    return _solved(model, omega, loads[..., None], order)[..., 0]
+    return _solve(model, omega, loads[..., None], order)[..., 0]
 
 
 def probe_response(
@@ -101,7 +101,7 @@ def columns(
     if not loads:
         return np.zeros((len(omega), len(model.probes), 0), dtype=complex)
     right = np.stack([np.broadcast_to(column, (len(omega), model.dof)) for column in loads], axis=-1)
-    return model.probes @ _solved(model, omega, right, order)
+    return model.probes @ _solve(model, omega, right, order)
 
 
 def load_columns(
@@ -118,7 +118,7 @@ def load_columns(
     for order in {each.order for each in loads}:
         which = [i for i, each in enumerate(loads) if each.order == order]
         law = np.stack([law_of(loads[i], omega, np.asarray(alpha)) for i in which], axis=-1)
-        at_probes[..., which] = model.probes @ _solved(model, omega, law[:, None] * pattern[:, which], order)
+        at_probes[..., which] = model.probes @ _solve(model, omega, law[:, None] * pattern[:, which], order)
     return at_probes
 
 
@@ -142,7 +142,7 @@ def dynamic_stiffness(model: RotorModel, omega: ArrayLike, *, order: float = 1.0
     return Z
 
 
-def _solved(
+def _solve(
     model: RotorModel, omega: NDArray[np.float64], loads: NDArray[np.complex128], order: float
 ) -> NDArray[np.complex128]:
     """Return Z^-1 loads, (speed, dof, load). Raises DataError where rounding decides the answer."""

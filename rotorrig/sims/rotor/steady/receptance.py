@@ -236,7 +236,7 @@ def _at_reference(bare: RotorModel, rows: Real, reference: complex, omega: Real,
     constant = all(bearing.constant for bearing in bare.bearings)
     for i, speed in enumerate(omega):
         if i == 0 or not constant:
-            powers, band = _banded(_powers(bare, speed, reference * (rows.T @ rows)))
+            powers, band = _store_banded(_powers(bare, speed, reference * (rows.T @ rows)))
         Z = powers[0] + speed * powers[1] + speed**2 * powers[2]
         loads = np.hstack([rows.T, forces[i]])
         try:
@@ -263,7 +263,7 @@ def _powers(model: RotorModel, speed: float, added: NDArray[np.complexfloating])
     return K + 1j * hysteretic(model) + added, 1j * C + H, 1j * G + S - M
 
 
-def _banded(powers: Powers) -> tuple[Powers, int]:
+def _store_banded(powers: Powers) -> tuple[Powers, int]:
     """Return matrices in LAPACK's band form and the width of the band to either side, or as they are and 0.
 
     The form is that of gbsv: above the bands there is room for those that pivoting adds.

@@ -9,7 +9,7 @@ from rotorrig.sims.effects.base import find
 from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added, with_bearing
 from rotorrig.sims.rotor.model.derivatives import along_bearing
 from rotorrig.sims.rotor.model.loads import Load, unbalance_loads
-from rotorrig.sims.rotor.model.reversal import reversed_direction, reversed_load, reversed_rotor
+from rotorrig.sims.rotor.model.reversal import reverse_direction, reverse_load, reverse_rotor
 from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
 from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 
@@ -32,7 +32,7 @@ def unbalanced(model: RotorModel, phasor: complex = U) -> Load:
 
 def backwards(model: RotorModel, load: Load, order: int = 1) -> NDArray[np.complex128]:
     """What is measured, x = Re(z e^{j n |theta|})."""
-    return load_columns(reversed_rotor(model), OMEGA, [reversed_load(load)])[..., 0]
+    return load_columns(reverse_rotor(model), OMEGA, [reverse_load(load)])[..., 0]
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_skew_stiffness_drives_forward_whirl_either_way_round(rig_config: RigCon
 def test_turned_back_twice_it_is_itself(rig_config: RigConfig) -> None:
     model = turning(rig_config, ("shaft_asymmetry", {"asymmetry re": 0.03, "asymmetry im": 0.02}))
     load = unbalanced(model)
-    again = load_columns(reversed_rotor(reversed_rotor(model)), OMEGA, [reversed_load(reversed_load(load))])
+    again = load_columns(reverse_rotor(reverse_rotor(model)), OMEGA, [reverse_load(reverse_load(load))])
     np.testing.assert_array_equal(again, load_columns(model, OMEGA, [load]))
 
 
@@ -84,10 +84,10 @@ def test_its_derivatives_are_those_of_the_reversed_rotor(rig_config: RigConfig) 
     model = turning(rig_config, ("internal_damping", {"beta": 4e-5}))
     skew = np.array([[0.0, 1.0], [-1.0, 0.0]])
     direction = along_bearing(model, "spring", K=skew + np.eye(2))
-    load = reversed_load(unbalanced(model))
-    found = steady_derivatives(reversed_rotor(model), OMEGA, loads=[load], directions=[reversed_direction(direction)])
+    load = reverse_load(unbalanced(model))
+    found = steady_derivatives(reverse_rotor(model), OMEGA, loads=[load], directions=[reverse_direction(direction)])
     step = 1.0  # N/m
     moved = with_added(model, Added(K=step * direction.K))
-    before = load_columns(reversed_rotor(model), OMEGA, [load])
-    after = load_columns(reversed_rotor(moved), OMEGA, [load])
+    before = load_columns(reverse_rotor(model), OMEGA, [load])
+    after = load_columns(reverse_rotor(moved), OMEGA, [load])
     np.testing.assert_allclose(found.by[0], (after - before) / step, rtol=2e-3, atol=1e-13)

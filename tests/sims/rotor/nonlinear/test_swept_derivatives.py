@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added
-from rotorrig.sims.rotor.model.derivatives import between
+from rotorrig.sims.rotor.model.derivatives import finite_difference
 from rotorrig.sims.rotor.model.loads import unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
@@ -61,7 +61,7 @@ def test_derivatives_are_those_of_the_response(model, small, rows, law, swept):
     changes = [
         LawChange(amounts=np.array([U])),
         LawChange(amounts=np.array([1j * U])),
-        LawChange(direction=between(model, stiffer(model, h), h)),
+        LawChange(direction=finite_difference(model, stiffer(model, h), h)),
         LawChange(laws=changed(law, constant=h), step=h),
         LawChange(laws=changed(law, rest=moved), step=moved),
     ]

@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.rig.config.description import from_si
 from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added
-from rotorrig.sims.rotor.model.derivatives import between
+from rotorrig.sims.rotor.model.derivatives import finite_difference
 from rotorrig.sims.rotor.model.loads import Load, unbalance_pattern
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate
@@ -141,7 +141,7 @@ def test_derivatives_are_the_limit_of_differences(small: RotorModel, v: complex)
     omega = np.linspace(1900, 2500, 7) * RPM
     for step in (h, 1j * h):
         up, down = stiffer(small, v + step), stiffer(small, v - step)
-        direction = between(model, stiffer(small, v + step), h)
+        direction = finite_difference(model, stiffer(small, v + step), h)
         got = swept_derivatives(model, rows, loads=loads, directions=[direction]).by[0]
         want = (swept_columns(up, rows, loads=loads) - swept_columns(down, rows, loads=loads)) / (2 * h)
         assert np.abs(got - want).max() < 1e-3 * np.abs(want).max()
