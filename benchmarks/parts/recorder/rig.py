@@ -189,7 +189,9 @@ async def _run(rig: RigConfig, loops: Loops, loud: tuple[float, float] | None) -
     rotor, end = Rotor(), asyncio.Event()
     asyncio.get_running_loop().add_reader(0, lambda: end.set() if not os.read(0, 4096) else None)
     with tempfile.TemporaryDirectory(prefix="recorder-rig-") as folder, Pty() as pty:
-        serving = controllers.serving(rig.motor, rotor, clock=WallClock(), rate=1.0, name=Path(folder) / "motor")
+        serving = controllers.serve_controller(
+            rig.motor, rotor, clock=WallClock(), rate=1.0, name=Path(folder) / "motor"
+        )
         async with serving as controller:
             board = Board(rig, loops, rotor, controller.drive, loud)
             jobs = [

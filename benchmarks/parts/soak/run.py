@@ -24,7 +24,7 @@ from benchmarks.parts.soak.wire import compare
 from rotorrig.acquisition import RawRecording
 from rotorrig.acquisition.files import read_recording
 from rotorrig.rig import RigError, code_version
-from rotorrig.sims.wire import Said, simulated_bench
+from rotorrig.sims.wire import Message, simulated_bench
 from rotorrig.sims.wire.console import Console
 
 ROTOR = [sys.executable, "-m", "rotorrig.app.cli"]
@@ -94,7 +94,7 @@ def run(case: Case, *, rate: float) -> dict[str, Any]:
             "struck": struck,
             "code": code,
             "said": said,
-            "bench": ports.console.said,
+            "bench": ports.console.messages,
             "files": sorted(path.name for path in folder.glob("run.mcap*")),
             **_recorded(fault, out, wire),
         }
@@ -113,7 +113,7 @@ def _sweeping(rig: Path, out: Path, *, largest: int | None) -> "subprocess.Popen
     )
 
 
-def _strike(fault: Fault, program: "subprocess.Popen[str]", rig: Console, *, at: float, rate: float) -> Said | None:
+def _strike(fault: Fault, program: "subprocess.Popen[str]", rig: Console, *, at: float, rate: float) -> Message | None:
     """Send the program its signals from rig time `at` on; return when that was, None if it gets none or had ended."""
     if not fault.signals:
         return None
@@ -147,11 +147,11 @@ def _end_of(program: "subprocess.Popen[str]") -> tuple[int | None, str]:
 def _rest(rig: Console, *, seconds: float) -> None:
     """Wait until the rotor is at rest, at the most for so long."""
     deadline = time.monotonic() + seconds
-    while turns(rig.said) and time.monotonic() < deadline:
+    while turns(rig.messages) and time.monotonic() < deadline:
         time.sleep(0.1)
 
 
-def turns(said: Iterable[Said]) -> bool:
+def turns(said: Iterable[Message]) -> bool:
     """Return whether the rotor turns, by what the bench has said."""
     moves = [line["event"] for line in said if line.get("event") in ("turns", "rests")]
     return bool(moves) and moves[-1] == "turns"

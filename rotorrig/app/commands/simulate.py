@@ -14,7 +14,7 @@ from rotorrig.rig import ConfigError, DataError
 from rotorrig.rig.config import RigConfig, read_trial_mass, trial_unbalance
 from rotorrig.sims.plant import FaultSpec, Truth, draw, seal, unseal
 from rotorrig.sims.plant.faults import check_fault
-from rotorrig.sims.wire import BenchPorts, Said, read_script, simulated_bench
+from rotorrig.sims.wire import BenchPorts, Message, read_script, simulated_bench
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,19 +40,19 @@ def stand_in(rig: RigConfig, simulation: StandIn) -> None:
         shown = 0
         try:
             while True:
-                said = ports.console.said
-                for line in said[shown:]:
+                messages = ports.console.messages
+                for line in messages[shown:]:
                     _show(line)
-                shown = len(said)
+                shown = len(messages)
                 time.sleep(0.2)
         except KeyboardInterrupt:
             out.print("ended")
 
 
-def _show(said: Said) -> None:
+def _show(message: Message) -> None:
     """Print what became of a fault."""
-    if "fault" in said:
-        out.print(f"{said['t']:.1f} s: {said['kind']} on {said['on']} {said['event']}", highlight=False)
+    if "fault" in message:
+        out.print(f"{message['t']:.1f} s: {message['kind']} on {message['on']} {message['event']}", highlight=False)
 
 
 @contextmanager

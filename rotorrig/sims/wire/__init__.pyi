@@ -1,11 +1,11 @@
-from .console import Said as Said
+from .console import Message as Message
 from .fault_script import read_script as read_script
 from .launch import BenchPorts as BenchPorts
 from .launch import simulated_bench as simulated_bench
 
 __all__ = [
     "BenchPorts",
-    "Said",
+    "Message",
     "read_script",
     "simulated_bench",
 ]

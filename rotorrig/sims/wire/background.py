@@ -1,4 +1,4 @@
-"""Jobs that run while a block does."""
+"""Background jobs for the length of a block."""
 
 import asyncio
 from collections.abc import AsyncIterator, Coroutine
@@ -7,7 +7,7 @@ from typing import Any
 
 
 @asynccontextmanager
-async def running(*jobs: Coroutine[Any, Any, None]) -> AsyncIterator[None]:
+async def run_jobs(*jobs: Coroutine[Any, Any, None]) -> AsyncIterator[None]:
     """Run endless jobs for the length of the block; one that fails ends the block."""
     async with asyncio.TaskGroup() as group:
         tasks = [group.create_task(job) for job in jobs]

@@ -1,4 +1,4 @@
-"""A simulated rig behind real wires, as a program of its own.
+"""Program that simulates a rig behind real wires.
 
 `python -m rotorrig.sims.wire.bench CONFIG.toml [--seed N] [--hidden SEALED.json] [--rate X] [--faults SCRIPT.json]
 [--wire FILE]`
@@ -28,7 +28,7 @@ from typing import Any
 from rotorrig.rig import ConfigError, RigError
 from rotorrig.rig.config import Motor, RigConfig, load
 from rotorrig.sims.plant import Plant, draw, unseal
-from rotorrig.sims.wire.emulation import Emulation, emulating
+from rotorrig.sims.wire.emulation import Emulation, emulate
 from rotorrig.sims.wire.fault_script import Script, parse_script, read_script
 from rotorrig.sims.wire.simulated_time import DEFAULT_RATE
 
@@ -42,20 +42,20 @@ def main(argv: list[str] | None = None) -> int:
     try:
         script = read_script(given.faults) if given.faults else Script()
         rig = load(given.config)
-        motor = _motor(rig, given.config)
+        motor = _require_motor(rig, given.config)
         plant, seed = _plant(rig, given)
-        emulation = emulating(
+        emulation = emulate(
             motor,
             plant,
             serial=f"SIM-{rig.hash[:8]}",
             rate=given.rate,
             keyphasor=rig.keyphasor.channel if rig.keyphasor else None,
-            report=_say,
+            report=_print_line,
             wire=given.wire,
         )
         asyncio.run(_run(emulation, script, seed))
     except* RigError as faults:
-        print(_first(faults), file=sys.stderr)
+        print(_first_error(faults), file=sys.stderr)
         code = 2
     return code
 
@@ -64,10 +64,10 @@ async def _run(emulation: AbstractAsyncContextManager[Emulation], script: Script
     """Serve until told to end."""
     async with emulation as wires:
         wires.player.check(script)
-        _say({"motor": wires.motor, "daq": wires.daq, "seed": seed})
+        _print_line({"motor": wires.motor, "daq": wires.daq, "seed": seed})
         wires.player.play(script)
-        await _end_of_run(lambda line: _say(_answer(line, wires)))
-        _say(wires.moment())
+        await _wait_for_end(lambda line: _print_line(_answer(line, wires)))
+        _print_line(wires.moment())
 
 
 def _answer(line: bytes, wires: Emulation) -> dict[str, Any]:
@@ -104,7 +104,7 @@ def _rate(text: str) -> float:
     return rate
 
 
-def _motor(rig: RigConfig, path: Path) -> Motor:
+def _require_motor(rig: RigConfig, path: Path) -> Motor:
     if rig.motor is None or rig.daq is None:
         missing = "[motor]" if rig.motor is None else "[daq]"
         raise ConfigError(f"{path}: has no {missing}, want one: the bench emulates what it names")
@@ -121,17 +121,17 @@ def _plant(rig: RigConfig, given: argparse.Namespace) -> tuple[Plant, int | None
     return Plant(rig, actual), seed  # compiles on first use, before anybody waits for a sample
 
 
-def _say(said: dict[str, Any]) -> None:
+def _print_line(message: dict[str, Any]) -> None:
     """Print a line, unless whoever reads them has stopped doing so: the emulators must not wait for that."""
-    line = (json.dumps(said) + "\n").encode()
+    line = (json.dumps(message) + "\n").encode()
     assert len(line) <= select.PIPE_BUF  # what a pipe that can be written to takes whole
     with contextlib.suppress(BrokenPipeError):  # nobody left to read it: the end of stdin follows
         if select.select([], [sys.stdout.fileno()], [], 0)[1]:
             os.write(sys.stdout.fileno(), line)
 
 
-async def _end_of_run(heard: Callable[[bytes], None]) -> None:
-    """Wait for SIGINT, SIGTERM or the end of standard input, whose lines are handed to `heard`."""
+async def _wait_for_end(take_line: Callable[[bytes], None]) -> None:
+    """Wait for SIGINT, SIGTERM or the end of standard input, whose lines are handed to `take_line`."""
     loop, end = asyncio.get_running_loop(), asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, end.set)
@@ -142,7 +142,7 @@ async def _end_of_run(heard: Callable[[bytes], None]) -> None:
         data = os.read(0, 65536)
         *lines, pending = (pending + data).split(b"\n")
         for line in lines:
-            heard(line)
+            take_line(line)
         if not data:
             loop.remove_reader(0)
             end.set()
@@ -153,9 +153,9 @@ async def _end_of_run(heard: Callable[[bytes], None]) -> None:
     await end.wait()
 
 
-def _first(faults: BaseExceptionGroup[RigError]) -> BaseException:
+def _first_error(faults: BaseExceptionGroup[RigError]) -> BaseException:
     inner = faults.exceptions[0]
-    return _first(inner) if isinstance(inner, BaseExceptionGroup) else inner
+    return _first_error(inner) if isinstance(inner, BaseExceptionGroup) else inner
 
 
 if __name__ == "__main__":

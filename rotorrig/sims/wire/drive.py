@@ -1,4 +1,4 @@
-"""What every emulated motor controller has behind its protocol: states, a ramp generator, a fault memory, a watchdog.
+"""Emulated drive behind every protocol: states, a ramp generator, a fault memory, a watchdog.
 
 Speeds are the shaft's, in rad/s; what a protocol counts in is its own file's business. Times are simulated, but for
 the watchdog, which is about a link and runs in wall time.
@@ -13,7 +13,7 @@ from rotorrig.sims.wire.plant_port import Plant
 
 
 class OnSilence(Enum):
-    """What a drive does when its master has been silent for too long."""
+    """Reaction of a drive to a silent master."""
 
     TRIP = auto()  # remember a fault, output off
     COAST = auto()  # output off
@@ -65,12 +65,12 @@ class Drive:
 
     @property
     def active(self) -> bool:
-        """Whether the output is on."""
+        """True while the output is on."""
         return self._mode is not _Mode.STOPPED
 
     @property
     def running(self) -> bool:
-        """Whether it was started and not stopped."""
+        """True from a start to the next stop."""
         return self._mode is _Mode.RUNNING
 
     @property
@@ -79,8 +79,8 @@ class Drive:
         return self._ramp.at(self._plant.t) if self.active else 0.0
 
     @property
-    def way(self) -> float:
-        """How far the speed has to rise (> 0) or fall (< 0) to where it is going [rad/s]."""
+    def remaining(self) -> float:
+        """Change of speed left on the ramp [rad/s], above 0 when rising."""
         return self._ramp.target - self.speed if self.active else 0.0
 
     @property
@@ -88,12 +88,12 @@ class Drive:
         """The speed asked for [rad/s]."""
         return self._reference
 
-    def refer(self, speed: float, *, rising: float, falling: float) -> None:
-        """Take a reference [rad/s] and the two ramps [rad/s^2]; they count at once if the output is on."""
+    def set_reference(self, speed: float, *, rising: float, falling: float) -> None:
+        """Set the reference [rad/s] and both ramps [rad/s^2]; in force at once if the output is on."""
         changed = (speed, rising, falling) != (self._reference, self._rising, self._falling)
         self._reference, self._rising, self._falling = speed, rising, falling
         if changed and self.active:
-            self._drive()
+            self._follow_reference()
 
     def start(self) -> None:
         """Go to the reference, unless a fault is remembered."""
@@ -101,7 +101,7 @@ class Drive:
             return
         begin = self.speed if self.active else self._plant.speed
         self._mode, self._braking = _Mode.RUNNING, None
-        self._drive(begin)
+        self._follow_reference(begin)
 
     def stop(self, *, coast: bool, braking: float | None = None) -> None:
         """End a run, by switching the output off or down the ramp, or another one, `braking` [rad/s^2]."""
@@ -112,7 +112,7 @@ class Drive:
             self._switch_off()
         else:
             self._mode = _Mode.STOPPING
-            self._drive()
+            self._follow_reference()
 
     def trip(self, fault: int) -> None:
         """Remember a fault and switch the output off."""
@@ -121,7 +121,7 @@ class Drive:
             self._switch_off()
 
     def hear(self) -> None:
-        """Take note that the master has spoken."""
+        """Restart the watchdog: the master has sent a request."""
         self._heard = self._clock.now()
 
     def tick(self) -> None:
@@ -137,20 +137,20 @@ class Drive:
                 case OnSilence.RAMP:
                     self.stop(coast=False)
 
-    def stick(self, stuck: bool) -> None:
-        """Let the shaft keep the speed it has, or let it follow again; the drive itself notices nothing."""
+    def hold_speed(self, stuck: bool) -> None:
+        """Hold the shaft at its present speed, or release it; the drive itself notices nothing."""
         if stuck and not self.stuck:
             self._plant.command(self._plant.speed, 1.0, True)
         self.stuck = stuck
         if not stuck and self.active:
-            self._drive()
+            self._follow_reference()
 
     def _switch_off(self) -> None:
         self._mode = _Mode.STOPPED
         self.stuck = False  # without power nothing holds the shaft at a speed
         self._plant.command(0.0, self._ramp.slope, False)
 
-    def _drive(self, begin: float | None = None) -> None:
+    def _follow_reference(self, begin: float | None = None) -> None:
         """Head for the reference, or for zero when stopping, from the speed `begin` or the present one."""
         begin = self.speed if begin is None else begin
         target = self._reference if self.running else 0.0

@@ -1,4 +1,4 @@
-"""Both emulators in front of one plant, in one event loop: no locks, one simulated time."""
+"""Emulation of motor controller and DAQ in front of one plant, in one event loop and one simulated time."""
 
 import asyncio
 import tempfile
@@ -12,10 +12,10 @@ from typing import IO, Any
 from rotorrig.rig import WallClock
 from rotorrig.rig.config import Motor
 from rotorrig.sims.wire import probe_daq
-from rotorrig.sims.wire.background import running
+from rotorrig.sims.wire.background import run_jobs
 from rotorrig.sims.wire.cables import Cable
 from rotorrig.sims.wire.drive import Drive
-from rotorrig.sims.wire.fault_player import Player, Report, Victims
+from rotorrig.sims.wire.fault_player import Player, Report, Targets
 from rotorrig.sims.wire.inputs import Inputs
 from rotorrig.sims.wire.motors import Place, controllers
 from rotorrig.sims.wire.plant_port import Plant
@@ -41,7 +41,7 @@ class Emulation:
 
 
 @asynccontextmanager
-async def emulating(
+async def emulate(
     motor: Motor,
     plant: Plant,
     *,
@@ -66,22 +66,22 @@ async def emulating(
         tempfile.TemporaryDirectory(prefix="rotorrig-ports-") as ports,
         Cable(name=Path(ports) / "daq", tap=wire) as cable,
     ):
-        serving = controllers.serving(motor, plant, clock=clock, rate=rate, name=Path(ports) / "motor")
+        serving = controllers.serve_controller(motor, plant, clock=clock, rate=rate, name=Path(ports) / "motor")
         async with serving as controller:
             drive = controller.drive
-            victims = Victims(
+            targets = Targets(
                 motor=controller.link, daq=cable, drive=drive, inputs=inputs, disguise=controller.disguise
             )
-            player = Player(victims, plant=plant, report=report)
+            player = Player(targets, plant=plant, report=report)
             emulation = Emulation(motor=controller.place, daq={"port": cable.port}, player=player, plant=plant)
 
             def awake() -> bool:
                 return board.streaming or drive.active or plant.speed > _STANDSTILL
 
             passing = pass_time(
-                plant, inputs, rate=rate, awake=awake, clock=clock, real_time=real_time, passed=player.look
+                plant, inputs, rate=rate, awake=awake, clock=clock, real_time=real_time, on_step=player.look
             )
-            async with running(
+            async with run_jobs(
                 _tick(drive), probe_daq.serve(board, cable), passing, player.run(), _watch(emulation, report)
             ):
                 yield emulation

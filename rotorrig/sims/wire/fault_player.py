@@ -1,4 +1,4 @@
-"""Plays scripts of faults on a bench: begins and ends each when its time has come, and reports it."""
+"""Player of fault scripts: begins and ends each fault in its time, and reports it."""
 
 import asyncio
 import time
@@ -32,7 +32,7 @@ _LOOK = 0.01  # s of wall time between looks: time may stand still while a link'
 
 
 class Link(Protocol):
-    """A cable that things can happen to."""
+    """A cable that can be disturbed, unplugged and swapped."""
 
     interference: Interference
 
@@ -52,8 +52,8 @@ class Disguise(Protocol):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Victims:
-    """What faults act on."""
+class Targets:
+    """Parts of the bench that faults act on."""
 
     motor: Link
     daq: Link
@@ -65,11 +65,11 @@ class Victims:
         """Return the cable of a device."""
         return self.motor if on == "motor" else self.daq
 
-    def befall(self, fault: Fault, rng: np.random.Generator) -> Callable[[], dict[str, Any]]:
-        """Let a fault begin; return what ends it, and then returns what it has done."""
+    def start_fault(self, fault: Fault, rng: np.random.Generator) -> Callable[[], dict[str, Any]]:
+        """Begin a fault; return a function that ends it and returns its effects."""
         match fault:
             case StuckSpeed():
-                return _switched(self.drive.stick)
+                return _switch_on(self.drive.hold_speed)
             case DriveFault():
                 self.drive.trip(fault.code)
                 return dict
@@ -77,28 +77,28 @@ class Victims:
                 before = self.inputs.overrun(True)
                 return lambda: {"scans": self.inputs.overrun(False) - before}
             case KeyphasorLost():
-                return _switched(self.inputs.lose_keyphasor)
+                return _switch_on(self.inputs.lose_keyphasor)
             case Silent():
-                return _switched(self.link(fault.on).interference.silence)
+                return _switch_on(self.link(fault.on).interference.silence)
             case Disconnect():
-                return _switched(self.link(fault.on).unplug)
+                return _switch_on(self.link(fault.on).unplug)
             case WrongDevice(address=int() as address):
-                return _switched(partial(self._wear, address))
+                return _switch_on(partial(self._answer_as, address))
             case WrongDevice():
-                return _switched(self.link(fault.on).divert)
+                return _switch_on(self.link(fault.on).divert)
             case _:
                 interference = self.link(fault.on).interference
                 interference.begin(fault, rng)
                 return lambda: {"hits": interference.end(fault)}
 
-    def _wear(self, address: int, worn: bool) -> None:
+    def _answer_as(self, address: int, worn: bool) -> None:
         assert self.disguise
         self.disguise.answers_as = address if worn else None
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class _Played:
-    """One fault of a script on its way: awaited, begun, over."""
+class _ScheduledFault:
+    """One fault of a script: waiting, acting, over."""
 
     number: int  # in its script
     fault: Fault
@@ -115,15 +115,15 @@ class Player:
     script, `kind` and `on`, `event` "begins" or "ends", and with the end of a fault of messages its `hits`.
     """
 
-    def __init__(self, victims: Victims, *, plant: Plant, report: Report) -> None:
-        self._victims, self._plant, self._report = victims, plant, report
-        self._waiting: list[_Played] = []
-        self._acting: list[_Played] = []
+    def __init__(self, targets: Targets, *, plant: Plant, report: Report) -> None:
+        self._targets, self._plant, self._report = targets, plant, report
+        self._waiting: list[_ScheduledFault] = []
+        self._acting: list[_ScheduledFault] = []
 
     def check(self, script: Script) -> None:
         """Raise ConfigError for a fault that this controller cannot have."""
         for number, fault in enumerate(script.faults):
-            if isinstance(fault, WrongDevice) and fault.address is not None and not self._victims.disguise:
+            if isinstance(fault, WrongDevice) and fault.address is not None and not self._targets.disguise:
                 raise ConfigError(
                     f"faults[{number}].address: got {fault.address}, want none: this controller has no Modbus address"
                 )
@@ -135,19 +135,19 @@ class Player:
         seeds = np.random.SeedSequence(script.seed).spawn(len(script.faults))
         for number, (fault, seed) in enumerate(zip(script.faults, seeds, strict=True)):
             rng, due = np.random.default_rng(seed), self._plant.t + fault.at
-            self._waiting.append(_Played(number=number, fault=fault, rng=rng, due=due))
+            self._waiting.append(_ScheduledFault(number=number, fault=fault, rng=rng, due=due))
         self.look()
 
     def look(self) -> None:
         """Begin what is due and end what is over."""
         if not self._waiting and not self._acting:
             return
-        for played in [p for p in self._waiting if self._is_due(p)]:
-            self._waiting.remove(played)
-            self._begin(played)
-        for played in [p for p in self._acting if self._is_over(p)]:
-            self._acting.remove(played)
-            self._end(played)
+        for scheduled in [p for p in self._waiting if self._is_due(p)]:
+            self._waiting.remove(scheduled)
+            self._begin(scheduled)
+        for scheduled in [p for p in self._acting if self._is_over(p)]:
+            self._acting.remove(scheduled)
+            self._end(scheduled)
 
     def _calm(self) -> None:
         """End what has begun, and forget what has not."""
@@ -161,44 +161,44 @@ class Player:
             self.look()
             await asyncio.sleep(_LOOK)
 
-    def _is_due(self, played: _Played) -> bool:
-        fault = played.fault
-        return self._plant.t >= played.due and (fault.above is None or self._plant.speed > fault.above)
+    def _is_due(self, scheduled: _ScheduledFault) -> bool:
+        fault = scheduled.fault
+        return self._plant.t >= scheduled.due and (fault.above is None or self._plant.speed > fault.above)
 
-    def _is_over(self, played: _Played) -> bool:
-        fault = played.fault
-        assert played.began
+    def _is_over(self, scheduled: _ScheduledFault) -> bool:
+        fault = scheduled.fault
+        assert scheduled.began
         match fault:
             case DriveFault():
                 return True  # a moment's: the drive remembers it
             case StuckSpeed() | DaqOverrun() | KeyphasorLost():
-                gone = self._plant.t - played.began[0]
+                gone = self._plant.t - scheduled.began[0]
             case Silent() | Disconnect() | WrongDevice():
-                gone = time.monotonic() - played.began[1]
+                gone = time.monotonic() - scheduled.began[1]
             case _:
-                if self._victims.link(fault.on).interference.spent(fault):
+                if self._targets.link(fault.on).interference.is_spent(fault):
                     return True
-                gone = time.monotonic() - played.began[1]
+                gone = time.monotonic() - scheduled.began[1]
         return fault.lasts is not None and gone >= fault.lasts
 
-    def _begin(self, played: _Played) -> None:
-        played.began = self._plant.t, time.monotonic()
-        played.end = self._victims.befall(played.fault, played.rng)
-        self._acting.append(played)
-        self._say(played, "begins")
+    def _begin(self, scheduled: _ScheduledFault) -> None:
+        scheduled.began = self._plant.t, time.monotonic()
+        scheduled.end = self._targets.start_fault(scheduled.fault, scheduled.rng)
+        self._acting.append(scheduled)
+        self._report_event(scheduled, "begins")
 
-    def _end(self, played: _Played) -> None:
-        assert played.end
-        self._say(played, "ends", **played.end())
+    def _end(self, scheduled: _ScheduledFault) -> None:
+        assert scheduled.end
+        self._report_event(scheduled, "ends", **scheduled.end())
 
-    def _say(self, played: _Played, event: str, **found: Any) -> None:
-        fault = played.fault
+    def _report_event(self, scheduled: _ScheduledFault, event: str, **effects: Any) -> None:
+        fault = scheduled.fault
         moment = {"t": round(self._plant.t, 6), "wall": time.monotonic()}
-        self._report(moment | {"fault": played.number, "kind": fault.kind, "on": fault.on, "event": event} | found)
+        self._report(moment | {"fault": scheduled.number, "kind": fault.kind, "on": fault.on, "event": event} | effects)
 
 
-def _switched(switch: Callable[[bool], None]) -> Callable[[], dict[str, Any]]:
-    """Switch something on; return what switches it off."""
+def _switch_on(switch: Callable[[bool], None]) -> Callable[[], dict[str, Any]]:
+    """Switch something on; return a function that switches it off."""
 
     def off() -> dict[str, Any]:
         switch(False)

@@ -23,7 +23,7 @@ Direction = Literal["both", "to-device", "from-device"]
 
 
 class _Fault(Part):
-    """When it begins and ends."""
+    """Begin and end of a fault."""
 
     at: Annotated[float, reads("time"), Field(ge=0)] = 0.0  # s of simulated time since the script was given
     above: Speed | None = None  # once the shaft has first been faster than this, then or later

@@ -1,4 +1,4 @@
-"""The DAQ's inputs: what lies between the rig's sensors and the board, and can be pulled off or lost there."""
+"""Inputs of the DAQ, between the rig's sensors and the board: cables that can come off."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,6 @@ class Inputs:
         self._keyphasor_lost = lost
 
     def overrun(self, overrun: bool) -> int:
-        """Let the board lose all samples, or none any more; return how many scans it has lost so far."""
+        """Begin or end an overrun of the board; return how many scans it has lost so far."""
         self._board.overrunning = overrun
         return self._board.lost

@@ -26,7 +26,7 @@ _END_TIMEOUT = 5.0  # s
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BenchPorts:
-    """Where a running bench is: keys of [motor] and of [daq] that stand instead of the config's, and its console."""
+    """Ports of a running bench: keys of [motor] and of [daq] in place of the config's, and its console."""
 
     motor: dict[str, Any]
     daq: dict[str, Any]
@@ -60,15 +60,15 @@ def simulated_bench(
         command = [sys.executable, "-m", "rotorrig.sims.wire.bench", str(config), "--seed", str(seed)]
         command += ["--rate", repr(float(rate))] + (["--hidden", str(hidden)] if hidden else [])
         command += (["--faults", str(faults)] if faults else []) + (["--wire", str(wire)] if wire else [])
-        with (Path(scratch) / "stderr").open("w+b") as complaints, _child(command, complaints) as process:
-            ports = _ports(process, complaints, timeout)
+        with (Path(scratch) / "stderr").open("w+b") as complaints, _run_child(command, complaints) as process:
+            ports = _wait_for_ports(process, complaints, timeout)
             yield ports
             if process.poll() is not None:
                 raise RigError(f"the simulated bench ended by itself: {_sentence(complaints, process)}")
 
 
 @contextmanager
-def _child(command: list[str], complaints: IO[bytes]) -> Iterator[subprocess.Popen[bytes]]:
+def _run_child(command: list[str], complaints: IO[bytes]) -> Iterator[subprocess.Popen[bytes]]:
     """Run `command` until the block ends; its standard input is the line it lives on."""
     # a session of its own: Ctrl-C is for us, who then stop the rotor over the wire before the wire goes
     process = subprocess.Popen(
@@ -87,7 +87,7 @@ def _child(command: list[str], complaints: IO[bytes]) -> Iterator[subprocess.Pop
                 process.kill()
 
 
-def _ports(process: subprocess.Popen[bytes], complaints: IO[bytes], timeout: float) -> BenchPorts:
+def _wait_for_ports(process: subprocess.Popen[bytes], complaints: IO[bytes], timeout: float) -> BenchPorts:
     assert process.stdout
     if not select.select([process.stdout], [], [], timeout)[0]:
         process.kill()  # it watches its standard input only once it runs
@@ -96,10 +96,10 @@ def _ports(process: subprocess.Popen[bytes], complaints: IO[bytes], timeout: flo
     if not line:
         process.wait(_END_TIMEOUT)
         raise RigError(f"the simulated bench did not start: {_sentence(complaints, process)}")
-    said = json.loads(line)
+    ports = json.loads(line)
     assert process.stdin
     console = Console(stdin=process.stdin, stdout=process.stdout)
-    return BenchPorts(motor=said["motor"], daq=said["daq"], console=console)
+    return BenchPorts(motor=ports["motor"], daq=ports["daq"], console=console)
 
 
 def _sentence(complaints: IO[bytes], process: subprocess.Popen[bytes]) -> str:

@@ -1,4 +1,4 @@
-"""What the emulators need of the physics behind them; `rotorrig.sims.plant.plant.Plant` offers it."""
+"""Interface of the plant to the emulators; `rotorrig.sims.plant.plant.Plant` has it."""
 
 from typing import Protocol
 

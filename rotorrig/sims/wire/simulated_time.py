@@ -1,4 +1,4 @@
-"""The one clock of a simulated bench: how far the plant moves on while wall time passes.
+"""Clock of a simulated bench: simulated time over wall time.
 
 Time is asked of the plant in short steps with turns of the event loop in between, so that a Modbus request, which
 takes about a dozen turns over the emulated cable, waits for a few steps (0.6 ms of computing each) and not for frames.
@@ -22,7 +22,7 @@ _SLACK = 0.02  # s of wall time that may be caught up: the loop's timer is no fi
 
 
 class Sampler(Protocol):
-    """What takes the samples: the DAQ board."""
+    """Taker of the samples: the DAQ board."""
 
     async def room(self) -> None:
         """Return when there is room for samples; a board that rather loses some returns at once."""
@@ -41,7 +41,7 @@ async def pass_time(
     awake: Callable[[], bool],
     clock: Clock,
     real_time: bool,
-    passed: Callable[[], None] = lambda: None,
+    on_step: Callable[[], None] = lambda: None,
 ) -> None:
     """Move `plant` on at `rate` times wall time and hand its samples to `board`, until cancelled.
 
@@ -60,7 +60,7 @@ async def pass_time(
             due = clock.now()
             continue
         board.measure(plant.advance(plant.t + STEP))
-        passed()
+        on_step()
         now = clock.now()
         due = (due if real_time else max(due, now - _SLACK)) + STEP / rate
         for _ in range(_TURNS - 1):

@@ -22,7 +22,7 @@ from rotorrig.rig.motor import can_link, canopen_motor
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.motor.canopen_motor import CanOpenMotor
 from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
-from rotorrig.sims.wire.motors.can_motor import serving
+from rotorrig.sims.wire.motors.can_motor import serve_slcan
 from rotorrig.sims.wire.motors.cia402 import Cia402
 from tests.rig.wire_fakes import wait_for
 from tests.sims.wire.conftest import ToyPlant, in_background
@@ -456,7 +456,7 @@ class Tty:
     async def _serve(self, end: asyncio.Event) -> None:
         carrying = asyncio.create_task(self.cable.run())
         with self.cable:
-            async with serving(self.device, port=self.cable.device_port, node=NODE):
+            async with serve_slcan(self.device, port=self.cable.device_port, node=NODE):
                 await end.wait()
             carrying.cancel()
             await asyncio.wait([carrying])

@@ -104,7 +104,7 @@ def emulating(plant: ToyPlant) -> Emulating:
         ready = threading.Event()
 
         async def job(end: asyncio.Event) -> None:
-            async with emulation.emulating(
+            async with emulation.emulate(
                 motor, plant, serial="T1", rate=rate, keyphasor=None, report=lambda said: None
             ) as running:
                 ports.extend(str(place["port"]) for place in (running.motor, running.daq))

@@ -49,13 +49,13 @@ def served(profile: str, *, wire: Wire = "rtu", address: int = 1, **more: Any) -
                     {"driver": "modbus-rtu", "port": cable.client_port, **said}
                 )
                 registers = commission_drive(table, plant, WallClock())
-                serving = modbus_motor.serving(registers, port=cable.device_port, address=address, disguise=disguise)
+                serving = modbus_motor.serve_rtu(registers, port=cable.device_port, address=address, disguise=disguise)
                 await stack.enter_async_context(serving)
                 jobs.append(group.create_task(cable.run()))
             else:
                 table = ModbusTcp.model_validate({"driver": "modbus-tcp", "host": "127.0.0.1", **said})
                 registers = commission_drive(table, plant, WallClock())
-                serving_tcp = modbus_motor.serving_tcp(registers, address=address, disguise=disguise)
+                serving_tcp = modbus_motor.serve_tcp(registers, address=address, disguise=disguise)
                 table = table.model_copy(update={"tcp_port": await stack.enter_async_context(serving_tcp)})
             jobs.append(group.create_task(_pass_time(registers, plant)))
             found.append(Served(table, registers, plant, disguise))

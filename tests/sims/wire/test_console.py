@@ -32,7 +32,7 @@ def test_what_is_not_said_in_time_is_an_error_and_so_is_an_early_end(
     say.close()
     with pytest.raises(RigError, match="did not say what it was expected to: it ended"):
         console.wait_for(lambda line: line.get("event") == "rests", timeout=5)
-    assert console.said == ({"event": "turns"},)
+    assert console.messages == ({"event": "turns"},)
 
 
 def test_a_bench_that_is_gone_is_said(pipes: tuple[IO[bytes], IO[bytes], IO[bytes], IO[bytes]]) -> None:

@@ -10,7 +10,7 @@ from rotorrig.rig.errors import ConfigError
 from rotorrig.sims.wire import fault_player
 from rotorrig.sims.wire.cables.interference import Interference
 from rotorrig.sims.wire.drive import Drive
-from rotorrig.sims.wire.fault_player import Player, Victims
+from rotorrig.sims.wire.fault_player import Player, Targets
 from rotorrig.sims.wire.fault_script import Script, parse_script
 from rotorrig.sims.wire.inputs import Inputs
 from rotorrig.sims.wire.probe_daq import Firmware
@@ -40,8 +40,8 @@ class Rig:
         self.board = Firmware(plant, serial="T1", waits=False)
         self.inputs = Inputs(self.board, keyphasor=2)
         self.said: list[dict[str, Any]] = []
-        victims = Victims(motor=self.motor, daq=self.daq, drive=self.drive, inputs=self.inputs, disguise=None)
-        self.player = Player(victims, plant=plant, report=self.said.append)
+        targets = Targets(motor=self.motor, daq=self.daq, drive=self.drive, inputs=self.inputs, disguise=None)
+        self.player = Player(targets, plant=plant, report=self.said.append)
 
     def play(self, *faults: dict[str, Any]) -> None:
         self.player.play(script(*faults))
@@ -91,7 +91,7 @@ def test_a_fault_of_a_link_lasts_in_wall_time(rig: Rig) -> None:
     assert rig.motor.unplugged
     rig.pass_time(5.0)
     assert rig.motor.unplugged
-    assert rig.daq.interference.befallen(b"x", "to-device") == ([], 0.0)
+    assert rig.daq.interference.disturb(b"x", "to-device") == ([], 0.0)
     time.sleep(0.31)
     rig.player.look()
     assert not rig.motor.unplugged
@@ -101,18 +101,18 @@ def test_a_fault_of_a_link_lasts_in_wall_time(rig: Rig) -> None:
 def test_a_fault_of_so_many_messages_ends_with_the_last_and_says_how_many(rig: Rig) -> None:
     rig.play({"kind": "drop", "on": "daq", "count": 2})
     for _ in range(3):
-        rig.daq.interference.befallen(b"x", "from-device")
+        rig.daq.interference.disturb(b"x", "from-device")
         rig.player.look()
     assert [line["event"] for line in rig.said] == ["begins", "ends"]
     assert rig.said[1]["hits"] == 2
 
 
 def test_the_shaft_sticks_while_the_drive_believes_it_follows(rig: Rig) -> None:
-    rig.drive.refer(50.0, rising=100.0, falling=100.0)
+    rig.drive.set_reference(50.0, rising=100.0, falling=100.0)
     rig.drive.start()
     rig.pass_time(1.0)
     rig.play({"kind": "stuck-speed", "lasts": 2.0})
-    rig.drive.refer(80.0, rising=100.0, falling=100.0)
+    rig.drive.set_reference(80.0, rising=100.0, falling=100.0)
     rig.pass_time(2.0)
     assert (rig.plant.speed, rig.drive.speed) == (50.0, 80.0)
     rig.pass_time(3.0)
@@ -121,7 +121,7 @@ def test_the_shaft_sticks_while_the_drive_believes_it_follows(rig: Rig) -> None:
 
 
 def test_a_tripped_drive_lets_the_rotor_coast_and_remembers_why(rig: Rig) -> None:
-    rig.drive.refer(50.0, rising=100.0, falling=100.0)
+    rig.drive.set_reference(50.0, rising=100.0, falling=100.0)
     rig.drive.start()
     rig.pass_time(1.0)
     rig.play({"kind": "drive-fault", "code": 12})
@@ -179,7 +179,7 @@ def test_the_same_seed_hits_the_same_messages(plant: Any, clock: Any) -> None:
         rig = Rig(plant, clock)
         rig.play({"kind": "drop", "on": "daq", "share": 0.5}, {"kind": "drop", "on": "motor", "share": 0.5})
         struck.append(
-            [[wire.interference.befallen(b"x", "to-device")[0] for _ in range(50)] for wire in (rig.motor, rig.daq)]
+            [[wire.interference.disturb(b"x", "to-device")[0] for _ in range(50)] for wire in (rig.motor, rig.daq)]
         )
     assert struck[0] == struck[1]
     assert struck[0][0] != struck[0][1]

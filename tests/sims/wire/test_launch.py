@@ -52,7 +52,7 @@ def test_its_console_plays_scripts_and_tells_the_true_speed() -> None:
             ports.console.play([{"kind": "fire"}])
         ports.console.play([{"kind": "disconnect", "on": "motor", "lasts": 0.1}])
         ports.console.wait_for(lambda line: line.get("event") == "ends", timeout=5)
-        assert [line["event"] for line in ports.console.said] == ["begins", "ends"]
+        assert [line["event"] for line in ports.console.messages] == ["begins", "ends"]
 
 
 def test_a_script_of_faults_is_played_from_the_start(tmp_path: Path) -> None:

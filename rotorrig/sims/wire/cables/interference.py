@@ -1,4 +1,4 @@
-"""What befalls messages on a cable: lost, damaged, late, twice, as the faults that act on it say."""
+"""Interference on a cable: messages lost, damaged, late or doubled by the faults acting on it."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -21,7 +21,7 @@ class _Acting:
     hits: int = 0
 
     def hit(self, toward: Toward) -> bool:
-        """Whether it befalls the next message; counts it if so."""
+        """Return whether it hits the next message, and count the hit."""
         fault = self.fault
         if fault.direction not in ("both", toward) or self.hits == fault.count:
             return False
@@ -47,25 +47,25 @@ class Interference:
         self._acting.remove(ended)
         return ended.hits
 
-    def spent(self, fault: OfMessages) -> bool:
-        """Whether `fault` has hit as many messages as it may."""
+    def is_spent(self, fault: OfMessages) -> bool:
+        """Return whether `fault` has hit as many messages as it may."""
         return any(a.fault is fault and a.hits == fault.count for a in self._acting)
 
     def silence(self, silent: bool) -> None:
         """Let nothing through, or everything again."""
         self._silent = silent
 
-    def befallen(self, message: bytes, toward: Toward) -> tuple[list[bytes], float]:
-        """Return what arrives of a message, and how many seconds late."""
+    def disturb(self, message: bytes, toward: Toward) -> tuple[list[bytes], float]:
+        """Return what arrives of a message, and the delay [s]."""
         arriving, late = [] if self._silent else [message], 0.0
         for acting in self._acting:
             if not acting.hit(toward):
                 continue
             match acting.fault:
                 case Drop(bytes=count):
-                    arriving = [short for m in arriving if (short := _shortened(m, count, acting.rng))]
+                    arriving = [short for m in arriving if (short := _shorten(m, count, acting.rng))]
                 case Corrupt(bits=count):
-                    arriving = [_flipped(m, count, acting.rng) for m in arriving]
+                    arriving = [_flip_bits(m, count, acting.rng) for m in arriving]
                 case Duplicate():
                     arriving = [m for m in arriving for _ in range(2)]
                 case Delay(by=seconds):
@@ -73,13 +73,13 @@ class Interference:
         return arriving, late
 
 
-def _shortened(message: bytes, count: int | None, rng: np.random.Generator) -> bytes:
+def _shorten(message: bytes, count: int | None, rng: np.random.Generator) -> bytes:
     if count is None or count >= len(message):
         return b""
     return np.delete(np.frombuffer(message, np.uint8), rng.choice(len(message), count, replace=False)).tobytes()
 
 
-def _flipped(message: bytes, count: int, rng: np.random.Generator) -> bytes:
+def _flip_bits(message: bytes, count: int, rng: np.random.Generator) -> bytes:
     bits = np.unpackbits(np.frombuffer(message, np.uint8))
     bits[rng.choice(len(bits), min(count, len(bits)), replace=False)] ^= 1
     return np.packbits(bits).tobytes()
@@ -98,7 +98,7 @@ class Lane:
 
     async def put(self, message: bytes) -> None:
         """Send a message; return when it is delivered, or at once if it is to be late."""
-        arriving, late = self._interference.befallen(message, self._toward)
+        arriving, late = self._interference.disturb(message, self._toward)
         if not late and not self._waiting:
             for piece in arriving:
                 await self._deliver(piece)

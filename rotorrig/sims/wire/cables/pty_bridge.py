@@ -203,13 +203,13 @@ class PtyBridge:
             jobs.create_task(self._from_device())
 
     async def _to_device(self, message: bytes) -> None:
-        await self._device.write(await self._paced(message))
+        await self._device.write(await self._pace(message))
 
     async def _from_device(self) -> None:
         while True:
-            await self.cable.write(await self._paced(await self._device.read(_CHUNK)))
+            await self.cable.write(await self._pace(await self._device.read(_CHUNK)))
 
-    async def _paced(self, data: bytes) -> bytes:
+    async def _pace(self, data: bytes) -> bytes:
         if self._byte_time:
             await asyncio.sleep(len(data) * self._byte_time)
         return data

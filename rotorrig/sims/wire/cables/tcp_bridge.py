@@ -39,13 +39,13 @@ class TcpBridge:
         """Accept and carry until cancelled."""
         async with asyncio.TaskGroup() as connections:
 
-            def connected(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-                connections.create_task(self._connected(reader, writer))
+            def accept(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+                connections.create_task(self._connect(reader, writer))
 
             try:
                 while True:
                     await self._plugged.wait()
-                    self._server = await asyncio.start_server(connected, sock=self._listening)
+                    self._server = await asyncio.start_server(accept, sock=self._listening)
                     await self._unplugged.wait()
             finally:
                 self._hang_up()
@@ -69,12 +69,12 @@ class TcpBridge:
         """Close it; may be called twice."""
         self._listening.close()
 
-    async def _connected(self, reader: asyncio.StreamReader, client: asyncio.StreamWriter) -> None:
+    async def _connect(self, reader: asyncio.StreamReader, client: asyncio.StreamWriter) -> None:
         """Carry one client's messages to the device and back until either hangs up."""
         with suppress(OSError):
-            async with self._noted(client):
+            async with self._hold_open(client):
                 answers, device = await asyncio.open_connection(HOST, self._device_port)
-                async with self._noted(device):
+                async with self._hold_open(device):
                     await self._carry(reader, client, answers, device)
 
     async def _carry(
@@ -96,8 +96,8 @@ class TcpBridge:
             pass
 
     @asynccontextmanager
-    async def _noted(self, writer: asyncio.StreamWriter) -> AsyncIterator[None]:
-        """Reset the connection at the end of the block, or when the cable is unplugged."""
+    async def _hold_open(self, writer: asyncio.StreamWriter) -> AsyncIterator[None]:
+        """Keep a connection for the length of the block; reset it then, or when the cable is unplugged."""
         self._writers.add(writer)
         try:
             yield

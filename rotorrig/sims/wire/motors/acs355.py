@@ -61,7 +61,7 @@ _PARAMETERS = MappingProxyType(
 
 
 class Acs355:
-    """The drive's registers, to `read` and `write`; `drive` is what stands behind them."""
+    """The drive's registers, to `read` and `write`; `drive` is the drive behind them."""
 
     functions = frozenset({3, 6, 16, 23})
 
@@ -142,7 +142,7 @@ class Acs355:
         """Hand the values on: a new reference or ramp time counts at once."""
         hertz = min(self._values[REF1] / _FULL_REFERENCE * self._values[REF1_MAX], self._values[MAX_FREQUENCY]) / 10
         rising, falling = (self._slope(time) for time in (ACCEL_TIME, DECEL_TIME))
-        self.drive.refer(hertz * self._speed_per_hz, rising=rising, falling=falling)
+        self.drive.set_reference(hertz * self._speed_per_hz, rising=rising, falling=falling)
         self.drive.patience = self._values[COMM_FAULT_TIME] / 10
         self.drive.on_silence = OnSilence.TRIP if self._values[COMM_FAULT_FUNCTION] == 1 else OnSilence.GO_ON
 
@@ -169,7 +169,7 @@ class Acs355:
             4: word & _OFF2,
             5: word & _OFF3,
             6: state is _State.INHIBITED,
-            8: state is _State.ENABLED and drive.way == 0,  # at setpoint
+            8: state is _State.ENABLED and drive.remaining == 0,  # at setpoint
             9: True,  # remote
         }
         return sum(1 << bit for bit, on in bits.items() if on)

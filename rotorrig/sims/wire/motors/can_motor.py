@@ -32,7 +32,7 @@ _NODES = 127
 
 
 @asynccontextmanager
-async def serving(device: Cia402, *, port: str, node: int = 1, bitrate: int = 500_000) -> AsyncIterator[None]:
+async def serve_slcan(device: Cia402, *, port: str, node: int = 1, bitrate: int = 500_000) -> AsyncIterator[None]:
     """Be node `node` behind an slcan adapter on the tty `port`, on a bus of `bitrate`, for the length of the block."""
     served = _Node(device, node)
     adapter = Adapter(bitrate=bitrate, on_frame=served.take)
@@ -43,7 +43,7 @@ async def serving(device: Cia402, *, port: str, node: int = 1, bitrate: int = 50
 
 
 @asynccontextmanager
-async def serving_on(device: Cia402, bus: can.BusABC, *, node: int = 1) -> AsyncIterator[None]:
+async def serve_on_bus(device: Cia402, bus: can.BusABC, *, node: int = 1) -> AsyncIterator[None]:
     """Be node `node` on `bus` for the length of the block; the bus stays open."""
     served = _Node(device, node)
 

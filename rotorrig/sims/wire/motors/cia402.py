@@ -157,7 +157,7 @@ class Cia402:
         if index == 0x6040:
             assert isinstance(before, int)
             self._control(value, reset=bool(value & ~before & _FAULT_RESET))
-        self._refer()
+        self._set_reference()
 
     def hear_heartbeat(self, node: int) -> None:
         """Take note of a heartbeat on the bus."""
@@ -233,12 +233,12 @@ class Cia402:
         elif not resumes:
             return
         self._state, self._after_ramp = State.OPERATION_ENABLED, None
-        self._refer()
+        self._set_reference()
         self.drive.start()
 
     def _quick_stop(self) -> None:
         self._state, self._after_ramp = State.QUICK_STOP_ACTIVE, None
-        self._refer()
+        self._set_reference()
         self.drive.stop(coast=self._value(0x605A) == 0)
 
     def _switch_off(self) -> None:
@@ -247,10 +247,10 @@ class Cia402:
         if self._state is not State.FAULT:
             self._state = State.SWITCH_ON_DISABLED
 
-    def _refer(self) -> None:
+    def _set_reference(self) -> None:
         """Hand target and slopes on to the drive: they count at once."""
         quick = self._state is State.QUICK_STOP_ACTIVE and self._value(0x605A) in (2, 6)
-        self.drive.refer(
+        self.drive.set_reference(
             self._target() * self._unit, rising=self._slope(0x6048), falling=self._slope(0x604A if quick else 0x6049)
         )
 
@@ -268,7 +268,7 @@ class Cia402:
     def _statusword(self) -> int:
         word = self._state.value | _VOLTAGE_ENABLED | _REMOTE
         if self._state is State.OPERATION_ENABLED and self.drive.running:
-            word |= _TARGET_REACHED * (self.drive.way == 0.0)
+            word |= _TARGET_REACHED * (self.drive.remaining == 0.0)
             word |= _INTERNAL_LIMIT * (self._value(0x6042) > self._value(0x6046, 2))
         return word
 

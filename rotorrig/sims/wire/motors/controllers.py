@@ -1,4 +1,4 @@
-"""Which emulated controller, on which wire, stands for a config's `[motor]`: one per table of rig/config/devices.py.
+"""Emulated controller and its wire for a config's `[motor]`: one per table of rig/config/devices.py.
 
 The libraries a wire needs are imported when it is wanted.
 """
@@ -11,7 +11,7 @@ from typing import assert_never
 
 from rotorrig.rig import Clock
 from rotorrig.rig.config import CanOpen, LineController, ModbusRtu, ModbusTcp, Motor
-from rotorrig.sims.wire.background import running
+from rotorrig.sims.wire.background import run_jobs
 from rotorrig.sims.wire.cables import HOST, PtyBridge, TcpBridge
 from rotorrig.sims.wire.drive import Drive
 from rotorrig.sims.wire.fault_player import Disguise, Link
@@ -31,7 +31,7 @@ class Controller:
     disguise: Disguise | None = None  # of one that has an address to answer from
 
 
-def serving(
+def serve_controller(
     table: Motor, plant: Plant, *, clock: Clock, rate: float, name: Path
 ) -> AbstractAsyncContextManager[Controller]:
     """Serve the controller that `table` names for the length of the block, in front of `plant`.
@@ -60,8 +60,8 @@ async def _modbus_rtu(table: ModbusRtu, plant: Plant, clock: Clock, bridge: PtyB
 
     with bridge:
         registers, disguise = commission_drive(table, plant, clock), modbus_motor.Disguise()
-        server = modbus_motor.serving(registers, port=bridge.device_port, address=table.address, disguise=disguise)
-        async with server, running(bridge.run()):
+        server = modbus_motor.serve_rtu(registers, port=bridge.device_port, address=table.address, disguise=disguise)
+        async with server, run_jobs(bridge.run()):
             place: Place = {"port": bridge.client_port}
             yield Controller(drive=registers.drive, link=bridge.cable, place=place, disguise=disguise)
 
@@ -72,9 +72,9 @@ async def _modbus_tcp(table: ModbusTcp, plant: Plant, clock: Clock) -> AsyncIter
     from rotorrig.sims.wire.motors.inverters import commission_drive
 
     registers, disguise = commission_drive(table, plant, clock), modbus_motor.Disguise()
-    async with modbus_motor.serving_tcp(registers, address=table.address, disguise=disguise) as port:
+    async with modbus_motor.serve_tcp(registers, address=table.address, disguise=disguise) as port:
         with TcpBridge(port) as bridge:
-            async with running(bridge.run()):
+            async with run_jobs(bridge.run()):
                 place: Place = {"host": HOST, "tcp_port": bridge.client_port}
                 yield Controller(drive=registers.drive, link=bridge, place=place, disguise=disguise)
 
@@ -85,7 +85,7 @@ async def _line(table: LineController, plant: Plant, clock: Clock, bridge: PtyBr
 
     with bridge:
         device = line_motor.LineDevice(plant, max_speed=table.max_speed, clock=clock)
-        async with line_motor.serving(device, port=bridge.device_port), running(bridge.run()):
+        async with line_motor.serve(device, port=bridge.device_port), run_jobs(bridge.run()):
             yield Controller(drive=device.drive, link=bridge.cable, place={"port": bridge.client_port})
 
 
@@ -96,7 +96,7 @@ async def _canopen(table: CanOpen, plant: Plant, clock: Clock, adapter: PtyBridg
 
     with adapter:
         device = Cia402(plant, max_speed=table.max_speed, rpm_per_unit=table.rpm_per_unit, clock=clock)
-        server = can_motor.serving(device, port=adapter.device_port, node=table.node, bitrate=table.bitrate)
-        async with server, running(adapter.run()):
+        server = can_motor.serve_slcan(device, port=adapter.device_port, node=table.node, bitrate=table.bitrate)
+        async with server, run_jobs(adapter.run()):
             place: Place = {"interface": "slcan", "channel": adapter.client_port}
             yield Controller(drive=device.drive, link=adapter.cable, place=place)

@@ -24,12 +24,12 @@ _LARGEST = (1 << 32) - 1
 
 
 @asynccontextmanager
-async def serving(device: "LineDevice", *, port: str) -> AsyncIterator[None]:
+async def serve(device: "LineDevice", *, port: str) -> AsyncIterator[None]:
     """Answer for `device` on the tty `port` for the length of the block."""
     lines = _Lines(device)
     async with open_serial_end(port, received=lines.take) as send:
         lines.send = send
-        ticking = asyncio.create_task(_ticks(device))
+        ticking = asyncio.create_task(_tick(device))
         try:
             yield
         finally:
@@ -69,7 +69,7 @@ class LineDevice:
                 return b""
             if number == self._last:
                 return self._last_reply
-        reply = _framed(b"<%02X %s" % (number, self._obey(words).encode()))
+        reply = _frame(b"<%02X %s" % (number, self._obey(words).encode()))
         if not late or words[0] == "ID":
             self._last, self._last_reply = number, reply
         return reply
@@ -114,7 +114,7 @@ class LineDevice:
         elif not drive.running:
             phase = "stopping"
         else:
-            phase = "ramping" if drive.way else "at-speed"
+            phase = "ramping" if drive.remaining else "at-speed"
         setpoint = _hundredths(drive.reference) if drive.running else 0
         return f"OK {_hundredths(drive.speed)} {setpoint} {phase} {self._fault()}"
 
@@ -132,7 +132,7 @@ class LineDevice:
         if self.drive.fault:
             return f"ERR fault {self._fault()}"
         self._ramp, self._emergency = ramp, False
-        self._refer(speed, ramp)
+        self._set_reference(speed, ramp)
         self.drive.start()
         return "OK"
 
@@ -141,12 +141,12 @@ class LineDevice:
             self._emergency = True
         elif self._emergency and kind == "RAMP":
             return  # a stop only ever gets harder
-        self._refer(_hundredths(self.drive.reference), self._max_ramp if self._emergency else self._ramp)
+        self._set_reference(_hundredths(self.drive.reference), self._max_ramp if self._emergency else self._ramp)
         self.drive.stop(coast=kind == "COAST")
 
-    def _refer(self, speed: int, ramp: int) -> None:
+    def _set_reference(self, speed: int, ramp: int) -> None:
         slope = ramp * _RPM_100
-        self.drive.refer(speed * _RPM_100, rising=slope, falling=slope)
+        self.drive.set_reference(speed * _RPM_100, rising=slope, falling=slope)
 
 
 class _Lines:
@@ -165,14 +165,14 @@ class _Lines:
         self._pending = self._pending[-2 * LONGEST_LINE :]
 
 
-async def _ticks(device: LineDevice) -> None:
+async def _tick(device: LineDevice) -> None:
     with contextlib.suppress(asyncio.CancelledError):
         while True:
             device.tick()
             await asyncio.sleep(_TICK)
 
 
-def _framed(text: bytes) -> bytes:
+def _frame(text: bytes) -> bytes:
     return b"%s*%04X\n" % (text, _crc(text))
 
 

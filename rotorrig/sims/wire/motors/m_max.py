@@ -57,7 +57,7 @@ _PARAMETERS = MappingProxyType(
 
 
 class MMax:
-    """The drive's registers, to `read` and `write`; `drive` is what stands behind them."""
+    """The drive's registers, to `read` and `write`; `drive` is the drive behind them."""
 
     functions = frozenset({3, 4, 6, 16})
 
@@ -143,7 +143,7 @@ class MMax:
         """Hand the values on: a new setpoint counts at once."""
         fastest = self._values[MAX_FREQUENCY] / 100 * self._speed_per_hz
         rising, falling = (fastest / (self._values[time] / 10) for time in (ACCEL_TIME, DECEL_TIME))
-        self.drive.refer(self._reference() * self._speed_per_hz, rising=rising, falling=falling)
+        self.drive.set_reference(self._reference() * self._speed_per_hz, rising=rising, falling=falling)
         self.drive.patience = float(self._values[TIME_OUT])
         self.drive.on_silence = OnSilence.TRIP if self._values[TIME_OUT] else OnSilence.GO_ON
 
@@ -176,7 +176,7 @@ class MMax:
             0: not drive.fault,  # ready
             1: drive.active,  # run
             3: drive.fault != 0,
-            5: drive.running and drive.way == 0,  # actual value equals setpoint
+            5: drive.running and drive.remaining == 0,  # actual value equals setpoint
             6: drive.speed == 0.0,
         }
         return sum(1 << bit for bit, on in bits.items() if on)

@@ -39,7 +39,7 @@ class Registers(Protocol):
 
     @property
     def drive(self) -> Drive:
-        """What stands behind the registers."""
+        """The drive behind the registers."""
         ...
 
     @property
@@ -67,7 +67,7 @@ class Disguise:
 
 
 @asynccontextmanager
-async def serving(
+async def serve_rtu(
     registers: Registers, *, port: str, address: int, disguise: Disguise | None = None
 ) -> AsyncIterator[None]:
     """Answer for `registers` as node `address` on the tty `port` for the length of the block."""
@@ -83,7 +83,7 @@ async def serving(
 
 
 @asynccontextmanager
-async def serving_tcp(registers: Registers, *, address: int, disguise: Disguise | None = None) -> AsyncIterator[int]:
+async def serve_tcp(registers: Registers, *, address: int, disguise: Disguise | None = None) -> AsyncIterator[int]:
     """Answer for `registers` as unit `address` on 127.0.0.1 for the length of the block; give the port, a free one."""
     server = _TcpServer([], address=(LOOPBACK, 0))
     server.disguise = disguise or Disguise()

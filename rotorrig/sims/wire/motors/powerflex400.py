@@ -62,7 +62,7 @@ _ON_SILENCE = (OnSilence.TRIP, OnSilence.COAST, OnSilence.RAMP, OnSilence.GO_ON)
 
 
 class PowerFlex400:
-    """The drive's registers, to `read` and `write`; `drive` is what stands behind them."""
+    """The drive's registers, to `read` and `write`; `drive` is the drive behind them."""
 
     functions = frozenset({3, 6, 16})  # Appendix E, page 170
 
@@ -126,7 +126,7 @@ class PowerFlex400:
         fastest = max(self._registers[MAXIMUM_FREQUENCY], 1) * self._speed_per_count
         # a time of zero is the shortest the drive can set, 0.01 s
         rising, falling = (fastest / max(self._registers[time] / 100, 0.01) for time in (ACCEL_TIME, DECEL_TIME))
-        self.drive.refer(self._reference() * self._speed_per_count, rising=rising, falling=falling)
+        self.drive.set_reference(self._reference() * self._speed_per_count, rising=rising, falling=falling)
         self.drive.patience = self._registers[COMM_LOSS_TIME] / 10
         self.drive.on_silence = _ON_SILENCE[self._registers[COMM_LOSS_ACTION]]
         if self.drive.on_silence is OnSilence.RAMP and self._registers[STOP_MODE] == 1:
@@ -152,10 +152,10 @@ class PowerFlex400:
             1: drive.active,
             2: True,  # commanded forward
             3: True,  # rotating forward
-            4: drive.way > 0,  # accelerating
-            5: drive.way < 0,  # decelerating
+            4: drive.remaining > 0,  # accelerating
+            5: drive.remaining < 0,  # decelerating
             7: drive.fault != 0,
-            8: drive.running and drive.way == 0,  # at reference
+            8: drive.running and drive.remaining == 0,  # at reference
             9: True,  # reference from the network
             10: True,  # commands from the network
         }

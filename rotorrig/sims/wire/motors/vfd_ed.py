@@ -27,7 +27,7 @@ _UNDERSTOOD = frozenset(command | direction for command in (0, _STOP, _RUN) for 
 
 
 class VfdEd:
-    """The drive's registers, to `read` and `write`; `drive` is what stands behind them."""
+    """The drive's registers, to `read` and `write`; `drive` is the drive behind them."""
 
     functions = frozenset({3, 6, 16})
 
@@ -49,7 +49,7 @@ class VfdEd:
         self._command = self._reference = 0
         self.drive = Drive(plant, clock=clock, silence_fault=TIME_OUT)
         self.drive.on_silence, self.drive.patience = OnSilence.COAST, time_out
-        self.drive.refer(0.0, rising=ramp, falling=ramp)
+        self.drive.set_reference(0.0, rising=ramp, falling=ramp)
 
     def read(self, address: int, count: int) -> list[int]:
         """Return `count` registers from `address`. Raises KeyError for one the drive does not have."""
@@ -76,7 +76,7 @@ class VfdEd:
             self._check(number, value)
         if FREQUENCY_COMMAND in writes:
             self._reference = writes[FREQUENCY_COMMAND]
-            self.drive.refer(self._reference * self._speed_per_count, rising=self._ramp, falling=self._ramp)
+            self.drive.set_reference(self._reference * self._speed_per_count, rising=self._ramp, falling=self._ramp)
         if COMMAND in writes:
             self._obey(writes[COMMAND])
 

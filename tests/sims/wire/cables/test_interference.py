@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rotorrig.sims.wire.background import running
+from rotorrig.sims.wire.background import run_jobs
 from rotorrig.sims.wire.cables.interference import Interference, Lane
 from rotorrig.sims.wire.fault_script import parse_script
 
@@ -23,11 +23,11 @@ def interference(*faults: dict[str, Any], seed: int = 1) -> Interference:
 
 
 def arrived(acting: Interference, *, toward: Any = "to-device") -> list[bytes]:
-    return acting.befallen(MESSAGE, toward)[0]
+    return acting.disturb(MESSAGE, toward)[0]
 
 
 def test_without_faults_a_message_arrives_at_once_as_it_is() -> None:
-    assert interference().befallen(MESSAGE, "to-device") == ([MESSAGE], 0.0)
+    assert interference().disturb(MESSAGE, "to-device") == ([MESSAGE], 0.0)
 
 
 def test_a_dropped_message_does_not_arrive_and_a_shortened_one_keeps_its_order() -> None:
@@ -48,7 +48,7 @@ def test_as_many_bits_flip_as_asked_for() -> None:
 def test_a_duplicate_arrives_twice_and_faults_add_up() -> None:
     assert arrived(interference({"kind": "duplicate"})) == [MESSAGE, MESSAGE]
     acting = interference({"kind": "duplicate"}, {"kind": "delay", "by": 0.25}, {"kind": "delay", "by": 0.5})
-    assert acting.befallen(MESSAGE, "to-device") == ([MESSAGE, MESSAGE], 0.75)
+    assert acting.disturb(MESSAGE, "to-device") == ([MESSAGE, MESSAGE], 0.75)
 
 
 def test_a_fault_of_one_direction_leaves_the_other_alone() -> None:
@@ -91,7 +91,7 @@ def test_late_messages_keep_their_order_and_do_not_hold_up_their_sender() -> Non
             arrivals.append((message, time.monotonic() - began))
 
         lane = Lane(acting, "to-device", arrive)
-        async with running(lane.run()):
+        async with run_jobs(lane.run()):
             for word in (b"1", b"2", b"3"):
                 await lane.put(word)
             sent = time.monotonic() - began

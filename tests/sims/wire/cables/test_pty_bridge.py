@@ -10,7 +10,7 @@ import pytest
 import serial
 
 from rotorrig.rig.errors import RigError
-from rotorrig.sims.wire.background import running
+from rotorrig.sims.wire.background import run_jobs
 from rotorrig.sims.wire.cables import pty_bridge
 from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
 
@@ -40,7 +40,7 @@ def carrying(
     async def run(end: asyncio.Event) -> None:
         if loops is not None:
             loops.append(asyncio.get_running_loop())
-        async with running(bridge.run()):
+        async with run_jobs(bridge.run()):
             await end.wait()
 
     return run

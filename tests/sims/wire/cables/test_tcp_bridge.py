@@ -9,7 +9,7 @@ import psutil
 import pytest
 
 from rotorrig.rig.errors import RigError
-from rotorrig.sims.wire.background import running
+from rotorrig.sims.wire.background import run_jobs
 from rotorrig.sims.wire.cables import tcp_bridge
 from rotorrig.sims.wire.cables.tcp_bridge import TcpBridge
 from rotorrig.sims.wire.fault_script import Drop
@@ -32,7 +32,7 @@ def bridged(background: Background) -> Iterator[tuple[TcpBridge, asyncio.Abstrac
         server = await asyncio.start_server(shout, "127.0.0.1", 0)
         async with server:
             with TcpBridge(server.sockets[0].getsockname()[1]) as bridge:
-                async with running(bridge.run()):
+                async with run_jobs(bridge.run()):
                     bridges.append((bridge, asyncio.get_running_loop()))
                     await end.wait()
 

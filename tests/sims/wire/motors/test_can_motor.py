@@ -15,7 +15,7 @@ from canopen.profiles.p402 import BaseNode402
 
 from rotorrig.rig.clock import WallClock
 from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
-from rotorrig.sims.wire.motors.can_motor import serving, serving_on
+from rotorrig.sims.wire.motors.can_motor import serve_on_bus, serve_slcan
 from rotorrig.sims.wire.motors.cia402 import Cia402
 
 RPM = math.pi / 30
@@ -39,7 +39,7 @@ def slcan(device: Cia402, background: Any) -> Serving:
     async def job(end: asyncio.Event) -> None:
         with PtyBridge() as cable:
             carrying = asyncio.create_task(cable.run())
-            async with serving(device, port=cable.device_port, node=NODE):
+            async with serve_slcan(device, port=cable.device_port, node=NODE):
                 ports.append(cable.client_port)
                 await end.wait()
             carrying.cancel()
@@ -128,7 +128,7 @@ def test_on_any_bus_of_python_can_a_master_of_another_make_drives_it(
 
     async def job(end: asyncio.Event) -> None:
         with can.Bus(interface="virtual", channel=CHANNEL) as bus:
-            async with serving_on(device, bus, node=NODE):
+            async with serve_on_bus(device, bus, node=NODE):
                 begun.append(True)
                 await end.wait()
 

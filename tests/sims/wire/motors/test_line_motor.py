@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 
 from rotorrig.rig.clock import ManualClock, WallClock
 from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
-from rotorrig.sims.wire.motors.line_motor import LineDevice, serving
+from rotorrig.sims.wire.motors import line_motor
+from rotorrig.sims.wire.motors.line_motor import LineDevice
 from tests.sims.wire.conftest import ToyPlant
 
 RPM = math.pi / 30
@@ -223,7 +224,7 @@ def serve(plant: Any, ports: list[str]) -> Any:
         device = LineDevice(plant, max_speed=4200 * RPM, clock=WallClock())
         with PtyBridge() as cable:
             carrying = asyncio.create_task(cable.run())
-            async with serving(device, port=cable.device_port):
+            async with line_motor.serve(device, port=cable.device_port):
                 ports.append(cable.client_port)
                 await end.wait()
             carrying.cancel()
