@@ -96,7 +96,7 @@ def bred(function: Function, seed: int, *, generations: int) -> Iterator[tuple[C
     """Yield a colony at its foundation and after each generation, and the record of its evaluations."""
     record = Record(2, same_point=SEED.same_point)
     colony = Colony(_UNIT, rng=np.random.default_rng(seed), settings=SEED)
-    answered(colony.found(), function, record)
+    answered(colony.create_founders(), function, record)
     yield colony, record
     for _ in range(generations):
         answered(colony.advance(), function, record)

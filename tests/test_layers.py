@@ -93,7 +93,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
     ),
     "identify.chea": (
         "calls session",
-        "lockstep steps",
+        "steps",
         "chapter modern residuals",
         "profiles",
         "search",

@@ -89,7 +89,7 @@ def elitist_ga(fun: Counted, bounds: Array, rng: np.random.Generator) -> Found:
                 return
 
     colony = Colony(np.stack([np.zeros(len(low)), np.ones(len(low))]), rng=rng, settings=SEED)
-    answer(colony.found())
+    answer(colony.create_founders())
     best, since = fun.best_fun, 0
     while since < UNIMPROVED:
         answer(colony.advance())

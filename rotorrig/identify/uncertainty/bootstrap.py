@@ -101,7 +101,7 @@ def bootstrap(
     job = _Job(problem, best, seed, refit)
     done: dict[int, Reals] = {}
     with suppress(KeyboardInterrupt):
-        for i, values in _in_processes(job, draws, workers) if workers > 1 else _one_by_one(job, draws):
+        for i, values in _run_in_processes(job, draws, workers) if workers > 1 else _run_one_by_one(job, draws):
             done[i] = values
             progress(len(done))
     names = tuple(quantity.name for quantity in quantities(problem.parameters, best.p))
@@ -153,12 +153,12 @@ class _Job:
         return np.array([q.si(q.read(p)) for q in quantities(self.problem.parameters, self.best.p)])
 
 
-def _one_by_one(job: _Job, draws: int) -> Iterator[tuple[int, Reals]]:
+def _run_one_by_one(job: _Job, draws: int) -> Iterator[tuple[int, Reals]]:
     for i in range(draws):
         yield i, job(i)
 
 
-def _in_processes(job: _Job, draws: int, workers: int) -> Iterator[tuple[int, Reals]]:
+def _run_in_processes(job: _Job, draws: int, workers: int) -> Iterator[tuple[int, Reals]]:
     """Yield the draws as they come; Ctrl-C reaches this process alone."""
     pool = ProcessPoolExecutor(
         min(workers, draws),

@@ -59,7 +59,7 @@ class _FlowChart:
             for i in self._rng.permutation(members[1:])[: self._settings.members]:
                 other = yield from self._descend(points[i], fun[i])
                 if not self._agree([end, other]):
-                    unresolved.append(_around(points[members], box))
+                    unresolved.append(_bounding_box(points[members], box))
                     break
         return unresolved
 
@@ -70,7 +70,7 @@ class _FlowChart:
         of one point agree whatever the function.
         """
         colony = Colony(box, rng=self._rng, settings=self._settings)
-        yield from colony.found()
+        yield from colony.create_founders()
         while True:
             self._record.step("genetic")
             order = _finite_best_first(colony.fun)
@@ -127,7 +127,7 @@ def _without_copies(points: Array, members: NDArray[np.intp]) -> NDArray[np.intp
     return members[np.sort(first)]
 
 
-def _around(points: Array, box: Array) -> Array:
+def _bounding_box(points: Array, box: Array) -> Array:
     """Return the box of a cluster's points (n, dim), a tenth wider to each side and of some width, within `box`."""
     low, high = points.min(axis=0), points.max(axis=0)
     margin = np.maximum(0.1 * (high - low), 0.01 * (box[1] - box[0]))

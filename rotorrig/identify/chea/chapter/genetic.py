@@ -42,7 +42,7 @@ class Colony:
         self._known: dict[bytes, float] = {}
         self._turn = rng.integers(0, 2**settings.bits, box.shape[1])
 
-    def found(self) -> Evaluations[None]:
+    def create_founders(self) -> Evaluations[None]:
         """Make the first generation."""
         shape = (self._settings.population, self._box.shape[1] * self._settings.bits)
         yield from self._move_in(self._rng.integers(0, 2, shape, dtype=np.uint8))
@@ -52,7 +52,7 @@ class Colony:
         self.generation += 1
         chosen = np.array([self.fun.argmin()]) if elites is None else elites
         survivors = self._bits[chosen]
-        yield from self._move_in(self._mutated(self._crossed(self._bits[self._winners()])))
+        yield from self._move_in(self._mutate(self._cross_over(self._bits[self._winners()])))
         worst = np.argsort(-self.fun, kind="stable")[: len(survivors)]
         self._bits[worst] = survivors
         self._read_values()
@@ -62,7 +62,7 @@ class Colony:
         entrants = np.array([self._rng.permutation(n) for _ in range(self._settings.tournament)])  # (tournament, n)
         return entrants[self.fun[entrants].argmin(axis=0), np.arange(n)]
 
-    def _crossed(self, parents: Bits) -> Bits:
+    def _cross_over(self, parents: Bits) -> Bits:
         """Swap the tails of consecutive pairs beyond a random cut; tournament winners are already in random order."""
         pairs, length = len(parents) // 2, parents.shape[1]
         meets = self._rng.random(pairs) < self._settings.crossover
@@ -74,7 +74,7 @@ class Colony:
         children[1 : 2 * pairs : 2] = np.where(swap, first, second)
         return children
 
-    def _mutated(self, children: Bits) -> Bits:
+    def _mutate(self, children: Bits) -> Bits:
         probability = self._settings.mutation * np.exp(-self.generation / 2)  # Table 1
         chosen = np.flatnonzero(self._rng.random(len(children)) < probability)
         children[chosen, self._rng.integers(0, children.shape[1], len(chosen))] ^= 1

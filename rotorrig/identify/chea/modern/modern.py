@@ -235,7 +235,9 @@ class _Plan:
         lower = not len(before) or (
             minima.best < fun_before[0] - margin and np.abs(after[0] - before[0]).max() > self._settings.same_point
         )
-        self._stop.found(lower=bool(lower), ties=int((values <= minima.best + margin).sum()), nfev=self._record.nfev)
+        self._stop.note_minimum(
+            lower=bool(lower), ties=int((values <= minima.best + margin).sum()), nfev=self._record.nfev
+        )
 
     def _is_flat(self, u: Array, fun: float) -> bool:
         """Return whether points not quite at `u` have exactly its value."""

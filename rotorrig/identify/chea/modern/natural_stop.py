@@ -24,7 +24,7 @@ class NaturalStop:
     last_find: int = 0  # calls until then
     _ties: int = 1
 
-    def found(self, *, lower: bool, ties: int, nfev: int) -> None:
+    def note_minimum(self, *, lower: bool, ties: int, nfev: int) -> None:
         """Take note of a minimum: whether it is the lowest yet, how many are as low now, and the calls until now."""
         if lower or ties > self._ties:
             self.last_find = nfev

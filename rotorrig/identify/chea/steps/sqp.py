@@ -50,8 +50,8 @@ def descend(
             return moved, f_moved
         slope_moved = yield from gradient(record, moved, f_moved)
         if i == 0:
-            hessian = _rescaled(hessian, moved - u, slope_moved - slope)
-        hessian = _damped_bfgs(hessian, moved - u, slope_moved - slope)
+            hessian = _rescale(hessian, moved - u, slope_moved - slope)
+        hessian = _update_bfgs(hessian, moved - u, slope_moved - slope)
         u, f, slope = moved, f_moved, slope_moved
     return u, f
 
@@ -98,13 +98,13 @@ def _inward(u: Array, slope: Array) -> float:
     return float(np.abs(np.where(pushing, 0.0, slope)).max())
 
 
-def _rescaled(hessian: Array, step: Array, change: Array) -> Array:
+def _rescale(hessian: Array, step: Array, change: Array) -> Array:
     """Return the curvature met on the first step for every direction, if there was one; else `hessian`."""
     curvature = float(step @ change) / float(step @ step)
     return np.eye(len(step)) * curvature if curvature > 0.0 else hessian
 
 
-def _damped_bfgs(hessian: Array, step: Array, change: Array) -> Array:
+def _update_bfgs(hessian: Array, step: Array, change: Array) -> Array:
     along = hessian @ step
     curvature = float(step @ along)
     if curvature <= 0.0:

@@ -32,7 +32,7 @@ class Bred:
     def __init__(self, seed: int, *, box: np.ndarray = CUBE, settings: Settings = SEED, generations: int = 0) -> None:
         self.record = Record(2, same_point=0.01)
         self.colony = Colony(box, rng=np.random.default_rng(seed), settings=settings)
-        drive(self.colony.found(), bowl, self.record)
+        drive(self.colony.create_founders(), bowl, self.record)
         for _ in range(generations):
             self.advance()
 

@@ -12,7 +12,7 @@ def stop(*, descents: int, patience: float = 2.0, idle: int = 1000) -> NaturalSt
 def test_three_descents_to_one_minimum_are_enough() -> None:
     for descents, enough in ((2, False), (3, True)):
         state = stop(descents=descents)
-        state.found(lower=True, ties=1, nfev=60)
+        state.note_minimum(lower=True, ties=1, nfev=60)
         assert state.reached(1, 70) is enough
 
 
@@ -25,14 +25,14 @@ def test_more_minima_ask_for_more_descents_up_to_a_limit() -> None:
 
 def test_several_minima_are_looked_beyond_in_proportion_to_the_calls_until_the_last_find() -> None:
     state = stop(descents=12)
-    state.found(lower=True, ties=1, nfev=100)
+    state.note_minimum(lower=True, ties=1, nfev=100)
     assert not state.reached(4, 249)
     assert state.reached(4, 250)  # 100 + 2 (1 - 1/4) 100
 
 
 def test_minima_that_share_the_best_value_shorten_the_wait() -> None:
     state = stop(descents=12)
-    state.found(lower=True, ties=3, nfev=100)
+    state.note_minimum(lower=True, ties=3, nfev=100)
     assert state.reached(4, 150)
 
 
@@ -44,13 +44,13 @@ def test_a_lower_minimum_and_one_more_as_low_are_finds_and_others_are_none() -> 
         (300, False, 2, 300),
         (400, True, 1, 400),
     ):
-        state.found(lower=lower, ties=ties, nfev=nfev)
+        state.note_minimum(lower=lower, ties=ties, nfev=nfev)
         assert state.last_find == last
 
 
 def test_the_wait_has_a_limit() -> None:
     state = stop(descents=12, idle=300)
-    state.found(lower=True, ties=1, nfev=5000)
+    state.note_minimum(lower=True, ties=1, nfev=5000)
     assert state.reached(9, 5300)
 
 
