@@ -19,6 +19,7 @@ import math
 import pkgutil
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, Self
 
@@ -26,7 +27,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims import effects as folder
 from rotorrig.sims.rotor.model import Load, RotorModel
 from rotorrig.sims.rotor.nonlinear import ForceLaw
 
@@ -223,7 +223,7 @@ def describe_parameters(parameters: tuple[Parameter, ...], theta: Theta) -> str:
 
 def _files() -> Iterator[Callable[[RigConfig], tuple[Effect, ...]]]:
     """Yield `effects` of every file in the folder that has it."""
-    for name in sorted(m.name for m in pkgutil.iter_modules(folder.__path__)):
-        module = importlib.import_module(f"{folder.__name__}.{name}")
+    for name in sorted(m.name for m in pkgutil.iter_modules([str(Path(__file__).parent)])):
+        module = importlib.import_module(f"{__package__}.{name}")
         if hasattr(module, "effects"):
             yield module.effects

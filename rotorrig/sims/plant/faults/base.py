@@ -11,13 +11,13 @@ import math
 import pkgutil
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Protocol, cast
 
 import numpy as np
 
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant import faults
 from rotorrig.sims.plant.chain import Chain
 from rotorrig.sims.plant.force_laws import Force
 from rotorrig.sims.plant.shaft import Rotor
@@ -60,7 +60,7 @@ class Fault(Protocol):
 
 def fault_names() -> list[str]:
     """Return the names of all faults: the files beside this one."""
-    return sorted(m.name for m in pkgutil.iter_modules(faults.__path__) if m.name != "base")
+    return sorted(m.name for m in pkgutil.iter_modules([str(Path(__file__).parent)]) if m.name != "base")
 
 
 def check_fault(name: str, parameters: Values) -> None:
@@ -83,7 +83,7 @@ def check_faults(specs: Iterable[FaultSpec]) -> tuple[FaultSpec, ...]:
 
 def load_fault(name: str) -> Fault:
     """Load the module of that fault."""
-    return cast(Fault, importlib.import_module(f"{faults.__name__}.{name}"))
+    return cast(Fault, importlib.import_module(f"{__package__}.{name}"))
 
 
 def apply_deviations(rig: RigConfig, truth: Truth) -> Truth:
