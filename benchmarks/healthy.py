@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.parts.blind.run import record
 from rotorrig.identify import identify
-from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
+from rotorrig.identify.adequacy import ADEQUACY, assess
 from rotorrig.processing import track
 from rotorrig.rig.config import load
 from rotorrig.sims.plant import draw, expected_estimates
@@ -68,7 +68,7 @@ def summarise(rows: list[dict[str, float]], seconds: float) -> dict[str, float]:
     off = np.array([[row[k] for k in ("kxx", "kyy", "cxx", "cyy", "u", "phase")] for row in rows])
     return {
         "cases": len(rows),
-        "false_alarms": int(((chi2 > GLOBAL_LIMIT) | (worst > FOCUSED_LIMIT)).sum()),
+        "false_alarms": int(((chi2 > ADEQUACY.global_limit) | (worst > ADEQUACY.focused_limit)).sum()),
         "chi2_median": float(np.median(chi2)),
         "chi2_max": float(chi2.max()),
         "worst_median": float(np.median(worst)),
@@ -84,12 +84,13 @@ def page(summary: dict[str, float], first: int) -> str:
     n, alarms = int(summary["cases"]), int(summary["false_alarms"])
     upper = 1 - 0.05 ** (1 / n) if alarms == 0 else float("nan")
     bound = f" (95 % upper bound of the rate: {upper:.1%})" if alarms == 0 else ""
+    chi2_limit, sigma_limit = ADEQUACY.global_limit, ADEQUACY.focused_limit
     return f"""# The adequacy test, and how often it cries wolf
 
 Written by `benchmarks/healthy.py --write`; do not edit.
 
-A fit is called adequate if chi2 per degree of freedom of the 1X residuals is at most {GLOBAL_LIMIT:g} and no stretch
-of neighbouring rows of one run, probe and order exceeds {FOCUSED_LIMIT:g} sigma rms. The sigmas hold the noise found
+A fit is called adequate if chi2 per degree of freedom of the 1X residuals is at most {chi2_limit:g} and no stretch
+of neighbouring rows of one run, probe and order exceeds {sigma_limit:g} sigma rms. The sigmas hold the noise found
 in the data and `prior.probe_linearity` of the reading. Healthy simulated rigs of `configs/rk4.toml`, every one with
 its own stiffness, damping, unbalance, modulus, mass, probe gains and angles, runout and noise, seeds {first} to
 {first + n - 1}:

@@ -15,7 +15,7 @@ from scipy.special import chdtrc
 from threadpoolctl import threadpool_limits
 
 from rotorrig.identify import joint_fit
-from rotorrig.identify.adequacy import FALSE_ALARM_RATE, Adequacy, Misfit
+from rotorrig.identify.adequacy import ADEQUACY, Adequacy, Misfit
 from rotorrig.identify.causes import Selection, candidates, select
 from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.joint_fit import Assessed
@@ -211,7 +211,7 @@ def _report(
     return Diagnosis(
         verdict=verdict,
         sentence=f"{concluded} {sentences.centreline(adequacy)}".rstrip(),
-        false_alarm_rate=FALSE_ALARM_RATE,
+        false_alarm_rate=ADEQUACY.false_alarm_rate,
         noise_floor=adequacy.noise_floor,
         chi2=base.polished.chi2,
         dof=base.polished.dof,

@@ -12,7 +12,7 @@ import pytest
 
 from rotorrig.app import cli
 from rotorrig.identify import joint_fit
-from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT
+from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.identify.diagnosis import Diagnosis, diagnose
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.joint_fit import Assessed
@@ -109,7 +109,7 @@ def test_a_crack_shows_at_the_harmonics_where_they_meet_the_critical_speed_along
 
 def test_shafts_at_an_angle_show_at_3x_alone(imported: Imported) -> None:
     fit = joint_fit.fitted([Recording(imported("angular", "mapping-3x"))])
-    loud = [misfit for misfit in fit.adequacy.misfits if misfit.sigma > FOCUSED_LIMIT]
+    loud = [misfit for misfit in fit.adequacy.misfits if misfit.sigma > ADEQUACY.focused_limit]
     assert {misfit.order for misfit in loud} == {3.0}
     assert loud[0].speed_from * RPM < 765 < loud[0].speed_to * RPM  # a third of the critical speed
 

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, GLOBAL_LIMIT, assess
+from rotorrig.identify.adequacy.residual_tests import assess
+from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.identify.fit import WHOLE, identify
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.measurement import measure
@@ -48,8 +49,8 @@ def test_a_healthy_rig_is_adequate(found: Identification, blind_response: OrderT
     (whole, _) = found.fits
     adequacy = assess(blind_response, {1: whole.prediction}, reduced_chi2=whole.chi2 / whole.dof)
     assert adequacy.adequate
-    assert adequacy.reduced_chi2 <= GLOBAL_LIMIT
-    assert adequacy.worst_sigma <= FOCUSED_LIMIT
+    assert adequacy.reduced_chi2 <= ADEQUACY.global_limit
+    assert adequacy.worst_sigma <= ADEQUACY.focused_limit
 
 
 def test_a_model_without_the_moving_speed_is_called_wrong(blind_response: OrderTrackedResponse) -> None:
@@ -58,7 +59,7 @@ def test_a_model_without_the_moving_speed_is_called_wrong(blind_response: OrderT
     whole = found.fits[0]
     adequacy = assess(untimed, {1: whole.prediction}, reduced_chi2=whole.chi2 / whole.dof)
     assert not adequacy.adequate
-    assert adequacy.reduced_chi2 > GLOBAL_LIMIT
+    assert adequacy.reduced_chi2 > ADEQUACY.global_limit
     assert any("steady" in words for words in whole.words)
 
 
@@ -75,7 +76,7 @@ def test_a_vector_added_in_a_narrow_band_is_located(
     worst = adequacy.misfits[0]
     assert not adequacy.adequate
     assert (worst.run, worst.probe, worst.order) == ("up", "2x", 2.0)
-    assert worst.sigma > FOCUSED_LIMIT
+    assert worst.sigma > ADEQUACY.focused_limit
     assert 1300 < worst.speed_from * 30 / math.pi < 1450
     assert 1550 < worst.speed_to * 30 / math.pi < 1700
     assert worst.residual == pytest.approx(10e-6, rel=0.3)

@@ -29,8 +29,8 @@ from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes import background, candidates
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording
-from rotorrig.identify.verdict import NAMEABLE
-from rotorrig.identify.verdict.separability import DETECTABLE, HOPED, HOPED_OF_LAWS, fitted, separation
+from rotorrig.identify.verdict import VERDICT
+from rotorrig.identify.verdict.separability import fitted, separation
 from rotorrig.identify.verdict.verdict import another
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
@@ -38,7 +38,9 @@ from rotorrig.sims.effects import Effect, find
 from rotorrig.sims.plant import Truth, expected_estimates, unseal
 
 TEMPLATE_SEED = -1  # of the healthy case whose rows and noise are used; no case of the benchmark has it
-ENOUGH = DETECTABLE  # lam to a rival beyond which it is not asked how far: it is more than tells two causes apart
+ENOUGH = (
+    VERDICT.detectable
+)  # lam to a rival beyond which it is not asked how far: it is more than tells two causes apart
 FITTED = 4  # kinds of rivals that are fitted at most, and as many of those without a first order
 
 
@@ -104,19 +106,19 @@ def lam(
     base = ExtendedProblem(ExtendedModel(seen, slight, models=problem.model.models))
     best = fitted(base, p[: base.parameters.own.start])
     left = max(0.0, best.chi2 - _floor(problem, p))
-    if left < DETECTABLE:
+    if left < VERDICT.detectable:
         return {"lam": left, "rival_lam": left, "rival": ""}
     effect = problem.effects[-1]
     rivals = [e for e in candidates(recordings) if e.label not in hidden.labels and another(e, effect)]
     nearest, which = enough, ""
     for scored in (scores, curved_scores):
-        if nearest < NAMEABLE:
+        if nearest < VERDICT.nameable:
             break
         for effect in _promising(scored(base, best.p, rivals), left, enough=enough, bent=problem.curved):
             found = _to(problem, p, effect, enough=nearest)
             if found < nearest:
                 nearest, which = found, effect.label
-            if nearest < NAMEABLE:
+            if nearest < VERDICT.nameable:
                 break
     return {"lam": left, "rival_lam": min(nearest, left), "rival": which}
 
@@ -130,7 +132,7 @@ def _promising(scored: Sequence[Score], left: float, *, enough: float, bent: boo
     kinds: dict[str, Effect] = {}
     for score in scored:
         bends = bent or score.effect.needs_starts
-        could = left - (HOPED_OF_LAWS if bends else HOPED) * score.lam < enough
+        could = left - (VERDICT.hoped_of_laws if bends else VERDICT.hoped) * score.lam < enough
         if could or (not kinds and not score.effect.needs_starts):
             kinds.setdefault(score.effect.name, score.effect)
     return list(kinds.values())[:FITTED]

@@ -9,12 +9,11 @@ from benchmarks.parts.blind.cases import Design
 from benchmarks.parts.blind.names import effect_of
 from benchmarks.parts.blind.score import Rate, Score, rates
 from benchmarks.parts.tables import markdown
-from rotorrig.identify.verdict import NAMEABLE
-from rotorrig.identify.verdict.separability import DETECTABLE
+from rotorrig.identify.verdict import VERDICT
 
 WORDS = {
-    "detectable": f"detectable: lam >= {DETECTABLE:g}",
-    "nameable": f"nameable: lam >= {NAMEABLE:g} to the nearest rival",
+    "detectable": f"detectable: lam >= {VERDICT.detectable:g}",
+    "nameable": f"nameable: lam >= {VERDICT.nameable:g} to the nearest rival",
     "detected": "found wrong, of the detectable",
     "top1": "right cause ranked first, of the nameable",
     "in_set": "right cause among those named, of the detectable",
@@ -74,6 +73,7 @@ def page(judged: Judged, summaries: Summaries, *, versions: Sequence[str]) -> st
         f"{text({design: scores}, summaries)}\n\n{confusion(scores)}" for design, scores in judged.items()
     )
     made = f"{datetime.now(UTC):%Y-%m-%d}, rotorrig {', '.join(versions) or 'of no case'}"
+    detectable, nameable = VERDICT.detectable, VERDICT.nameable
     return f"""# Hidden faults, and how often they are found
 
 Written by `benchmarks/blind.py --write` (`make blind`) on {made}; do not edit.
@@ -81,8 +81,8 @@ Written by `benchmarks/blind.py --write` (`make blind`) on {made}; do not edit.
 Each case is another simulated rig of `configs/rk4.toml`, with every nameplate error within its tolerance and a fault
 of a size drawn from the range its file in `sims/plant/faults` states. Its truth is sealed before the sweep and opened
 after the diagnosis was written. The simulated rig shares no model with the analysis. A case counts as detectable if
-the analysis's own model of the effect, at that size, leaves lam >= {DETECTABLE:g} of weighted misfit to a refitted
-base, and as nameable if it leaves {NAMEABLE:g} to the nearest rival. Bounds are those of Clopper and Pearson, 95 %.
+the analysis's own model of the effect, at that size, leaves lam >= {detectable:g} of weighted misfit to a refitted
+base, and as nameable if it leaves {nameable:g} to the nearest rival. Bounds are those of Clopper and Pearson, 95 %.
 Errors of stiffness and unbalance are counted in the standard deviations that the fit states, the priors of the
 nameplate in them, over the cases that were named rightly.
 

@@ -16,8 +16,7 @@ from scipy.stats import binomtest
 from benchmarks.parts.blind.cases import Case, Kind
 from benchmarks.parts.blind.lam import Lam
 from benchmarks.parts.blind.names import Answer, answer
-from rotorrig.identify.verdict import NAMEABLE
-from rotorrig.identify.verdict.separability import DETECTABLE
+from rotorrig.identify.verdict import VERDICT
 from rotorrig.sims.plant import Truth, expected_estimates
 
 WITHIN = 1.959964  # standard deviations: 95 %
@@ -76,12 +75,12 @@ class Score:
     @property
     def detectable(self) -> bool:
         """The data can tell it from a healthy rig, as far as is known."""
-        return self.lam is not None and self.lam["lam"] >= DETECTABLE
+        return self.lam is not None and self.lam["lam"] >= VERDICT.detectable
 
     @property
     def nameable(self) -> bool:
         """The data can tell it from every other effect, as far as is known."""
-        return self.detectable and self.lam is not None and self.lam["rival_lam"] >= NAMEABLE
+        return self.detectable and self.lam is not None and self.lam["rival_lam"] >= VERDICT.nameable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from rotorrig.app.text.quantities import plus_minus_of, shown, unit_of
 from rotorrig.identify import Diagnosis
-from rotorrig.identify.verdict import NAMEABLE, Cause, HiddenEffect
+from rotorrig.identify.verdict import VERDICT, Cause, HiddenEffect
 from rotorrig.rig.config import UM
 
 LISTED = 8  # causes in a table
@@ -57,7 +57,7 @@ def next_run(found: Diagnosis) -> str:
     run = found.next_run
     if run is None or not math.isfinite(run.lam):
         return run.words if run else ""
-    return f"{run.words} Expected separation: {run.lam:.3g} in chi2, where {NAMEABLE:g} names a cause."
+    return f"{run.words} Expected separation: {run.lam:.3g} in chi2, where {VERDICT.nameable:g} names a cause."
 
 
 def gain(found: Diagnosis) -> str:

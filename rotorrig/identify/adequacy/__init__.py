@@ -5,19 +5,13 @@ Tests of the whitened residual, the mean shaft position, and the misfit in the u
 
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.adequacy.residual_tests import (
-    FALSE_ALARM_RATE,
-    FOCUSED_LIMIT,
-    GLOBAL_LIMIT,
-    STRETCH,
     Adequacy,
     assess,
 )
+from rotorrig.identify.adequacy.settings import ADEQUACY
 
 __all__ = [
-    "FALSE_ALARM_RATE",
-    "FOCUSED_LIMIT",
-    "GLOBAL_LIMIT",
-    "STRETCH",
+    "ADEQUACY",
     "Adequacy",
     "Misfit",
     "assess",

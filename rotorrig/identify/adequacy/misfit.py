@@ -7,14 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy.mean_position import MEAN
+from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.processing import OrderTrackedResponse, measured_planes, whirl
 from rotorrig.rig.config import RPM, micrometres
 
 Complex = NDArray[np.complex128]
-
-ALIKE = 0.35  # of the residual: two runs that differ by less are wrong in the same way
-ONE_SIDED = 0.8  # of the residual's square, from which it is called forward or backward
-LEAST = 3  # rows of the other run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,9 +106,9 @@ def _backward(response: OrderTrackedResponse, residual: Complex, s: Stretch) -> 
 
 
 def _turning(backward: float) -> str:
-    if backward >= ONE_SIDED:
+    if backward >= ADEQUACY.one_sided:
         return f"{backward:.0%} of it whirling backward"
-    if backward <= 1 - ONE_SIDED:
+    if backward <= 1 - ADEQUACY.one_sided:
         return f"{1 - backward:.0%} of it whirling forward"
     return ""
 
@@ -125,7 +122,7 @@ def _other_run(response: OrderTrackedResponse, residual: Complex, s: Stretch) ->
             continue
         there = (response.run == i) & (response.omega >= omega.min()) & (response.omega <= omega.max())
         rows = np.flatnonzero(there & np.isfinite(residual[:, s.probe, s.order]))
-        if len(rows) < LEAST:
+        if len(rows) < ADEQUACY.least_rows:
             continue
         rows = rows[np.argsort(response.omega[rows])]
         theirs = np.interp(omega, response.omega[rows], residual[rows, s.probe, s.order])
@@ -136,8 +133,8 @@ def _other_run(response: OrderTrackedResponse, residual: Complex, s: Stretch) ->
 def _compared(mine: Complex, theirs: Complex) -> str:
     size = float(np.sqrt(np.nanmean(np.abs(mine) ** 2)))
     apart, their_size = (float(np.sqrt(np.nanmean(np.abs(z) ** 2))) for z in (theirs - mine, theirs))
-    if apart < ALIKE * size:
+    if apart < ADEQUACY.alike * size:
         return "the same"
-    if their_size < ALIKE * size:
+    if their_size < ADEQUACY.alike * size:
         return "hardly any"
-    return "otherwise" if their_size < size / ALIKE else "much more"
+    return "otherwise" if their_size < size / ADEQUACY.alike else "much more"

@@ -1,9 +1,9 @@
 """Is the model good enough, and where is it not.
 
-Two tests on the residual of the refined fit. The global one looks at chi2 per degree of freedom of 1X; the focused
-one at stretches of `STRETCH` neighbouring rows of one run, probe and order, and takes the worst: it sees an effect
-that is loud in a narrow band of speeds and lost in the average. Orders other than 1X have no source in the linear
-model but runout, which their slow-roll vector gives.
+Two tests on the residual of the refined fit. The global one looks at chi2 per degree of freedom of 1X; the focused one
+at stretches of `ADEQUACY.stretch` neighbouring rows of one run, probe and order, and takes the worst: it sees an effect
+that is loud in a narrow band of speeds and lost in the average. Orders other than 1X have no source in the linear model
+but runout, which their slow-roll vector gives.
 
 The sigmas are of single rows and neighbouring residuals are correlated (a scale-factor error is the same in all of
 them), so chi2 tables do not give the false-alarm rate. The thresholds come from simulated healthy rigs instead,
@@ -21,15 +21,11 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy.mean_position import MEAN, departures
 from rotorrig.identify.adequacy.misfit import Misfit, Stretch, misfit
+from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.identify.measurement import measure
 from rotorrig.processing import OrderTrackedResponse
 
 Predicted = Mapping[int, NDArray[np.complex128]]  # order -> (speed, probe) m as measured, runout included
-
-STRETCH = 8  # rows
-GLOBAL_LIMIT = 1.0  # chi2 per degree of freedom
-FOCUSED_LIMIT = 2.5  # rms sigma of the worst stretch
-FALSE_ALARM_RATE = 0.03  # 95 % bound from no alarm in 100 simulated healthy rigs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,10 +48,12 @@ def assess(response: OrderTrackedResponse, prediction: Predicted, *, reduced_chi
     every = sorted(_stretches(response, sigmas), key=lambda s: -s.sigma)
     stretches = [s for s in every if response.orders[s.order] != MEAN]
     worst = stretches[0].sigma if stretches else float("nan")
-    loud = _merged([s for s in stretches if s.sigma > FOCUSED_LIMIT]) or stretches[:1]
-    moves = _loudest_of_runs([s for s in every if response.orders[s.order] == MEAN and s.sigma > FOCUSED_LIMIT])
+    loud = _merged([s for s in stretches if s.sigma > ADEQUACY.focused_limit]) or stretches[:1]
+    moves = _loudest_of_runs(
+        [s for s in every if response.orders[s.order] == MEAN and s.sigma > ADEQUACY.focused_limit]
+    )
     return Adequacy(
-        adequate=bool(reduced_chi2 <= GLOBAL_LIMIT and worst <= FOCUSED_LIMIT),
+        adequate=bool(reduced_chi2 <= ADEQUACY.global_limit and worst <= ADEQUACY.focused_limit),
         reduced_chi2=reduced_chi2,
         worst_sigma=worst,
         misfits=tuple(misfit(response, prediction, residual, _tight(s, sigmas)) for s in loud),
@@ -95,8 +93,8 @@ def _stretches(response: OrderTrackedResponse, sigmas: NDArray[np.float64]) -> I
     """Yield consecutive groups of rows per run, probe and order, in the order of measurement."""
     for run in range(len(response.runs)):
         rows = np.flatnonzero((response.run == run) & np.isfinite(sigmas).any(axis=(1, 2)))
-        groups = [rows[i : i + STRETCH] for i in range(0, len(rows), STRETCH)]
-        if len(groups) > 1 and len(groups[-1]) < STRETCH // 2:
+        groups = [rows[i : i + ADEQUACY.stretch] for i in range(0, len(rows), ADEQUACY.stretch)]
+        if len(groups) > 1 and len(groups[-1]) < ADEQUACY.stretch // 2:
             groups[-2:] = [np.concatenate(groups[-2:])]
         for group in groups:
             for probe in range(sigmas.shape[1]):
@@ -113,7 +111,7 @@ def _merged(stretches: list[Stretch]) -> list[Stretch]:
     for s in sorted(stretches, key=lambda s: (s.run, s.probe, s.order, s.rows[0])):
         last = joined[-1] if joined else None
         same = last is not None and (last.run, last.probe, last.order) == (s.run, s.probe, s.order)
-        if last is not None and same and s.rows[0] - last.rows[-1] <= 1 + STRETCH:
+        if last is not None and same and s.rows[0] - last.rows[-1] <= 1 + ADEQUACY.stretch:
             both = np.concatenate([last.rows, s.rows])
             joined[-1] = Stretch(run=s.run, probe=s.probe, order=s.order, rows=both, sigma=max(last.sigma, s.sigma))
         else:
@@ -131,5 +129,5 @@ def _loudest_of_runs(stretches: list[Stretch]) -> list[Stretch]:
 
 def _tight(s: Stretch, sigmas: NDArray[np.float64]) -> Stretch:
     """Return the stretch from its first loud row to its last: a stretch is coarser than its cause."""
-    odd = s.rows[sigmas[s.rows, s.probe, s.order] > FOCUSED_LIMIT]
+    odd = s.rows[sigmas[s.rows, s.probe, s.order] > ADEQUACY.focused_limit]
     return replace(s, rows=np.arange(odd[0], odd[-1] + 1)) if len(odd) else s

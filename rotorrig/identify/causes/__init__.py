@@ -2,11 +2,12 @@
 
 from rotorrig.identify.causes.candidate_fit import Candidate, plausible
 from rotorrig.identify.causes.candidates import background, candidates
-from rotorrig.identify.causes.selection_step import DETECTED, Stage
+from rotorrig.identify.causes.selection_step import Stage
+from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.causes.stepwise_selection import Selection, called_for, select
 
 __all__ = [
-    "DETECTED",
+    "SELECTION",
     "Candidate",
     "Selection",
     "Stage",

@@ -1,29 +1,22 @@
 """One effect on trial beside those a model has: fitted together with them, and raced against the best so far.
 
 Evidence is the Bayesian information criterion, BIC = chi2 + k ln n (Schwarz, Annals of Statistics 6 (1978) 461), n the
-figures at 1X that are independent: those of neighbouring rows, `STRETCH` of them, are off together.
+figures at 1X that are independent: those of neighbouring rows, `ADEQUACY.stretch` of them, are off together.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rotorrig.identify.adequacy import STRETCH
+from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_nuisances
 from rotorrig.identify.causes.score_test import Score, relocated
+from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution, Stop, Worth
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect, magnitudes
-
-NEAR = 48.0  # of BIC, three times what tells two causes apart: a candidate further behind the best is given up
-_UNSURE = 2.0  # sigmas by which a size may be beyond its range
-_SETTLED = 0.1  # of chi2
-_STEPS = 15
-_ROUGHLY = 2e-3  # of chi2: what a beginning may be short of
-_CURVED_STEPS = 10
-_RELOCATIONS = 3  # of a scanned effect: the place that suited a wrong base is not yet the right one
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,9 +40,9 @@ def plausible(candidate: Candidate) -> bool:
     theta, sigma = (names.of_effect(part, len(names.effects) - 1) for part in (fit.p, fit.sigma))
     sizes = {name: value for name, value, _ in magnitudes(effect.parameters, theta)}
     return effect.is_plausible(theta) and all(
-        q.low - _UNSURE * sigma[q.name]
+        q.low - SELECTION.unsure * sigma[q.name]
         <= sizes.get(q.name.removesuffix(" re"), theta[q.name])
-        <= q.high + _UNSURE * sigma[q.name]
+        <= q.high + SELECTION.unsure * sigma[q.name]
         for q in effect.parameters
         if not q.name.endswith(" im")
     )
@@ -70,12 +63,12 @@ def on_trial(
     hoped = 10 if score.effect.needs_starts else 2
 
     def worth(chi2: float, promise: float) -> bool:
-        return polished.chi2 - chi2 + hoped * promise - cost > leader - NEAR
+        return polished.chi2 - chi2 + hoped * promise - cost > leader - SELECTION.near
 
     larger = problem.extended((*problem.effects, score.effect))
     try:
         best = _first(larger, polished, plain, score, worth=worth)
-        for _ in range(_RELOCATIONS if score.effect.grid and best.stop is not Stop.GIVEN_UP else 0):
+        for _ in range(SELECTION.relocations if score.effect.grid and best.stop is not Stop.GIVEN_UP else 0):
             moved = relocated(problem, best.p[: len(polished.p)], score.effect)
             if _same_place(moved, larger.effects[-1]):
                 break
@@ -93,7 +86,7 @@ def on_trial(
 
 def price(problem: ExtendedProblem, effect: Effect) -> float:
     """Return what BIC asks for the unknowns of an effect."""
-    independent = sum(recording.measured[1].size for recording in problem.recordings) / STRETCH
+    independent = sum(recording.measured[1].size for recording in problem.recordings) / ADEQUACY.stretch
     return sum(q.low < q.high for q in effect.parameters) * float(np.log(independent))
 
 
@@ -136,7 +129,7 @@ def _first(
     nothing = np.array([q.at_zero / q.size for q in score.effect.parameters])
     if plain is not None:
         start, held = np.append(plain.p, nothing), held_nuisances(problem)
-        near = problem.solve(start, fixed=held, tolerance=_ROUGHLY * plain.chi2, max_steps=_STEPS)
+        near = problem.solve(start, fixed=held, tolerance=SELECTION.roughly * plain.chi2, max_steps=SELECTION.steps)
         fit = _refined(problem, near.p, worth=worth)
         if fit.stop in (Stop.CONVERGED, Stop.GIVEN_UP) or not worth(polished.chi2, score.lam):
             return fit
@@ -148,22 +141,21 @@ def _refined(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Solutio
     """Fit from `start`; a force law, where the nuisances are drawn off, from their priors."""
     start = np.clip(start, *problem.bounds)
     if not problem.curved:
-        return problem.solve(start, tolerance=_SETTLED, max_steps=_STEPS, worth=worth)
+        return problem.solve(start, tolerance=SELECTION.settled, max_steps=SELECTION.steps, worth=worth)
     if drawn_off(problem, start):
-        near = problem.solve(start, fixed=held_nuisances(problem), tolerance=1.0, max_steps=_STEPS, worth=worth)
+        near = problem.solve(
+            start, fixed=held_nuisances(problem), tolerance=1.0, max_steps=SELECTION.steps, worth=worth
+        )
         if near.stop is Stop.GIVEN_UP:
             return near
         start = near.p
-    return problem.solve(start, tolerance=_SETTLED, max_steps=_CURVED_STEPS, worth=worth)
+    return problem.solve(start, tolerance=SELECTION.settled, max_steps=SELECTION.steps_of_law, worth=worth)
 
 
 def refit(problem: ExtendedProblem, start: Reals) -> Solution:
     """Fit a problem from next to where it ends, to the end."""
-    steps = _CURVED_STEPS if problem.curved else _STEPS
-    return problem.solve(start, tolerance=_SETTLED, max_steps=steps)
-
-
-_BETTER = 2.0  # of chi2
+    steps = SELECTION.steps_of_law if problem.curved else SELECTION.steps
+    return problem.solve(start, tolerance=SELECTION.settled, max_steps=steps)
 
 
 def elsewhere(problem: ExtendedProblem, fit: Solution) -> Reals | None:
@@ -174,7 +166,7 @@ def elsewhere(problem: ExtendedProblem, fit: Solution) -> Reals | None:
     effect, part = problem.effects[-1], problem.parameters.theta[-1]
     length = np.linalg.norm(fit.jacobian, axis=0)
     basis = np.linalg.qr(fit.jacobian[:, length > 0] / length[length > 0])[0]
-    best, lowest = None, fit.chi2 - _BETTER
+    best, lowest = None, fit.chi2 - SELECTION.better
     for i, q in enumerate(effect.parameters, start=part.start):
         for value in sorted({begun[q.name] / q.size for begun in effect.initial_guesses if q.name in begun}):
             moved = fit.p.copy()

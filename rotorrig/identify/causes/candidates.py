@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.measurement import SLOW_ROLL
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects import Effect, InternalDamping, Stretch, UnbalanceStep, catalogue
 from rotorrig.sims.rotor.model import ONE_RECORDING, between_recordings
-
-MOMENTS = 16  # of a recording that are tried first for what may happen at any of them
 
 
 def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()) -> list[Effect]:
@@ -61,7 +60,9 @@ def _scanned(effect: UnbalanceStep, recordings: Sequence[Recording]) -> Unbalanc
         own = [Stretch(run=name, t=begins + t, omega=omega) for name, t, omega in _timed_runs(r)]
         if own:
             t = np.sort(np.concatenate([run.t for run in own]))
-            stretches.append(tuple(float(x) for x in np.unique(t[np.linspace(0, len(t) - 1, MOMENTS).astype(int)])))
+            stretches.append(
+                tuple(float(x) for x in np.unique(t[np.linspace(0, len(t) - 1, SELECTION.moments).astype(int)]))
+            )
         runs += own
     return replace(effect, grid=tuple(stretches), runs=tuple(runs))
 

@@ -13,16 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.causes.pinned_nuisances import SETTLED, STEPS, held_nuisances
+from rotorrig.identify.causes.pinned_nuisances import held_nuisances
 from rotorrig.identify.causes.score_test import Score
+from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import LinearModel, Solution, Stop
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect, Parameter
-
-_WEAK = (0.03, 0.2, 1.0)  # of the strength of every start
-_BEHIND = 0.5  # of what the best law has taken from chi2: one that cannot take that much is given up
-_HOPED = 3.0  # times what a full step promises is what it may take in all
 
 
 def held_scores(
@@ -40,7 +37,7 @@ def held_scores(
     found: list[Score] = []
     best = plain.chi2
     for look in sorted(looks, key=lambda look: look.chi2):
-        fit = _raced(look, held, limit=plain.chi2 - _BEHIND * (plain.chi2 - best))
+        fit = _raced(look, held, limit=plain.chi2 - SELECTION.behind * (plain.chi2 - best))
         best = min(best, fit.chi2)
         more = 0.0 if fit.stop is Stop.GIVEN_UP else _promise(look.problem, fit)
         lam = polished.chi2 - fit.chi2 + more
@@ -82,7 +79,7 @@ def _starts(parameters: Sequence[Parameter]) -> Iterator[Reals]:
     strength = next(q.name for q in parameters if q.starts and q.at_zero == 0)
     count = max(len(q.starts) for q in parameters)
     seen: set[tuple[float, ...]] = set()
-    for share in _WEAK:
+    for share in SELECTION.weak:
         for k in range(count):
             value = {q.name: q.starts[min(k, len(q.starts) - 1)] if q.starts else q.at_zero for q in parameters}
             value[strength] *= share
@@ -96,10 +93,12 @@ def _raced(look: _Look, held: dict[int, float], *, limit: float) -> Solution:
     """Fit a law from its first look, the nuisances held, as long as chi2 may come below `limit`."""
 
     def worth(chi2: float, promise: float) -> bool:
-        return chi2 - _HOPED * promise < limit
+        return chi2 - SELECTION.hoped * promise < limit
 
     begin = np.clip(look.begin, *look.problem.bounds)
-    return look.problem.solve(begin, fixed=held, tolerance=SETTLED, max_steps=STEPS, worth=worth)
+    return look.problem.solve(
+        begin, fixed=held, tolerance=SELECTION.pinned_settled, max_steps=SELECTION.steps, worth=worth
+    )
 
 
 def _promise(problem: ExtendedProblem, fit: Solution) -> float:

@@ -9,14 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.sims.effects import Effect
 
 Promise = Callable[[Sequence[Effect]], Sequence[float]]  # by how much chi2 would fall, for each
-
-_PARTS = 3  # into which a closer look divides the gaps on either side of the best
-_ALIKE = 1.0  # of chi2: places that differ by less need no closer look
-_LOOKS = 12
-_SIGMA = 1.0  # of chi2, at one standard deviation
 
 
 def best_place(effect: Effect, promise: Promise) -> Effect:
@@ -28,11 +24,11 @@ def best_place(effect: Effect, promise: Promise) -> Effect:
     coarse = promise([_at(effect, value) for _, value in places])
     stretch, best = places[int(np.argmax(coarse))]
     known = {value: lam for (of, value), lam in zip(places, coarse, strict=True) if of is stretch}
-    for _ in range(_LOOKS):
+    for _ in range(SELECTION.looks):
         values = sorted(known)
         i = values.index(best)
         low, high = values[max(i - 1, 0)], values[min(i + 1, len(values) - 1)]
-        if known[best] - min(known[low], known[high]) < _ALIKE:
+        if known[best] - min(known[low], known[high]) < SELECTION.alike:
             break
         closer = [*_within(low, best), *_within(best, high)]
         known |= zip(closer, promise([_at(effect, value) for value in closer]), strict=True)
@@ -41,7 +37,7 @@ def best_place(effect: Effect, promise: Promise) -> Effect:
 
 
 def _within(low: float, high: float) -> list[float]:
-    return [float(value) for value in np.linspace(low, high, _PARTS + 1)[1:-1]] if low < high else []
+    return [float(value) for value in np.linspace(low, high, SELECTION.parts + 1)[1:-1]] if low < high else []
 
 
 def _at(effect: Effect, value: float, *, spread: float = 0.0) -> Effect:
@@ -50,7 +46,7 @@ def _at(effect: Effect, value: float, *, spread: float = 0.0) -> Effect:
 
 
 def _spread(known: dict[float, float], best: float) -> float:
-    """Return half the width over which `known`, value -> lam, is within `_SIGMA` of the best."""
+    """Return half the width over which `known`, value -> lam, is within `SELECTION.one_sigma` of the best."""
     values = np.array(sorted(known))
     drop = known[best] - np.array([known[value] for value in values])
     at = int(np.searchsorted(values, best))
@@ -59,8 +55,8 @@ def _spread(known: dict[float, float], best: float) -> float:
 
 
 def _crossing(values: np.ndarray, drop: np.ndarray) -> float:
-    """Return where `drop`, from 0 on, first reaches `_SIGMA`, as a parabola between neighbours; the end if it never."""
-    beyond = np.flatnonzero(drop >= _SIGMA)
+    """Return where `drop`, from 0 on, first reaches one sigma, by parabolas between neighbours; the end if it never."""
+    beyond = np.flatnonzero(drop >= SELECTION.one_sigma)
     if not len(beyond):
         return float(values[-1])
     i = int(beyond[0])

@@ -7,17 +7,14 @@ that cause does not find back. Held, they leave the rotor what it is.
 import numpy as np
 
 from rotorrig.identify.base_model import Reals
+from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution
-
-SETTLED = 1.0  # of chi2: where a fit that only begins another may end
-STEPS = 15
-_DRAWN = 4.0  # sigmas of a prior
 
 
 def drawn_off(problem: ExtendedProblem, p: Reals) -> bool:
     """Say whether a nuisance of `p` is further off than its prior allows."""
-    return bool(np.abs(problem.parameters.prior_residual(p)).max(initial=0.0) > _DRAWN)
+    return bool(np.abs(problem.parameters.prior_residual(p)).max(initial=0.0) > SELECTION.biased)
 
 
 def held_nuisances(problem: ExtendedProblem) -> dict[int, float]:
@@ -30,7 +27,7 @@ def held_nuisances(problem: ExtendedProblem) -> dict[int, float]:
 def held_fit(problem: ExtendedProblem, p: Reals) -> Solution:
     """Fit `problem` from `p` with its nuisances held at their priors."""
     held = held_nuisances(problem)
-    return problem.solve(_at_priors(p, held), fixed=held, tolerance=SETTLED, max_steps=STEPS)
+    return problem.solve(_at_priors(p, held), fixed=held, tolerance=SELECTION.pinned_settled, max_steps=SELECTION.steps)
 
 
 def _at_priors(p: Reals, held: dict[int, float]) -> Reals:

@@ -9,23 +9,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.identify.adequacy import GLOBAL_LIMIT
+from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.causes.candidate_fit import Candidate, on_trial, plausible
 from rotorrig.identify.causes.force_law_starts import held_scores
 from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
+from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution
 from rotorrig.sims.effects import Effect
-
-DETECTED = 18.0  # of chi2
-_FITTED = 8  # candidates that are fitted for every one taken up
-_CURVED = 4  # effects without a first order that are fitted, and only as the first cause
-_OF_BEST = 3  # of one kind, at other places, if it scores best
-_PROMISING = 0.05  # of the best score: a candidate below is not fitted
-_LEFT_BY_LAW = 0.03  # of the excess of chi2: what a describing function may leave
-_RIVAL = 0.5  # of the best score
-_REACHED = 0.2  # of the excess of chi2: a score that leaves less may be all there is to it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,9 +50,9 @@ def step(
     laws: list[Score] = []
     later = False  # whether force laws wait for the others
     if first and wrong and excess > 0 and plain:
-        later = bool(scored) and excess - scored[0].lam < _REACHED * excess
+        later = bool(scored) and excess - scored[0].lam < SELECTION.reached * excess
         laws = [] if later else held_scores(problem, polished, plain, candidates)
-    elif first and (wrong or (scored and scored[0].lam > DETECTED)):
+    elif first and (wrong or (scored and scored[0].lam > SELECTION.detected)):
         laws = curved_scores(problem, polished.p, candidates)
     promising = _promising(sorted((*scored, *laws), key=lambda s: -s.lam))
     progress(0.3)
@@ -77,7 +69,7 @@ def step(
 def _excess(problem: ExtendedProblem, polished: Solution) -> float:
     """Return by how much chi2 of 1X is more than adequate, priors included; negative where it is less."""
     r = problem.residual(polished.p, orders=(1,))
-    return float(r @ r) - GLOBAL_LIMIT * sum(recording.measured[1].size for recording in problem.recordings)
+    return float(r @ r) - ADEQUACY.global_limit * sum(recording.measured[1].size for recording in problem.recordings)
 
 
 def _all_tried(
@@ -117,12 +109,12 @@ def _unpromising(scored: Sequence[Score], promising: Sequence[Score]) -> list[Sc
     for s in scored:
         if s.begin is not None and s.effect.name not in taken:
             found.setdefault(s.effect.name, s)
-    return list(found.values())[:_CURVED]
+    return list(found.values())[: SELECTION.fitted_laws]
 
 
 def _explained(candidate: Candidate, excess: float) -> bool:
     """Say whether with the effect on trial next to nothing is left of the `excess` of chi2 at 1X."""
-    left = _LEFT_BY_LAW * excess if candidate.effect.needs_starts else 0.0
+    left = SELECTION.left_by_law * excess if candidate.effect.needs_starts else 0.0
     return _excess(candidate.problem, candidate.polished) <= left
 
 
@@ -132,19 +124,21 @@ def _promising(scored: Sequence[Score]) -> list[Score]:
     Unless a force law leads, those that score nearly alike come by the number of their unknowns: few of them are soon
     fitted, and then the long fits of the others can be given up.
     """
-    high = [s for s in scored if s.lam > max(DETECTED / 2, _PROMISING * scored[0].lam)]
+    high = [s for s in scored if s.lam > max(SELECTION.detected / 2, SELECTION.promising * scored[0].lam)]
     kinds: dict[str, int] = {}
     kept, curved = [], 0
     for s in high:
         kinds[s.effect.name] = kinds.get(s.effect.name, 0) + 1
         curved += s.begin is not None
         best_kind = s.effect.name == high[0].effect.name and s.begin is None
-        if kinds[s.effect.name] <= (_OF_BEST if best_kind else 1) and (s.begin is None or curved <= _CURVED):
+        if kinds[s.effect.name] <= (SELECTION.of_best if best_kind else 1) and (
+            s.begin is None or curved <= SELECTION.fitted_laws
+        ):
             kept.append(s)
-    kept = kept[:_FITTED]
+    kept = kept[: SELECTION.fitted]
     if not kept or kept[0].begin is not None:
         return kept
-    rivals = [s for s in kept if s.lam > _RIVAL * kept[0].lam]
+    rivals = [s for s in kept if s.lam > SELECTION.rival * kept[0].lam]
     return sorted(rivals, key=lambda s: len(s.effect.parameters)) + kept[len(rivals) :]
 
 

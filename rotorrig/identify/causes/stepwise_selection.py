@@ -1,10 +1,10 @@
 """Which causes the data call for: forward by evidence, then backward; each fitted together with the base model.
 
-A cause is taken up if BIC (candidate_fit.py) falls by more than `ENOUGH` and chi2 by more than `DETECTED`: no score of
-eleven simulated healthy rigs exceeded 10.3. A step of unbalance, which is looked for at every moment, needs more: on
-one of 47 other healthy rigs it had 21.5. The next is looked for beside it, and has to explain more than a small error
-of that one's model would leave. What was found beside other causes than it has in the end is then looked for once more:
-what suited best need not be the cause.
+A cause is taken up if BIC (candidate_fit.py) falls by more than `SELECTION.enough` and chi2 by more than
+`SELECTION.detected`: no score of eleven simulated healthy rigs exceeded 10.3. A step of unbalance, which is looked for
+at every moment, needs more: on one of 47 other healthy rigs it had 21.5. The next is looked for beside it, and has to
+explain more than a small error of that one's model would leave. What was found beside other causes than it has in the
+end is then looked for once more: what suited best need not be the cause.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,17 +13,13 @@ from functools import partial
 
 import numpy as np
 
-from rotorrig.identify.adequacy import STRETCH
+from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.causes.candidate_fit import Candidate, named_by_place, price, refit
-from rotorrig.identify.causes.selection_step import DETECTED, Stage, step
+from rotorrig.identify.causes.selection_step import Stage, step
+from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution
 from rotorrig.sims.effects import Effect
-
-ENOUGH = 4.0  # of BIC
-MOST = 3  # causes at once
-MODEL_ERROR = 0.01  # of what the causes so far explain: that much of their vectors may be wrong with their models
-_AS_GOOD = 1.0  # of chi2, by which fits of one and the same cause may differ that began elsewhere
 
 Progress = Callable[[str, float], None]
 
@@ -56,7 +52,7 @@ def select(
         rest = [e for e in among if e.label not in taken]
         return step(problem, polished, rest, partial(progress, what), wrong=wrong, first=not stages)
 
-    for number in range(MOST):
+    for number in range(SELECTION.most):
         stage = search(f"cause {number + 1}", current, polished, candidates)
         stages.append(stage)
         if not stage.tried or not called_for(stage.tried[0], explained=base.chi2 - polished.chi2):
@@ -75,18 +71,18 @@ def select(
 
 def called_for(candidate: Candidate, *, explained: float = 0.0) -> bool:
     """Say whether the data call for the effect on trial beside causes that have explained so much of chi2."""
-    needed = DETECTED + _looked_for(candidate) + MODEL_ERROR**2 * explained
-    return candidate.evidence > ENOUGH and candidate.lam > needed
+    needed = SELECTION.detected + _looked_for(candidate) + SELECTION.model_error**2 * explained
+    return candidate.evidence > SELECTION.enough and candidate.lam > needed
 
 
 def _looked_for(candidate: Candidate) -> float:
     """Return what chi2 has to fall more by, as a place was looked for among many: by 2 ln n it does by chance.
 
-    Neighbouring rows, `STRETCH` of them, make one place.
+    Neighbouring rows, `ADEQUACY.stretch` of them, make one place.
     """
     if not candidate.effect.grid:
         return 0.0
-    return 2 * float(np.log(sum(len(recording.rows) for recording in candidate.problem.recordings) / STRETCH))
+    return 2 * float(np.log(sum(len(recording.rows) for recording in candidate.problem.recordings) / ADEQUACY.stretch))
 
 
 def _again(
@@ -113,7 +109,7 @@ def _again(
         stage = search(*_without(problem, polished, leaving), of_kind)
         best = stage.tried[0] if stage.tried else None
         now = polished.chi2 + sum(price(problem, effect) for effect in leaving)
-        if best is None or best.polished.chi2 + price(problem, best.effect) > now + _AS_GOOD:
+        if best is None or best.polished.chi2 + price(problem, best.effect) > now + SELECTION.as_good:
             continue
         stages.append(stage)
         problem, polished = _settled(stages)
@@ -137,10 +133,10 @@ def _in_question(chosen: Sequence[Effect]) -> list[list[Effect]]:
 
 
 def _without_idle(problem: ExtendedProblem, polished: Solution, *, kept: int) -> tuple[ExtendedProblem, Solution]:
-    """Leave out every effect but the first `kept` and the last without which BIC does not rise by `ENOUGH`."""
+    """Leave out every effect but the first `kept` and the last without which BIC does not rise by enough."""
     for effect in problem.effects[kept:-1]:
         smaller, fit = _without(problem, polished, [effect])
-        if fit.chi2 - polished.chi2 < price(problem, effect) + ENOUGH:
+        if fit.chi2 - polished.chi2 < price(problem, effect) + SELECTION.enough:
             return _without_idle(smaller, fit, kept=kept)
     return problem, polished
 

@@ -3,12 +3,12 @@
 from rotorrig.identify.verdict.cause import Cause, Figure
 from rotorrig.identify.verdict.gain import Gain, Shift
 from rotorrig.identify.verdict.next_run import NextRun
-from rotorrig.identify.verdict.separability import NAMEABLE
+from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.sweep_lag import moving_speed
 from rotorrig.identify.verdict.verdict import HiddenEffect, Verdict
 
 __all__ = [
-    "NAMEABLE",
+    "VERDICT",
     "Cause",
     "Figure",
     "Gain",

@@ -9,16 +9,10 @@ from numpy.typing import NDArray
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
 from rotorrig.identify.least_squares import LinearModel, Point, take_step
+from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.rig import DataError
 
 Complex = NDArray[np.complex128]
-
-BLOCK = 24  # rows that are left out together, at most: neighbours share their noise
-BLOCKS = 6  # that a recording is divided into at least
-_ACCURATE = 0.3  # of chi2
-_NEARLY = 5e-4  # of the chi2 of a model that is wrong
-_CLOSE = 20  # times that: what so short a step leaves, the derivatives before it tell
-_STEPS = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +37,7 @@ def held_out(problem: ExtendedProblem, p: Reals) -> Prediction:
     has to do.
     """
     J, r = problem.jacobian(p), problem.residual(p)
-    steps = 1 if problem.model.moving(p).laws else _STEPS
+    steps = 1 if problem.model.moving(p).laws else VERDICT.refit_steps
     parts = []
     for shown, hidden in _halves(problem.recordings):
         of_shown = problem.on(shown)
@@ -71,7 +65,7 @@ def _refitted(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: 
             reached = np.full(len(r), np.inf)
         return Point(part, reached, lambda: problem.jacobian(full(part))[:, free])
 
-    enough = max(_ACCURATE, _NEARLY * float(r @ r))
+    enough = max(VERDICT.accurate, VERDICT.nearly * float(r @ r))
     for step in range(1, steps + 1):
         model = LinearModel(J[:, free], r, p[free], bounds)
         promise = model.promise(model.best(0.0))
@@ -79,7 +73,7 @@ def _refitted(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: 
         if taken is None:
             break
         p, r = full(taken.point.p), taken.point.r
-        if step == steps or (promise < _CLOSE * enough and promise - (model.cost - float(r @ r)) < enough):
+        if step == steps or (promise < VERDICT.close * enough and promise - (model.cost - float(r @ r)) < enough):
             break
         J = problem.jacobian(p)
     return p
@@ -133,4 +127,4 @@ def _halves(recordings: Sequence[Recording]) -> list[tuple[list[Recording], list
 
 
 def _block(rows: int) -> int:
-    return max(1, min(BLOCK, rows // BLOCKS))
+    return max(1, min(VERDICT.block, rows // VERDICT.blocks))

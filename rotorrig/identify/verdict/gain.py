@@ -9,9 +9,7 @@ from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict.cross_validation import Prediction, held_out, predicted
-
-_WORSE = 1.1  # times the error of the base: a cause at 2X leaves it as it was, give or take
-_MEASURED = 3  # causes whose prediction is measured
+from rotorrig.identify.verdict.settings import VERDICT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +50,7 @@ class Predictions:
     @property
     def worse(self) -> bool:
         """Whether the extended model predicts clearly worse than the base."""
-        return self.after.error > _WORSE * self.before.error
+        return self.after.error > VERDICT.worse * self.before.error
 
 
 def predictions(selection: Selection, *, holdout: Recording | None = None) -> Predictions:
@@ -66,7 +64,8 @@ def predictions(selection: Selection, *, holdout: Recording | None = None) -> Pr
         return predicted(where.on([holdout]), p) if holdout else held_out(where, p)
 
     before = of(None)
-    tried = [c for c in (stages[0].tried if stages else ()) if _fitted_to_the_end(c) and called_for(c)][:_MEASURED]
+    able = [c for c in (stages[0].tried if stages else ()) if _fitted_to_the_end(c) and called_for(c)]
+    tried = able[: VERDICT.measured]
     by_label = {candidate.effect.label: (before, of(candidate)) for candidate in tried}
     after = before
     if tried and selection.problem is tried[0].problem:

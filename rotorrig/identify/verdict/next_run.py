@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from rotorrig.identify.causes import Candidate, Selection
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem
 from rotorrig.identify.verdict.planned_runs import Plan, plans, recorded
-from rotorrig.identify.verdict.separability import NAMEABLE, separation
+from rotorrig.identify.verdict.separability import separation
+from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.verdict import tied_candidates
 from rotorrig.rig import DataError
 
@@ -37,13 +38,13 @@ def find_next_run(selection: Selection) -> NextRun | None:
             continue
         lam = min(_separated(best, rival, plan) for rival in rivals)
         found.append((lam, plan))
-        if lam >= NAMEABLE:
+        if lam >= VERDICT.nameable:
             break
     if not found:
         return None
     lam, plan = max(found, key=lambda pair: pair[0])
     labels = tuple(candidate.effect.label for candidate in (best, *rivals))
-    enough = "" if lam >= NAMEABLE else " Even that would leave them close."
+    enough = "" if lam >= VERDICT.nameable else " Even that would leave them close."
     return NextRun(kind=plan.kind, words=plan.words + enough, lam=lam, separates=labels)
 
 

@@ -9,15 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.extended_model import MarkEdge, Recording
+from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing import OrderTrackedResponse, Run
 from rotorrig.rig.config import RPM, RigConfig
 from rotorrig.sims.effects import Effect
 from rotorrig.sims.rotor.swept import TURN, Timeline
 
 Reals = NDArray[np.float64]
-
-TRIAL = 12e-6  # kg m at 90 degrees
-FEWEST_RPM = 300.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,9 +55,9 @@ def plans(response: OrderTrackedResponse) -> Iterator[Plan]:
     words = "Sweep once more with the rotor turning the other way, if the drive can reverse."
     yield again(kind="reverse rotation", words=words, backward=True)
     disk = rig.identify.unbalance[0] if rig.identify else rig.disks[0].name
-    trial = {disk: TRIAL * 1j}
+    trial = {disk: VERDICT.trial * 1j}
     if not any(run.trial_unbalance for run in response.runs):
-        words = f"Repeat the sweep with a known trial mass of {TRIAL * 1e6:.0f} g mm at 90 deg on '{disk}'."
+        words = f"Repeat the sweep with a known trial mass of {VERDICT.trial * 1e6:.0f} g mm at 90 deg on '{disk}'."
         yield again(kind="trial mass", words=words, trial=trial)
     if more := _with_second_plane(rig):
         words = f"Measure in a second plane, say at {more.probes[-1].position * 1e3:.0f} mm"
@@ -139,7 +137,7 @@ def _of_probes(covariance: Reals, source: list[int]) -> Reals:
 
 
 def _pulses(plan: Plan) -> Reals:
-    low, high = max(plan.low, FEWEST_RPM / RPM), plan.high
+    low, high = max(plan.low, VERDICT.fewest_rpm / RPM), plan.high
     turns = max(1, round((high**2 - low**2) / (2 * plan.ramp) / TURN))  # whole ones, so that the way down is in step
     rate = (high**2 - low**2) / (2 * turns * TURN)
     up = (np.sqrt(low**2 + 2 * rate * TURN * np.arange(turns + 1)) - low) / rate

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rotorrig.identify.adequacy import FOCUSED_LIMIT, GLOBAL_LIMIT, Adequacy
+from rotorrig.identify.adequacy import ADEQUACY, Adequacy
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.gain import Predictions
 from rotorrig.identify.verdict.verdict import Verdict
@@ -62,7 +62,7 @@ def moving(cause: Cause, rest: str) -> str:
 
 def character(adequacy: Adequacy) -> str:
     """Describe a residual that no known cause explains: orders, speeds, directions and probes it is loud at."""
-    loud = [m for m in adequacy.misfits if m.sigma > FOCUSED_LIMIT] or list(adequacy.misfits[:1])
+    loud = [m for m in adequacy.misfits if m.sigma > ADEQUACY.focused_limit] or list(adequacy.misfits[:1])
     orders = sorted({m.order for m in loud})
     probes = sorted({m.probe for m in loud})
     runs = sorted({m.run for m in loud})
@@ -82,8 +82,8 @@ def centreline(adequacy: Adequacy) -> str:
 
 def _figures(adequacy: Adequacy) -> str:
     return (
-        f"1X residuals at {adequacy.reduced_chi2:.3g} chi2 per degree of freedom (limit {GLOBAL_LIMIT:g}), the worst "
-        f"stretch of speeds at {adequacy.worst_sigma:.1f} sigma (limit {FOCUSED_LIMIT:g})"
+        f"1X residuals at {adequacy.reduced_chi2:.3g} chi2 per degree of freedom (limit {ADEQUACY.global_limit:g}), "
+        f"the worst stretch of speeds at {adequacy.worst_sigma:.1f} sigma (limit {ADEQUACY.focused_limit:g})"
     )
 
 

@@ -13,17 +13,9 @@ import numpy as np
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem
 from rotorrig.identify.least_squares import Solution, Worth, always
+from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect
-
-DETECTABLE = 25.0  # lambda against the base
-NAMEABLE = 16.0  # against the nearest other cause
-
-HOPED = 2.0  # times what a full step promises: a fit that would not get there even so is given up
-HOPED_OF_LAWS = 10.0  # the same under force laws, which bend more
-
-_ACCURATE = 0.3  # of chi2
-_STEPS = 10
 
 
 def separation(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect], *, enough: float = math.inf) -> float:
@@ -35,7 +27,7 @@ def separation(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect], *, eno
     problem = ExtendedProblem(ExtendedModel(recordings, rival, models=truth.model.models))
     own = truth.parameters.prior_residual(p)
     floor = float(own @ own)
-    hoped = HOPED_OF_LAWS if problem.curved or truth.curved else HOPED
+    hoped = VERDICT.hoped_of_laws if problem.curved or truth.curved else VERDICT.hoped
 
     def worth(chi2: float, promise: float) -> bool:
         return chi2 - hoped * promise < enough + floor
@@ -54,7 +46,7 @@ def fitted(problem: ExtendedProblem, base: Reals, *, worth: Worth = always) -> S
     with np.errstate(over="ignore", invalid="ignore"):  # steps that go too far, and are taken back
         if problem.effects:
             start = _best_begun(problem, start)
-        return problem.solve(start, tolerance=_ACCURATE, max_steps=_STEPS, worth=worth)
+        return problem.solve(start, tolerance=VERDICT.separated_within, max_steps=VERDICT.separated_steps, worth=worth)
 
 
 def _best_begun(problem: ExtendedProblem, start: Reals) -> Reals:

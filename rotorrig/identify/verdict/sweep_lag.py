@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.causes import DETECTED
+from rotorrig.identify.causes import SELECTION
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.cross_validation import held_out
@@ -28,7 +28,7 @@ def moving_speed(still: Assessed, swept: Assessed, responses: Sequence[OrderTrac
     if not all(recording.swept for recording in swept.problem.recordings):
         return None
     lam = still.polished.chi2 - swept.polished.chi2
-    if lam <= DETECTED:
+    if lam <= SELECTION.detected:
         return None
     return Cause(
         label=LABEL,

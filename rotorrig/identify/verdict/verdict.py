@@ -12,12 +12,8 @@ from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict.cause import Cause, Figure
 from rotorrig.identify.verdict.cross_validation import Prediction
 from rotorrig.identify.verdict.gain import Predictions
-from rotorrig.identify.verdict.separability import DETECTABLE, NAMEABLE
+from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.sims.effects import Effect, Parameter, magnitudes
-
-_LEFT = 0.03  # of the excess of chi2 that a force law may leave
-_OVER_FLOOR = 4.0  # of the error of unseen data then: twice that of clearances and springs that were found
-_ENOUGH_VISIBLE = 0.5  # of the known effects, at their typical size: below, data that show nothing say nothing
 
 
 class Verdict(StrEnum):
@@ -50,7 +46,7 @@ def verdict(
     if selection.problem.effects == selection.start.effects:
         if not adequate_before:
             return Verdict.UNEXPLAINED
-        return Verdict.ADEQUATE if visible >= _ENOUGH_VISIBLE else Verdict.CANNOT_TELL
+        return Verdict.ADEQUATE if visible >= VERDICT.enough_visible else Verdict.CANNOT_TELL
     if predictions.worse or not (adequate_after or _nearly_all(selection, predictions)):
         return Verdict.UNEXPLAINED
     return Verdict.TIED if ties(selection) else Verdict.NAMED
@@ -85,7 +81,7 @@ def _stage_of(selection: Selection, effect: Effect) -> Stage | None:
 
 
 def _rivals(stage: Stage, best: Candidate) -> list[Candidate]:
-    return [c for c in stage.tried[1:] if called_for(c) and best.evidence - c.evidence < NAMEABLE]
+    return [c for c in stage.tried[1:] if called_for(c) and best.evidence - c.evidence < VERDICT.nameable]
 
 
 def _nearly_all(selection: Selection, predictions: Predictions) -> bool:
@@ -94,14 +90,14 @@ def _nearly_all(selection: Selection, predictions: Predictions) -> bool:
     Its 3X is not followed, and 2X and 3X act back on the first order only as if they came and went slowly.
     """
     left = selection.polished.chi2 - selection.polished.dof
-    nearly = left < _LEFT * (selection.base.chi2 - selection.base.dof)
-    return selection.problem.curved and nearly and predictions.after.over_floor < _OVER_FLOOR
+    nearly = left < VERDICT.left_by_law * (selection.base.chi2 - selection.base.dof)
+    return selection.problem.curved and nearly and predictions.after.over_floor < VERDICT.over_floor
 
 
 def visible_share(selection: Selection) -> float:
     """Return the share of the known effects, by name, that this data could show at their typical size."""
     seen = _visible(selection)
-    return sum(lam >= DETECTABLE for _, lam in seen.values()) / max(len(seen), 1)
+    return sum(lam >= VERDICT.detectable for _, lam in seen.values()) / max(len(seen), 1)
 
 
 def hidden_effects(selection: Selection) -> tuple[HiddenEffect, ...]:
@@ -109,12 +105,12 @@ def hidden_effects(selection: Selection) -> tuple[HiddenEffect, ...]:
     return tuple(
         HiddenEffect(
             effect=effect.label,
-            smallest=effect.parameters[0].size * float(np.sqrt(DETECTABLE / lam)) if lam > 0 else math.inf,
+            smallest=effect.parameters[0].size * float(np.sqrt(VERDICT.detectable / lam)) if lam > 0 else math.inf,
             unit=effect.parameters[0].unit,
             missing=_missing(selection, effect),
         )
         for effect, lam in _visible(selection).values()
-        if lam < DETECTABLE
+        if lam < VERDICT.detectable
     )
 
 

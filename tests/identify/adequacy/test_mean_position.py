@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy.mean_position import departures
-from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, Adequacy, assess
+from rotorrig.identify.adequacy.residual_tests import Adequacy, assess
+from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.processing.response import OrderTrackedResponse, Run
 
 SIGMA = 0.04e-6  # m, of a row's mean position
@@ -63,7 +64,7 @@ def test_a_bump_of_the_mean_is_found_with_its_probe_speed_size_and_the_other_run
         assert misfit.probe == healthy.probes[2]
         assert misfit.speed_from < 105.0 < misfit.speed_to
         assert misfit.residual == pytest.approx(1e-6, rel=0.3)  # the line in time takes some of it
-        assert misfit.sigma > FOCUSED_LIMIT
+        assert misfit.sigma > ADEQUACY.focused_limit
         assert np.isnan(misfit.backward)
         assert misfit.other_run.startswith("the same")
         assert "the mean position at probe 2x moves by up to" in misfit.sentence
@@ -75,7 +76,7 @@ def test_it_decides_nothing(healthy: OrderTrackedResponse, flat: NDArray[np.floa
     found = judged(with_gap(healthy, flat))
     assert found.centreline
     assert found.adequate
-    assert found.worst_sigma < FOCUSED_LIMIT
+    assert found.worst_sigma < ADEQUACY.focused_limit
     assert all(m.order for m in found.misfits)
 
 
@@ -108,7 +109,7 @@ def test_it_is_above_zero_towards_the_probe(healthy: OrderTrackedResponse, flat:
     change, sigmas = departures(with_gap(healthy, flat))
     row = int(np.argmin(np.abs(healthy.omega - 105.0)))
     assert change[row, 0] == pytest.approx(-1e-6, abs=0.3e-6)
-    assert sigmas[row, 0] < -FOCUSED_LIMIT
+    assert sigmas[row, 0] < -ADEQUACY.focused_limit
 
 
 def test_what_is_not_usable_or_a_slow_roll_has_no_say(healthy: OrderTrackedResponse, flat: NDArray[np.float64]) -> None:

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.identify.causes.candidate_fit import NEAR, Candidate, plausible
-from rotorrig.identify.causes.selection_step import DETECTED, Stage, step
-from rotorrig.identify.causes.stepwise_selection import ENOUGH, MODEL_ERROR, Selection, _again, called_for, select
+from rotorrig.identify.causes.candidate_fit import Candidate, plausible
+from rotorrig.identify.causes.selection_step import Stage, step
+from rotorrig.identify.causes.settings import SELECTION
+from rotorrig.identify.causes.stepwise_selection import Selection, _again, called_for, select
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -76,7 +77,7 @@ def test_two_causes_are_both_found(rig: RigConfig, hidden: NDArray[np.float64]) 
     response = swept_response(rig, rng=np.random.default_rng(12), hidden=made)
     found = selected(response, hidden)
     assert {e.label for e in found.problem.effects} == set(both)
-    assert found.polished.chi2 < found.base.chi2 - 2 * DETECTED
+    assert found.polished.chi2 < found.base.chi2 - 2 * SELECTION.detected
 
 
 def test_parts_of_one_cause_are_replaced_by_the_whole(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
@@ -101,7 +102,7 @@ def test_a_second_cause_has_to_explain_more_than_an_error_of_the_first_ones_mode
 ) -> None:
     response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "skew_stiffness", 1.5)])
     best = selected(response, hidden, ("skew_stiffness",)).stages[0].tried[0]
-    just = (best.lam - DETECTED) / MODEL_ERROR**2
+    just = (best.lam - SELECTION.detected) / SELECTION.model_error**2
     assert called_for(best, explained=0.99 * just)
     assert not called_for(best, explained=1.01 * just)
 
@@ -128,7 +129,7 @@ def test_without_the_hidden_effect_the_fit_does_not_get_as_good(rig: RigConfig, 
     rest = tuple(label for label in TRIED if label != "delay, probe 2y")
     with_it, without = selected(response, hidden), selected(response, hidden, rest)
     assert "delay" not in {e.name for e in without.problem.effects}
-    assert without.polished.chi2 > with_it.polished.chi2 + DETECTED
+    assert without.polished.chi2 > with_it.polished.chi2 + SELECTION.detected
 
 
 def test_evidence_is_the_fall_of_chi2_less_the_same_for_every_unknown(
@@ -141,7 +142,7 @@ def test_evidence_is_the_fall_of_chi2_less_the_same_for_every_unknown(
     assert 2 < costs[0] <= np.log(first.tried[0].problem.size)
     for tried in first.tried:
         assert tried.lam == pytest.approx(first.before.chi2 - tried.polished.chi2)
-        assert called_for(tried) == (tried.evidence > ENOUGH and tried.lam > DETECTED)
+        assert called_for(tried) == (tried.evidence > SELECTION.enough and tried.lam > SELECTION.detected)
 
 
 def test_a_rival_far_behind_is_given_up_and_the_named_cause_is_not(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
@@ -154,7 +155,7 @@ def test_a_rival_far_behind_is_given_up_and_the_named_cause_is_not(rig: RigConfi
     for candidate in behind:
         to_the_end = candidate.problem.solve(candidate.polished.p, tolerance=0.1)
         assert candidate.lam <= stage.before.chi2 - to_the_end.chi2
-        assert best.evidence - candidate.evidence > NEAR
+        assert best.evidence - candidate.evidence > SELECTION.near
 
 
 def test_a_cause_of_a_size_no_rig_has_is_not_plausible(rig: RigConfig, hidden: NDArray[np.float64]) -> None:

@@ -8,7 +8,8 @@ import pytest
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.cross_validation import BLOCK, BLOCKS, held_out, predicted
+from rotorrig.identify.verdict.cross_validation import held_out, predicted
+from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
@@ -59,7 +60,7 @@ def test_neighbours_which_a_fit_could_copy_are_left_out_together(
     held_out(problem, problem.parameters.start(hidden))
     changes = np.flatnonzero(np.diff(rows(problem.shown[0], 0).astype(int)))
     assert len(changes)
-    assert (np.diff(changes) >= BLOCK // 2).all()
+    assert (np.diff(changes) >= VERDICT.block // 2).all()
 
 
 def test_the_right_model_predicts_a_healthy_rig_as_well_as_the_noise_allows(
@@ -111,7 +112,7 @@ def test_the_halves_are_fitted_as_well_as_if_carried_to_the_end(
     problem = ExtendedProblem(ExtendedModel([Recording(response)])).extended([effect] if known else [])
     fit = problem.solve(problem.parameters.start(hidden))
     recording = problem.recordings[0]
-    block = np.arange(len(recording.rows)) // min(BLOCK, len(recording.rows) // BLOCKS)
+    block = np.arange(len(recording.rows)) // min(VERDICT.block, len(recording.rows) // VERDICT.blocks)
     square = count = 0.0
     for hide in (0, 1):
         unseen = problem.on([recording.only(block % 2 == hide)])

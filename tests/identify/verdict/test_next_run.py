@@ -12,7 +12,8 @@ from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.next_run import find_next_run
 from rotorrig.identify.verdict.planned_runs import plans
-from rotorrig.identify.verdict.separability import NAMEABLE, separation
+from rotorrig.identify.verdict.separability import separation
+from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
@@ -52,7 +53,7 @@ def test_the_causes_are_told_apart_by_the_run_that_is_proposed(tied: Selection, 
     plan = next(plan for plan in plans(response) if found.words.startswith(plan.words))
     assert set(found.separates) == set(LABELS)
     assert found.kind == plan.kind
-    assert found.lam >= NAMEABLE
+    assert found.lam >= VERDICT.nameable
     assert not plan.trial, "one run will do"
     made = swept_response(
         plan.rig,
@@ -63,13 +64,13 @@ def test_the_causes_are_told_apart_by_the_run_that_is_proposed(tied: Selection, 
     )
     (first, *_) = selected(made, hidden).stages
     by_label = {candidate.effect.label: candidate.evidence for candidate in first.tried}
-    assert by_label["bow"] > by_label.get("runout, plane 1", -np.inf) + NAMEABLE / 2
+    assert by_label["bow"] > by_label.get("runout, plane 1", -np.inf) + VERDICT.nameable / 2
 
 
 def test_before_that_run_they_were_not(tied: Selection) -> None:
     best, rival = tied.stages[0].tried
-    assert best.evidence - rival.evidence < NAMEABLE
-    assert separation(best.problem, best.polished.p, rival.problem.effects) < NAMEABLE
+    assert best.evidence - rival.evidence < VERDICT.nameable
+    assert separation(best.problem, best.polished.p, rival.problem.effects) < VERDICT.nameable
 
 
 def test_nothing_is_proposed_where_nothing_is_tied(healthy: OrderTrackedResponse, hidden: NDArray[np.float64]) -> None:
@@ -98,7 +99,7 @@ def test_a_late_probe_and_a_turned_one_are_told_apart_by_turning_the_other_way(
     found = find_next_run(tied)
     assert found is not None
     assert found.kind == "reverse rotation"
-    assert found.lam >= NAMEABLE
+    assert found.lam >= VERDICT.nameable
     assert set(found.separates) == set(LATE_OR_TURNED)
     other_way = below_critical.turned_over
     made = swept_response(other_way, rng=np.random.default_rng(6), hidden=late, unbalance=np.conj(U), **BELOW)
@@ -106,5 +107,5 @@ def test_a_late_probe_and_a_turned_one_are_told_apart_by_turning_the_other_way(
     plan = next(plan for plan in plans(forward) if plan.kind == "reverse rotation")
     best, *rivals = selected(forward, hidden, LATE_OR_TURNED, more=[reverse], nuisances=plan.unknown).stages[0].tried
     assert best.effect.label == "delay, probe 1y"
-    assert all(best.evidence > rival.evidence + NAMEABLE for rival in rivals)
+    assert all(best.evidence > rival.evidence + VERDICT.nameable for rival in rivals)
     assert best.polished.chi2 < best.polished.dof, "the reversed rotor is the one of the config that turns from y to x"

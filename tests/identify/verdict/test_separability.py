@@ -6,7 +6,8 @@ import pytest
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.separability import NAMEABLE, fitted, separation
+from rotorrig.identify.verdict.separability import fitted, separation
+from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
@@ -57,7 +58,7 @@ def test_a_bow_shows_more_when_a_second_plane_sees_it(rig: RigConfig, one_plane:
         problem, p = with_cause(swept_response(seen, speeds=(480, 1500), ramp=400), np.zeros(0), "bow", 3.0)
         p[problem.parameters.base.sought] = hidden[problem.parameters.base.sought]
         lam.append(separation(problem, p, [find(seen, "runout, plane 1")]))
-    assert lam[0] < NAMEABLE
+    assert lam[0] < VERDICT.nameable
     assert lam[1] > 2 * lam[0]
 
 

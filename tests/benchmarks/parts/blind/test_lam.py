@@ -7,7 +7,7 @@ from benchmarks.parts.blind.cases import nameplate
 from benchmarks.parts.blind.lam import ENOUGH, lam
 from benchmarks.parts.blind.names import Answer
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.separability import DETECTABLE, NAMEABLE
+from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.sims.plant.draw import draw
 from tests.identify.swept import swept_response
 
@@ -34,8 +34,8 @@ def test_an_effect_of_no_size_leaves_nothing(recordings: list[Recording]) -> Non
 def test_of_two_probes_without_a_trial_mass_either_may_have_the_gain(recordings: list[Recording]) -> None:
     """The one shows too much or the other too little: the unbalance, which is sought, takes the rest."""
     found = lam(RIG, TRUTH, hidden("probe_gain, probe 1y", error=0.25), recordings)
-    assert found["lam"] > DETECTABLE
-    assert found["rival_lam"] < NAMEABLE
+    assert found["lam"] > VERDICT.detectable
+    assert found["rival_lam"] < VERDICT.nameable
 
 
 def test_a_step_of_unbalance_is_taken_for_nothing_else(recordings: list[Recording]) -> None:
@@ -46,6 +46,6 @@ def test_a_step_of_unbalance_is_taken_for_nothing_else(recordings: list[Recordin
         hidden("unbalance_step", **{"step re": 6e-6, "step im": 0.0, "time": float(t[np.argmax(omega)])}),
         recordings,
     )
-    assert found["lam"] > DETECTABLE
+    assert found["lam"] > VERDICT.detectable
     assert found["rival_lam"] == ENOUGH, "no further than that is asked"
     assert found["rival"] == ""

@@ -1,0 +1,53 @@
+"""Tuning of the search for causes."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SelectionSettings:
+    """What a cause has to explain, how many are fitted, and when a fit is given up or done."""
+
+    # taking causes up
+    enough: float = 4.0  # of BIC
+    detected: float = 18.0  # of chi2: no score of eleven simulated healthy rigs exceeded 10.3
+    most: int = 3  # causes at once
+    model_error: float = 0.01  # of what the causes so far explain: that much of their vectors may be wrong
+    as_good: float = 1.0  # of chi2, by which fits of one and the same cause may differ that began elsewhere
+    unsure: float = 2.0  # sigmas by which a size may be beyond its plausible range
+
+    # which candidates are fitted, by their scores
+    fitted: int = 8  # for every cause taken up: each costs a fit of all recordings
+    fitted_laws: int = 4  # effects without a first order, and only as the first cause: their fits take longest
+    of_best: int = 3  # of one kind, at other places, if it scores best
+    promising: float = 0.05  # of the best score: a candidate below is not fitted
+    rival: float = 0.5  # of the best score: those above come by the number of their unknowns
+    left_by_law: float = 0.03  # of the excess of chi2: what harmonic balance may leave
+    reached: float = 0.2  # of the excess of chi2: a score that leaves less may be all there is to it
+
+    # fits of single candidates
+    near: float = 48.0  # of BIC, three times what tells two causes apart: one further behind the best is given up
+    settled: float = 0.1  # of chi2, where a fit ends
+    steps: int = 15  # of a fit: a model that is wrong wanders on among its nuisances
+    steps_of_law: int = 10  # of a fit under force laws, whose steps take longest
+    roughly: float = 2e-3  # of chi2: what an initial guess may be short of
+    better: float = 2.0  # of chi2: what another initial guess has to promise
+    relocations: int = 3  # of a located effect: the place that suited a wrong base is not yet the right one
+
+    # fits with pinned nuisances, which only begin others
+    pinned_settled: float = 1.0  # of chi2
+    biased: float = 4.0  # sigmas of a prior: a nuisance further off is biased by a cause the model lacks
+
+    # initial guesses of force laws
+    weak: tuple[float, ...] = (0.03, 0.2, 1.0)  # of the strength of every start: weak ones bias the base least
+    behind: float = 0.5  # of what the best law has taken from chi2: one that cannot take that much is given up
+    hoped: float = 3.0  # times what a full step promises is what it may take in all
+
+    # grid search for a location
+    moments: int = 16  # of a recording that are tried first for what may happen at any of them
+    parts: int = 3  # into which a closer look divides the gaps on either side of the best
+    alike: float = 1.0  # of chi2: places that differ by less need no closer look
+    looks: int = 12  # closer ones at most: each divides the gap by 3
+    one_sigma: float = 1.0  # of chi2, at one standard deviation
+
+
+SELECTION = SelectionSettings()

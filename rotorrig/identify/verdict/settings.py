@@ -1,0 +1,38 @@
+"""Tuning of the verdict."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VerdictSettings:
+    """What tells causes apart, what counts as explained, and how unseen data are predicted."""
+
+    # separability, as lambda
+    detectable: float = 25.0  # against the base: five standard deviations
+    nameable: float = 16.0  # against the nearest other cause: four standard deviations
+    hoped: float = 2.0  # times what a full step promises: a fit that would not get there even so is given up
+    hoped_of_laws: float = 10.0  # the same under force laws, which bend more
+    separated_within: float = 0.3  # of chi2, where a fit by a rival ends
+    separated_steps: int = 10  # of such a fit
+
+    # conclusions
+    left_by_law: float = 0.03  # of the excess of chi2 that a force law may leave
+    over_floor: float = 4.0  # of the error of unseen data then: twice that of clearances and springs that were found
+    enough_visible: float = 0.5  # of the known effects, at typical size: below, data that show nothing say nothing
+    worse: float = 1.1  # times the error of the base: a cause at 2X leaves it as it was, give or take
+    measured: int = 3  # best causes whose prediction is measured: each costs a cross-validation
+
+    # cross-validation
+    block: int = 24  # rows that are left out together, at most: neighbours share their noise
+    blocks: int = 6  # that a recording is divided into at least
+    accurate: float = 0.3  # of chi2, where a refit ends
+    nearly: float = 5e-4  # of the chi2 of a model that is wrong
+    close: int = 20  # times that: what so short a step leaves, the derivatives before it tell
+    refit_steps: int = 3  # half of the rows move a fit by little
+
+    # planned runs
+    trial: float = 12e-6  # kg m, at 90 degrees, of a trial mass
+    fewest_rpm: float = 300.0  # where a planned sweep begins at the lowest
+
+
+VERDICT = VerdictSettings()
