@@ -250,7 +250,7 @@ def test_an_import_writes_its_target_and_nothing_else(rig_config: RigConfig, tmp
 def test_an_import_never_replaces_its_source(rig_config: RigConfig, tmp_path: Path) -> None:
     path = tmp_path / "waves.csv"
     path.write_text("time [s]\n")
-    with pytest.raises(DataError, match="would be written over the file to import"):
+    with pytest.raises(DataError, match="would overwrite the file to import"):
         bring_in(path, rig=rig_config, mapping=None, out=path)
     assert path.read_text() == "time [s]\n"
 

@@ -1,4 +1,4 @@
-"""The command `rotor`. Its verbs are in app/verbs: each parses, calls one public function and says what came of it.
+"""Command `rotor`. Its verbs are in app/verbs: each parses, calls one public function and prints the result.
 
 Heavy libraries are imported inside the verb that needs them, so that `rotor --help` is quick.
 """
@@ -35,26 +35,26 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help: fits a screen of 24 lines
-    help="Acquisition and identification for a rotor test rig: from wire to bearing.",
+    help="Data acquisition, order tracking, identification and diagnosis for a rotor kit.",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-#: in the order of a session: what --help says of each in a line, and its function
+#: in the order of a session: one-line help and function
 VERBS: dict[str, tuple[str, Callable[..., None]]] = {
     "init": ("Write a bundled config to start from, or list them.", rig.init),
-    "check": ("Check a config; with --connect, talk to its devices.", rig.check),
+    "check": ("Check a config; with --connect, query its devices.", rig.check),
     "sweep": ("Run a sweep and record it; with --dry-run, preview it.", rig.sweep),
     "replay": ("Play a recording as if it were live.", data.replay),
     "track": ("Track the orders of a recording into a response.", data.track),
     "identify": ("Fit bearing stiffness, damping and unbalance.", model.identify),
-    "diagnose": ("Say where the model is wrong, and name the cause.", model.diagnose),
-    "report": ("Write one HTML file that can be sent.", model.report),
+    "diagnose": ("Test the model; locate misfit and name its cause.", model.diagnose),
+    "report": ("Write a self-contained HTML report.", model.report),
     "view": ("Open a recording or response in the Rerun viewer.", model.view),
-    "import": ("Bring in CSV, UFF, TDMS, WAV, a Bode table, a rotor.", data.import_),
-    "export": ("Write a run or a response as CSV or UFF.", data.export),
-    "simulate": ("Keep a simulated rig running on real ports.", rig.simulate),
-    "salvage": ("Make a valid recording of one that was cut off.", data.salvage),
-    "demo": ("Show the whole path on a simulated RK4.", rig.demo),
+    "import": ("Import CSV, UFF, TDMS, WAV, a Bode table, a rotor.", data.import_),
+    "export": ("Export a run or a response to CSV or UFF.", data.export),
+    "simulate": ("Run a simulated rig on real ports until Ctrl-C.", rig.simulate),
+    "salvage": ("Recover a truncated recording.", data.salvage),
+    "demo": ("Run the whole chain on a simulated RK4.", rig.demo),
 }
 
 
@@ -81,7 +81,7 @@ for name, (in_a_line, verb) in VERBS.items():
 
 
 def main() -> None:
-    """Run the command; a person's mistake ends in one sentence and a non-zero exit, never in a traceback."""
+    """Run the command; a user error ends in one sentence and a non-zero exit, never in a traceback."""
     try:
         app()
     except RigError as error:

@@ -60,7 +60,7 @@ def test_check_names_the_critical_speeds(monkeypatch: pytest.MonkeyPatch, capsys
         (["replay", RK4, "--rate", "fast"], "--rate: got 'fast', want 'max' or a number"),
         (["view", RK4], "rk4.toml"),
         (["salvage", RK4, "--out", "x.mcap"], "rk4.toml"),
-        (["import", RK4, "--config", RK4, "--out", "x.mcap"], "is of no kind that can be imported, want one of .csv"),
+        (["import", RK4, "--config", RK4, "--out", "x.mcap"], "cannot be imported, want one of .csv"),
         (["import", "none.csv", "--config", RK4, "--out", "x.mcap"], "none.csv"),
         (["export", "none.mcap", "--out", "x.uff"], "none.mcap: is not there"),
         (["export", RK4, "--out", "x.uff"], "rk4.toml: is no MCAP file"),

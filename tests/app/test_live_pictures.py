@@ -10,7 +10,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 from rerun.experimental import ViewerClient
 
-from rotorrig.app.viewer.blueprint import flat, laid_out
+from rotorrig.app.viewer.blueprint import flat, make_blueprint
 from rotorrig.app.viewer.live.parts.blueprint import (
     CASCADE_BOUNDS,
     CENTRELINE_BOUNDS,
@@ -107,7 +107,7 @@ def test_a_clearance_is_a_length_and_the_nearest_bearings(rig: RigConfig) -> Non
 def on_screen(viewer: ViewerClient, view: rrb.View, draw: Drawing, folder: Path) -> np.ndarray:
     """Draw into a layout of one view and return the picture."""
     stream = rr.RecordingStream(f"pictures {time.time_ns()}")  # a viewer keeps the layout of each application
-    stream.set_sinks(rr.GrpcSink(viewer.url), default_blueprint=laid_out(rrb.Horizontal(view), timeline="time"))
+    stream.set_sinks(rr.GrpcSink(viewer.url), default_blueprint=make_blueprint(rrb.Horizontal(view), timeline="time"))
     stream.set_time("time", duration=0.0)
     draw(stream)
     stream.flush()

@@ -61,8 +61,8 @@ def test_a_sweep_is_seen_while_it_runs(
 ) -> None:
     client, port = screen
     monkeypatch.setattr(viewer, "serve", lambda: at_the_screen(port))
-    stand_in = sweep.StandIn(seed=3)
-    result = sweep.sweep(hurried_rig, out=run, plan="default", stand_in=stand_in, view=True)
+    simulation = sweep.SimulatedRig(seed=3)
+    result = sweep.sweep(hurried_rig, out=run, plan="default", simulation=simulation, view=True)
     assert result.gaps == 0
     assert_drawn(client, tmp_path, events=False)
 

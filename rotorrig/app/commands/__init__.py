@@ -1,1 +1,1 @@
-"""What each verb does, one file a verb: read the inputs, call one stage, write one file, say one line."""
+"""Commands behind the verbs, one file each: read the inputs, call one stage, write one file, print the result."""

@@ -1,4 +1,4 @@
-"""`rotor check`: what a config describes, and what answers at its ports."""
+"""`rotor check`: parts and critical speeds of a config, replies of its devices."""
 
 from dataclasses import asdict
 from typing import Any
@@ -21,7 +21,7 @@ def show_rig(rig: RigConfig) -> None:
 
 
 def rig_facts(rig: RigConfig) -> dict[str, Any]:
-    """Return what a config describes as plain values. Raises ConfigError on an unknown effect."""
+    """Return name, critical speeds and plans of a config as plain values. Raises ConfigError on an unknown effect."""
     check_effects(rig)
     return {
         "rig": rig.name,
@@ -33,13 +33,13 @@ def rig_facts(rig: RigConfig) -> dict[str, Any]:
 
 
 def device_facts(rig: RigConfig) -> dict[str, Any]:
-    """Open motor and DAQ in turn and return what they say of themselves, speeds in rpm. Raises LinkLost."""
+    """Open motor and DAQ in turn and return their identification and state, speeds in rpm. Raises LinkLost."""
     with connect.motor(rig) as motor:
-        found, state = motor.open(), motor.read()
+        drive, state = motor.open(), motor.read()
     with connect.daq(rig) as daq:
         info = daq.open()
     now = {"speed_rpm": state.speed * RPM, "running": state.running, "fault": state.fault}
-    return {"motor": {**asdict(found), **now}, "daq": asdict(info)}
+    return {"motor": {**asdict(drive), **now}, "daq": asdict(info)}
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
@@ -65,7 +65,7 @@ def show_model(rig: RigConfig) -> None:
 
 
 def show_devices(rig: RigConfig) -> None:
-    """Open motor and DAQ in turn and print what they say of themselves. Raises LinkLost, after both were tried."""
+    """Open motor and DAQ in turn and print their identification and state. Raises LinkLost after both were tried."""
     lost = []
     for show in (_show_motor, _show_daq):
         try:
@@ -77,7 +77,7 @@ def show_devices(rig: RigConfig) -> None:
 
 
 def clear_fault(rig: RigConfig) -> None:
-    """Clear the fault the motor controller remembers and say which. Raises LinkLost, LimitExceeded if it stays."""
+    """Clear the motor controller's fault and print it. Raises LinkLost, LimitExceeded if it stays."""
     with connect.motor(rig) as motor:
         motor.open()
         fault = motor.read().fault
@@ -88,13 +88,13 @@ def clear_fault(rig: RigConfig) -> None:
 
 def _show_motor(rig: RigConfig) -> None:
     with connect.motor(rig) as motor:
-        found = motor.open()
+        drive = motor.open()
         state = motor.read()
     turning = f"{state.speed * RPM:.0f} rpm, {'running' if state.running else 'at rest'}"
-    silence = "no watchdog" if found.watchdog is None else f"stops by itself after {found.watchdog:g} s of silence"
-    out.print(f"motor: {found.model} on {found.link}", highlight=False)
-    out.print(f"  {turning}, {'fault: ' + state.fault if state.fault else 'no fault'}, {silence}", highlight=False)
-    for remark in found.remarks:
+    watchdog = "no watchdog" if drive.watchdog is None else f"watchdog {drive.watchdog:g} s"
+    out.print(f"motor: {drive.model} on {drive.link}", highlight=False)
+    out.print(f"  {turning}, {'fault: ' + state.fault if state.fault else 'no fault'}, {watchdog}", highlight=False)
+    for remark in drive.remarks:
         out.print(f"  {remark}", highlight=False)
 
 

@@ -1,4 +1,4 @@
-"""The critical speeds of a config's rotor, for whom they are only numbers: sweeps."""
+"""Critical speeds and effects of a config's rotor model."""
 
 from threadpoolctl import threadpool_limits
 
@@ -8,7 +8,7 @@ from rotorrig.rig.config import RigConfig
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # many small eigenvalue problems: threads only slow them down
 def criticals_of(rig: RigConfig) -> list[float]:
-    """Return the 1X critical speeds of the nameplate's model [rad/s], up to the fastest the rig may go."""
+    """Return the 1X critical speeds of the nameplate model [rad/s], up to the maximum speed of the rig."""
     from rotorrig.sims.rotor.model import assemble
     from rotorrig.sims.rotor.modes import critical_speeds
 
@@ -17,14 +17,14 @@ def criticals_of(rig: RigConfig) -> list[float]:
 
 
 def criticals_to_pass(rig: RigConfig) -> list[float]:
-    """Return the model's critical speeds [rad/s] where a sweep goes by them: no bands, but a rate to pass at."""
+    """Return the critical speeds [rad/s] a sweep must pass quickly: if the config sets a rate and no bands."""
     if rig.limits is None or rig.limits.critical_ramp is None or rig.limits.critical_bands:
         return []
     return criticals_of(rig)
 
 
 def check_effects(rig: RigConfig) -> None:
-    """Raise ConfigError unless the model knows every effect in the config, and every parameter of it."""
+    """Raise ConfigError if the config names an effect or a parameter that the model does not have."""
     if not rig.effects:
         return
     from rotorrig.sims.effects import find  # numba takes a second to import

@@ -1,4 +1,4 @@
-"""`rotor demo`: the whole path on a simulated RK4, from the wire to a report; the second time with a bent shaft."""
+"""`rotor demo`: sweep, track, identify, diagnose and report a simulated RK4, healthy and with a bent shaft."""
 
 import math
 import time
@@ -27,7 +27,7 @@ SEALED = "truth.sealed.json"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """One demo run: its folder, the seed of its hidden deviations and what is wrong with the rig."""
+    """One demo run: folder, seed of the hidden truth and faults of the rig."""
 
     folder: str
     title: str
@@ -36,7 +36,7 @@ class Case:
 
 
 def cases(seed: int) -> tuple[Case, ...]:
-    """Return the healthy run and the one with a bent shaft; `seed` draws what each rig hides."""
+    """Return the healthy run and the one with a bent shaft; `seed` draws their hidden truth."""
     return (
         Case(folder="", title="healthy rig", seed=seed, faults=()),
         Case(
@@ -49,21 +49,21 @@ def cases(seed: int) -> tuple[Case, ...]:
 
 
 def run_demo(rig: RigConfig, *, out: Path, seed: int = 1, rate: float = 20.0) -> None:
-    """Run both cases into `out` and print what came of them; `rate` is simulated seconds per second, at the most."""
+    """Run both cases into `out` and print the results; `rate` is simulated seconds per second, at most."""
     began = time.perf_counter()
     for case in cases(seed):
         folder = out / case.folder
         folder.mkdir(parents=True, exist_ok=True)
         console.rule(case.title)
-        found, diagnosis = _run_case(rig, case, folder, rate)
+        identification, diagnosis = _run_case(rig, case, folder, rate)
         truth = unseal(folder / SEALED)  # only now: diagnosis.json is written
-        _report(rig, folder, found, diagnosis, truth)
+        _report(rig, folder, identification, diagnosis, truth)
         extend(rig, case, folder, diagnosis)
     console.rule()
     console.print(
         f"Done in {time.perf_counter() - began:.0f} s. "
         f"Open {out / 'report.html'} and {out / 'bowed/report.html'}; "
-        f"rotor view {out / 'demo.rrd'} shows everything in tabs, from the verdict to the rotor."
+        f"rotor view {out / 'demo.rrd'} shows the result in the Rerun viewer."
     )
 
 
@@ -77,22 +77,22 @@ def _run_case(rig: RigConfig, case: Case, folder: Path, rate: float) -> tuple[Id
         write_response(folder / "response.mcap", response)
         bars.update(task, completed=1.0)
         task = bars.add_task("identifying (CHEA)", total=None, note="")
-        found = identify(response, seed=case.seed, progress=lambda text: bars.update(task, note=text))
-        write_identification(folder / "fit.json", found)
+        identification = identify(response, seed=case.seed, progress=lambda text: bars.update(task, note=text))
+        write_identification(folder / "fit.json", identification)
         bars.update(task, total=1.0, completed=1.0, note="")
-    diagnosis = diagnose.diagnosed([response], seed=case.seed)
+    diagnosis = diagnose.diagnose_responses([response], seed=case.seed)
     write_diagnosis(folder / "diagnosis.json", diagnosis)
-    return found, diagnosis
+    return identification, diagnosis
 
 
 def extend(rig: RigConfig, case: Case, folder: Path, diagnosis: Diagnosis) -> None:
-    """Extend the config by the cause that was named, if one was, and diagnose the run again with it."""
+    """Extend the config by the named cause, if any, and diagnose the run again with it."""
     extended = diagnose.extended_rig(rig, diagnosis)
     if extended is None:
         return
     (folder / "extended.toml").write_text(extended.text, encoding="utf-8")
-    response = diagnose.seen_with(read_response(folder / "response.mcap"), extended)
-    again = diagnose.diagnosed([response], seed=case.seed)
+    response = diagnose.with_model_of(read_response(folder / "response.mcap"), extended)
+    again = diagnose.diagnose_responses([response], seed=case.seed)
     write_diagnosis(folder / "diagnosis-extended.json", again)
     console.print(
         f"With {'; '.join(effect.label for effect in extended.effects)} in the model ({folder}/extended.toml):"
@@ -112,11 +112,13 @@ def _sweep(rig: RigConfig, folder: Path, case: Case, rate: float, bars: Progress
     bars.update(task, completed=1.0, note=f"{result.seconds:.0f} s recorded")
 
 
-def _report(rig: RigConfig, folder: Path, found: Identification, diagnosis: Diagnosis, truth: Truth) -> None:
+def _report(rig: RigConfig, folder: Path, identification: Identification, diagnosis: Diagnosis, truth: Truth) -> None:
     response: OrderTrackedResponse = read_response(folder / "response.mcap")
     actual = expected_estimates(rig, truth)
-    write_report(folder / "report.html", response=response, identification=found, diagnosis=diagnosis, truth=actual)
+    write_report(
+        folder / "report.html", response=response, identification=identification, diagnosis=diagnosis, truth=actual
+    )
     recording = read_recording(folder / "run.mcap")
-    write_result_rrd(folder / "demo.rrd", response, found, diagnosis, recording=recording)
-    console.print(tables.identified(found, actual))
+    write_result_rrd(folder / "demo.rrd", response, identification, diagnosis, recording=recording)
+    console.print(tables.identified(identification, actual))
     diagnose.show(diagnosis)

@@ -1,4 +1,4 @@
-"""Diagnose responses of one rig, with a progress bar."""
+"""`rotor diagnose`: read responses of one rig, diagnose them with a progress bar, print or save the result."""
 
 import math
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ from typing import Literal
 
 from rotorrig.app.commands.config_model import check_effects
 from rotorrig.app.terminal import out, progress_bars, tables
-from rotorrig.app.text import causes
+from rotorrig.app.text import gain_sentence, hidden_effects_sentence, next_run_sentence, tie_sentences
 from rotorrig.identify import Diagnosis, Verdict, diagnose
 from rotorrig.identify.verdict import Cause
 from rotorrig.processing import OrderTrackedResponse
@@ -18,10 +18,10 @@ from rotorrig.rig.config import Extension, RigConfig, extend
 
 
 def read_responses(paths: Sequence[Path], *, config: RigConfig | None = None) -> list[OrderTrackedResponse]:
-    """Return the responses, all of one rig; with `config`, as that config models it.
+    """Read responses of one rig; with `config`, its model replaces the one in the files.
 
-    Raises DataError if they are of different rigs, but for the effects in their configs and the sense of rotation, or
-    of another than `config`.
+    Raises DataError if their nameplates differ from each other's or from `config`'s. Effects in the model and the sense
+    of rotation may differ.
     """
     if config:
         check_effects(config)
@@ -30,40 +30,40 @@ def read_responses(paths: Sequence[Path], *, config: RigConfig | None = None) ->
     for path, response in zip(paths, responses, strict=True):
         if rig.nameplate_hash not in (response.rig.nameplate_hash, response.rig.turned_over.nameplate_hash):
             raise DataError(
-                f"{path}: is of another rig ({response.rig.name}, {response.rig.nameplate_hash}) than "
+                f"{path}: is from another rig ({response.rig.name}, {response.rig.nameplate_hash}) than "
                 f"{where} ({rig.name}, {rig.nameplate_hash}), want responses of one rig"
             )
-    return [seen_with(response, rig) for response in responses]
+    return [with_model_of(response, rig) for response in responses]
 
 
-def seen_with(response: OrderTrackedResponse, rig: RigConfig) -> OrderTrackedResponse:
-    """Return the response as of `rig`, which may have other effects in its model, but for its sense of rotation."""
+def with_model_of(response: OrderTrackedResponse, rig: RigConfig) -> OrderTrackedResponse:
+    """Return the response with the model of `rig`, in the response's own sense of rotation."""
     if response.rig.rotation != rig.rotation:
         rig = rig.turned_over
     return replace(response, rig=rig, source=replace(response.source, config_hash=rig.hash))
 
 
-def diagnosed(
+def diagnose_responses(
     responses: Sequence[OrderTrackedResponse],
     *,
     holdout: OrderTrackedResponse | None = None,
     model: Literal["swept", "quasi-static"] = "swept",
     seed: int = 0,
 ) -> Diagnosis:
-    """Return the diagnosis of responses of one rig, its stages shown as they go. Raises DataError, ConfigError."""
+    """Diagnose responses of one rig with a progress bar. Raises DataError, ConfigError."""
     with progress_bars() as bars:
         task = bars.add_task("diagnosing", total=1.0, note="")
 
         def show(stage: str, done: float) -> None:
             bars.update(task, completed=done, note=stage)
 
-        found = diagnose(responses, holdout=holdout, model=model, seed=seed, progress=show)
+        diagnosis = diagnose(responses, holdout=holdout, model=model, seed=seed, progress=show)
         bars.update(task, completed=1.0, note="")
-    return found
+    return diagnosis
 
 
 def show(found: Diagnosis) -> None:
-    """Print the verdict, the causes with their figures, ties, the next run and the gain."""
+    """Print the verdict, the table of causes, ties, the next run and the cross-validation error."""
     style = "green" if found.verdict is Verdict.ADEQUATE else "yellow"
     out.print(found.sentence, style=style, highlight=False, markup=False)
     for misfit in found.worst[1:4] if found.verdict is Verdict.UNEXPLAINED else ():
@@ -71,22 +71,22 @@ def show(found: Diagnosis) -> None:
     if found.causes:
         out.print(tables.causes(found))
     in_sentence = found.verdict in (Verdict.NAMED, Verdict.TIED)  # it has the gain
-    said = [
-        *causes.ties(found),
-        causes.next_run(found),
-        "" if in_sentence else causes.gain(found),
+    sentences = [
+        *tie_sentences(found),
+        next_run_sentence(found),
+        "" if in_sentence else gain_sentence(found),
         found.character,
-        causes.not_seen(found),
+        hidden_effects_sentence(found),
     ]
-    for words in filter(None, said):
+    for words in filter(None, sentences):
         out.print(words, highlight=False, markup=False)
 
 
 def write_extended(path: Path, rig: RigConfig, found: Diagnosis) -> RigConfig:
-    """Write and return the config of `rig` extended by what was found. Raises DataError if nothing was."""
+    """Write and return the config of `rig` extended by the named causes. Raises DataError if none was named."""
     extended = extended_rig(rig, found)
     if extended is None:
-        raise DataError(f"{path}: was not written, as no cause was named that would extend the model")
+        raise DataError(f"{path}: not written: no cause was named that extends the model")
     try:
         path.write_text(extended.text, encoding="utf-8")
     except OSError as error:
@@ -95,7 +95,7 @@ def write_extended(path: Path, rig: RigConfig, found: Diagnosis) -> RigConfig:
 
 
 def extended_rig(rig: RigConfig, found: Diagnosis) -> RigConfig | None:
-    """Return the rig with the causes that were chosen in its model, beside those it had; None if none was chosen."""
+    """Return the rig with the chosen causes added to the effects of its model; None if none was chosen."""
     chosen = {cause.label: _extension(cause) for cause in found.causes if cause.chosen}
     if not chosen:
         return None

@@ -1,4 +1,4 @@
-"""`rotor export`: our files for programs that read CSV or universal files, and a layout for Foxglove."""
+"""`rotor export`: runs and responses to CSV or UFF, responses to a Foxglove layout."""
 
 from pathlib import Path
 
@@ -9,18 +9,18 @@ LAYOUT = ".json"
 
 
 def write_out(file: Path, out: Path) -> str:
-    """Write a run's waveforms or a response's vectors to `out`, a .csv or .uff, and say what. Raises DataError.
+    """Write a run's waveforms or a response's vectors to `out`, a .csv or .uff, and return a summary. Raises DataError.
 
-    A .json is the layout that shows the response in Foxglove.
+    A .json is a Foxglove layout for the response.
     """
     if out.suffix.lower() not in (".csv", ".uff", ".unv", LAYOUT):
         want = f"a name that ends in .csv or .uff, or {LAYOUT} for Foxglove"
         raise DataError(f"{out}: ends in '{out.suffix}', want {want}")
     if out.exists() and file.exists() and out.samefile(file):
-        raise DataError(f"{out}: would be written over the file to export, want another name")
+        raise DataError(f"{out}: would overwrite the file to export, want another name")
     write = _response if read_file_kind(file) == "response" else _run
     if write is _run and out.suffix.lower() == LAYOUT:
-        raise DataError(f"{out}: a layout is made for a response.mcap, {file} is a run")
+        raise DataError(f"{out}: a layout needs a response.mcap, {file} is a run")
     return f"{out}: {write(file, out)}"
 
 
@@ -30,7 +30,7 @@ def _response(file: Path, out: Path) -> str:
 
     response = read_response(file)
     if out.suffix.lower() == LAYOUT:
-        return f"{write_foxglove_layout(out, response)} panels for Foxglove: Import from file, in its layout menu"
+        return f"{write_foxglove_layout(out, response)} panels; in Foxglove: layout menu, Import from file"
     if out.suffix.lower() == ".csv":
         return f"{response_csv.write_csv(out, response)} rows"
     return f"{response_uff.write_uff(out, response)} order functions"
@@ -47,4 +47,4 @@ def _run(file: Path, out: Path) -> str:
         else f"{write_uff(out, recording)} time responses in volts"
     )
     gaps = len(recording.segments()) - 1
-    return made + (f", with {gaps} gap{'s' * (gaps > 1)}: the times jump there" if gaps else "")
+    return made + (f", with {gaps} gap{'s' * (gaps > 1)}" if gaps else "")

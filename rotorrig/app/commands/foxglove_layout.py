@@ -1,4 +1,4 @@
-"""How Foxglove should show a `response.mcap`: a layout to import there, with Bode plots over speed.
+"""Foxglove layout for a `response.mcap`: Bode plots, whirl and gap over speed, orbits in 3D.
 
 Foxglove plots any numeric field against any other, by paths such as `/bode/1x/1X.amplitude_um`. The layout's panels and
 their settings are those a layout file of Foxglove holds: https://docs.foxglove.dev/docs/visualization/layouts
@@ -28,12 +28,12 @@ def write_foxglove_layout(path: Path, response: OrderTrackedResponse) -> int:
 
 
 def foxglove_layout(response: OrderTrackedResponse) -> dict[str, Any]:
-    """Return orbits in place and log left; a Bode plot per probe, whirl and gap over speed right.
+    """Return a layout: orbits and log on the left; a Bode plot per probe, whirl and gap over speed on the right.
 
     Raises DataError if the response has no 1X.
     """
     if 1.0 not in response.orders:
-        raise DataError("response: was not tracked at 1X, which the layout's Bode plots are of")
+        raise DataError("response: was not tracked at 1X, which the layout's Bode plots need")
     panels: Panels = {"3D!orbits": _scene(), "RosOut!log": {"topicToRender": "/log", "minLogLevel": 1}}
     known = slow_roll_known(response)
     columns: list[Node] = []
@@ -74,7 +74,7 @@ def foxglove_layout(response: OrderTrackedResponse) -> dict[str, Any]:
 
 
 def _scene() -> dict[str, Any]:
-    """Return the settings of the view in space: the rig from its side."""
+    """Return the settings of the 3D view: the rig from its side."""
     return {
         "followTf": FRAME,
         "cameraState": {

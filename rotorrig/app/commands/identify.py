@@ -1,4 +1,4 @@
-"""Fit a response with a progress bar."""
+"""`rotor identify`: fit a response with a progress bar."""
 
 from rich.progress import Progress
 
@@ -9,7 +9,7 @@ from rotorrig.identify.uncertainty import Resampling
 from rotorrig.processing import OrderTrackedResponse
 
 
-def identified(
+def identify_response(
     response: OrderTrackedResponse,
     *,
     objective: ObjectiveName = "residual",
@@ -18,14 +18,14 @@ def identified(
     workers: int = 1,
     seed: int = 0,
 ) -> Identification:
-    """Return the fits of a response, bootstrapped by so many `draws`. Ctrl-C ends the bootstrap and keeps what is done.
+    """Fit a response, with `draws` of a bootstrap. Ctrl-C ends the bootstrap and keeps the draws done.
 
     Raises DataError, ConfigError.
     """
     with progress_bars() as bars:
         task = bars.add_task("identifying", total=None, note="")
         resampling = _resampling(bars, draws, workers) if draws else None
-        found = identify(
+        identification = identify(
             response,
             objective=objective,
             profile=profile,
@@ -34,7 +34,7 @@ def identified(
             progress=lambda text: bars.update(task, note=text),
         )
         bars.update(task, total=1.0, completed=1.0, note="")
-    return found
+    return identification
 
 
 def _resampling(bars: Progress, draws: int, workers: int) -> Resampling:

@@ -1,4 +1,4 @@
-"""`rotor import`: foreign tables and waveforms into our files."""
+"""`rotor import`: waveforms and Bode tables of other programs to run.mcap and response.mcap."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ _ENDINGS = {".csv": "csv", ".txt": "csv", ".uff": "uff", ".unv": "uff", ".tdms":
 
 
 def bring_in(file: Path, *, rig: RigConfig, mapping: Path | None, out: Path) -> str:
-    """Convert `file` to `out` and say what was made. Raises DataError, ConfigError.
+    """Convert `file` to `out` and return a summary. Raises DataError, ConfigError.
 
     A mapping with [[vectors]] makes a response of a Bode table, any other a recording of waveforms.
     """
@@ -23,7 +23,7 @@ def bring_in(file: Path, *, rig: RigConfig, mapping: Path | None, out: Path) -> 
 
 
 def kind_of(file: Path) -> str:
-    """Return "csv", "uff", "tdms" or "wav" by a file's first bytes or, where they do not say, by its name."""
+    """Return "csv", "uff", "tdms" or "wav" by a file's first bytes, else by its suffix."""
     try:
         with file.open("rb") as opened:
             beginning = opened.read(12)
@@ -33,13 +33,13 @@ def kind_of(file: Path) -> str:
         if beginning.startswith(first):
             return kind
     if file.suffix.lower() not in _ENDINGS:
-        raise DataError(f"{file}: is of no kind that can be imported, want one of {', '.join(_ENDINGS)}")
+        raise DataError(f"{file}: cannot be imported, want one of {', '.join(_ENDINGS)}")
     return _ENDINGS[file.suffix.lower()]
 
 
 def _refuse_source(file: Path, out: Path) -> None:
     if out.exists() and file.exists() and out.samefile(file):
-        raise DataError(f"{out}: would be written over the file to import, want another name")
+        raise DataError(f"{out}: would overwrite the file to import, want another name")
 
 
 def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
@@ -61,7 +61,7 @@ def _waveforms(file: Path, mapping: Path | None, rig: RigConfig, out: Path) -> s
 
 
 def read_waveforms(file: Path, rig: RigConfig, mapping: Path | None) -> RawRecording:
-    """Read foreign waveforms of any kind as a recording of the rig. Raises DataError, ConfigError."""
+    """Read a waveform file of another program as a recording of the rig. Raises DataError, ConfigError."""
     from rotorrig.acquisition.importers import load_channels, read_csv, read_tdms, read_uff, read_wav
 
     read = {"csv": read_csv, "uff": read_uff, "tdms": read_tdms, "wav": read_wav}[kind_of(file)]

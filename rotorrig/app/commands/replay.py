@@ -1,4 +1,4 @@
-"""`rotor replay`: a recording played as a live DAQ, into the live view or through the order tracking."""
+"""`rotor replay`: play a recording as a live DAQ, into the live view or the order tracking."""
 
 from contextlib import ExitStack
 from dataclasses import replace
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 
 def play(path: Path, *, rate: str, view: bool, track: Path | None = None, begin: float = 0.0) -> float:
-    """Play `path` from `begin` [s of its clock] on and return the length played [s].
+    """Play `path` from `begin` [s of its clock] and return the length played [s].
 
-    With `track`, what was played is order-tracked into that response file: the same bytes at any rate, and from the
-    beginning those of `rotor track`. Raises DataError, ConfigError.
+    With `track`, its orders are tracked into that response file: identical bytes at any rate and, played from the
+    beginning, those of `rotor track`. Raises DataError, ConfigError.
     """
     pace = _pace(rate)
     recording = read_recording(path)
@@ -27,7 +27,7 @@ def play(path: Path, *, rate: str, view: bool, track: Path | None = None, begin:
         recording = trim_before(recording, begin)
     with ExitStack() as stack:
         live = stack.enter_context(_live_view(recording)) if view else None
-        played = _played(recording, pace, live)
+        played = _play_through(recording, pace, live)
         if track is not None:
             _track(played, track)
     if live:
@@ -53,8 +53,8 @@ def _live_view(recording: RawRecording) -> "LiveView":
     return LiveView(recording.rig, recording.daq, serve(), events=recording.events)
 
 
-def _played(recording: RawRecording, pace: float | Literal["max"], live: "LiveView | None") -> RawRecording:
-    """Play a recording and return what came, put together again."""
+def _play_through(recording: RawRecording, pace: float | Literal["max"], live: "LiveView | None") -> RawRecording:
+    """Play a recording and return the blocks and events received, as a recording."""
     blocks: list[Block] = []
     notes: list[Event | MotorSample] = []
     with progress_bars() as bars, ReplayDaq(recording, rate=pace) as daq:

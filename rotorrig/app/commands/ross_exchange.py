@@ -1,4 +1,4 @@
-"""`rotor import --ross` and `rotor export --ross`: rotors of ROSS into configs, and the other way."""
+"""`rotor import --ross` and `rotor export --ross`: ROSS rotors to configs and back."""
 
 from pathlib import Path
 
@@ -8,17 +8,17 @@ from rotorrig.rig.ross import RossRotor, config_text, read_ross, ross_rotor, ros
 
 
 def bring_in(file: Path, *, out: Path, keep_nodes: bool) -> list[str]:
-    """Write a config of the rotor in `file` and return what to say of it, notes first. Raises ConfigError."""
+    """Write a config of the rotor in `file` and return its summary, notes first. Raises ConfigError."""
     rotor = read_ross(file)
     text = config_text(rotor, name=file.stem, source=file.name, keep_nodes=keep_nodes)
     parse(text, where=f"{file}, as a config")
     _write(out, text, source=file)
-    made = f"{_counted(rotor)}, in {_count(len(sections(rotor, keep_nodes=keep_nodes)), 'section')}"
+    made = f"{_count_parts(rotor)}, in {_count(len(sections(rotor, keep_nodes=keep_nodes)), 'section')}"
     return [*rotor.notes, f"{out}: {made}; its two probes are placeholders"]
 
 
 def write_out(config: Path, *, out: Path, max_element: str) -> list[str]:
-    """Write the rotor of a config for ROSS and return what to say of it, notes first. Raises ConfigError."""
+    """Write the rotor of a config for ROSS and return its summary, notes first. Raises ConfigError."""
     from rotorrig.sims.rotor.model import assemble
 
     rig = load(config)
@@ -30,10 +30,10 @@ def write_out(config: Path, *, out: Path, max_element: str) -> list[str]:
         raise ConfigError(f"--max-element: got {max_element}, want a length above zero")
     rotor = ross_rotor(rig, nodes=assemble(rig, max_element=longest).z.tolist())
     _write(out, ross_text(rotor, source=config.name), source=config)
-    return [*rotor.notes, f"{out}: {_counted(rotor)}"]
+    return [*rotor.notes, f"{out}: {_count_parts(rotor)}"]
 
 
-def _counted(rotor: RossRotor) -> str:
+def _count_parts(rotor: RossRotor) -> str:
     parts = ((rotor.shaft, "shaft element"), (rotor.disks, "disk"), (rotor.bearings, "bearing"))
     return ", ".join(_count(len(of_a_kind), noun) for of_a_kind, noun in parts)
 
@@ -44,7 +44,7 @@ def _count(number: int, noun: str) -> str:
 
 def _write(out: Path, text: str, *, source: Path) -> None:
     if out.resolve() == source.resolve():
-        raise ConfigError(f"{out}: is the file just read, want another one to write")
+        raise ConfigError(f"{out}: is the input file, want another name")
     try:
         out.write_text(text, encoding="utf-8")
     except OSError as error:

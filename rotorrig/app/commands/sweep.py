@@ -1,4 +1,4 @@
-"""Run a sweep from a config: connect, record, stop, close, with the drivers a lab would use."""
+"""`rotor sweep`: connect to motor and DAQ, run a plan, record it, stop the rotor."""
 
 import shutil
 from collections.abc import Callable, Sequence
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rotorrig.acquisition.files import RecordingWriter
 from rotorrig.acquisition.sweep import Ask, Operator, Step, SweepResult, plan_sweep, plan_timeline, run_sweep
 from rotorrig.app.commands.config_model import criticals_to_pass
-from rotorrig.app.commands.simulate import StandIn, simulated
+from rotorrig.app.commands.simulate import SimulatedRig, simulated_rig
 from rotorrig.app.commands.sweep_preview import expected_bytes
 from rotorrig.app.terminal import HINT, operator_for, progress_bars
 from rotorrig.rig import ConfigError, DataError, Interlock, Provenance, code_version, connect
@@ -30,23 +30,23 @@ def sweep(
     out: Path,
     plan: str,
     trial: Sequence[str] = (),
-    stand_in: StandIn | None,
+    simulation: SimulatedRig | None,
     view: bool,
     yes: bool = False,
 ) -> SweepResult:
-    """Run `rotor sweep`, on the config's devices or a simulated rig, with progress and, if wanted, the live view.
+    """Run `rotor sweep`, on the config's devices or a simulated rig, with progress and, with `view`, the live view.
 
-    What can be said before anything starts is: a wrong plan, a disk without room. With `yes` no mass is waited for.
+    A wrong plan or a full disk is refused before anything starts. With `yes`, requests to the operator do not wait.
     """
     steps = steps_of(rig, plan, trial=trial)
-    if stand_in and any(isinstance(step, Ask) for step in steps):
+    if simulation and any(isinstance(step, Ask) for step in steps):
         raise ConfigError(
-            f"plan '{plan}': mounts trial masses half-way, which nobody can do on a simulated rig; "
+            f"plan '{plan}': asks for trial masses to be mounted during the sweep, impossible on a simulated rig; "
             "want two sweeps, the second with --trial"
         )
     refuse_full_disk(out, rig, steps)
     with ExitStack() as stack:
-        ports = stack.enter_context(simulated(rig, stand_in, trial=trial)) if stand_in else None
+        ports = stack.enter_context(simulated_rig(rig, simulation, trial=trial)) if simulation else None
         bars = stack.enter_context(progress_bars())
         say = partial(bars.console.print, markup=False, highlight=False, soft_wrap=True)
         operator = operator_for(steps, say=say, yes=yes)
@@ -63,7 +63,7 @@ def sweep(
 
 
 def sweep_facts(result: SweepResult) -> dict[str, Any]:
-    """Return how a sweep went as plain values."""
+    """Return the result of a sweep as plain values."""
     return {
         "seconds": result.seconds,
         "samples": result.samples,
@@ -76,18 +76,18 @@ def sweep_facts(result: SweepResult) -> dict[str, Any]:
 
 
 def steps_of(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> tuple[Step, ...]:
-    """Return the steps of a plan, past the model's critical speeds where the config says so. Raises ConfigError."""
+    """Return the steps of a plan, fast through critical speeds if the config says so. Raises ConfigError."""
     return plan_sweep(rig, plan, trial=trial, criticals=criticals_to_pass(rig))
 
 
 def refuse_full_disk(out: Path, rig: RigConfig, steps: Sequence[Step]) -> None:
-    """Raise DataError if the recording will hardly fit on its disk."""
+    """Raise DataError if the recording is unlikely to fit on its disk."""
     if rig.daq is None or not out.parent.is_dir():
-        return  # said by whoever opens them
+        return  # reported by whoever opens them
     want = expected_bytes(rig, plan_timeline(steps)[-1].end if steps else 0.0)
     free = shutil.disk_usage(out.parent).free
     if free < want:
-        raise DataError(f"{out}: {free / 1e6:.0f} MB are free there, want {want / 1e6:.0f} MB for this sweep")
+        raise DataError(f"{out}: {free / 1e6:.0f} MB free, want {want / 1e6:.0f} MB for this sweep")
 
 
 def record_sweep(
@@ -104,8 +104,8 @@ def record_sweep(
 ) -> SweepResult:
     """Run plan `plan` of the config and record it to `out`; `ports` replace the config's, for a simulated rig.
 
-    `trial` are the trial masses on the rotor, such as "disk: 12 g mm at 90 deg"; the recording notes them.
-    The rotor is stopped and the recording closed however it ends. Raises ConfigError, LinkLost, LimitExceeded.
+    `trial` are the trial masses on the rotor, such as "disk: 12 g mm at 90 deg"; they are noted in the recording.
+    However the sweep ends, the rotor is stopped and the recording closed. Raises ConfigError, LinkLost, LimitExceeded.
     """
     steps = steps_of(rig, plan, trial=trial)
     with ExitStack() as stack:
@@ -117,9 +117,9 @@ def record_sweep(
             config_hash=rig.hash, code_version=code_version(), source="simulated rig" if ports else rig.name
         )
         writer = stack.enter_context(RecordingWriter(out, rig, info, source, overwrite=overwrite))
-        drive = motor.open()  # last: from here on its watchdog wants to hear from us
+        drive = motor.open()  # last: from here on its watchdog must be fed
         if operator and drive.watchdog is None:
-            operator.tell("The drive has no watchdog: should this program die, nothing but its switch stops the rotor.")
+            operator.tell("The drive has no watchdog: if this program dies, only its own switch stops the rotor.")
         result = run_sweep(
             steps,
             motor=motor,

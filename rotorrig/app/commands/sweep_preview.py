@@ -89,7 +89,7 @@ def preview_facts(rig: RigConfig, plan: str, seen: Preview) -> dict[str, Any]:
             {
                 "begin_s": timed.begin,
                 "end_s": timed.end,
-                "step": _described(timed)[0],
+                "step": _describe_step(timed)[0],
                 "from_rpm": timed.speed * RPM,
                 "to_rpm": timed.to * RPM,
                 "remarks": _remarks(timed, seen),
@@ -114,7 +114,7 @@ def steps_table(seen: Preview, *, title: str) -> Table:
         right = heading in ("begin, s", "end, s", "rpm", "rpm/s")
         table.add_column(heading, justify="right" if right else "left", no_wrap=heading != "remarks")
     for timed in seen.steps:
-        what, rate = _described(timed)
+        what, rate = _describe_step(timed)
         speeds = f"{timed.to * RPM:.0f}"
         if timed.to != timed.speed:
             speeds = f"{timed.speed * RPM:.0f} → {speeds}"
@@ -193,7 +193,7 @@ def _speed_at(steps: Sequence[TimedStep], t: float) -> float:
     return timed.speed + min(part, 1.0) * (timed.to - timed.speed)
 
 
-def _described(timed: TimedStep) -> tuple[str, str]:
+def _describe_step(timed: TimedStep) -> tuple[str, str]:
     """Return what a step is, and its rate in rpm/s where it has one."""
     match timed.step:
         case Ramp(rate=rate):

@@ -87,7 +87,7 @@ def curves(
                 lag=lag_degrees(z[rows], start=start),
                 sigma=np.sqrt(variance[rows]) * UM,
                 model_amplitude=None if model is None else np.abs(model[rows]) * UM,
-                model_lag=None if model is None else broken_at_wraps(lag_degrees(model[rows], start=start)),
+                model_lag=None if model is None else break_at_wraps(lag_degrees(model[rows], start=start)),
             )
         )
     return tuple(found)
@@ -121,7 +121,7 @@ def phase_window(z: NDArray[np.complex128]) -> float:
     return float(np.round(middle / 45.0) * 45.0 - (360.0 if middle > 180.0 else 0.0))
 
 
-def broken_at_wraps(lag: NDArray[np.float64]) -> NDArray[np.float64]:
+def break_at_wraps(lag: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a lag curve [deg] with NaN after every jump of more than half a turn, so that no line crosses the plot."""
     jumps = np.abs(np.diff(lag, prepend=lag[:1])) > 180.0
     return np.where(jumps, np.nan, lag)

@@ -10,10 +10,10 @@ from rotorrig.app.plot_data.curves import Curve
 MOST = 500  # points of a run: a plot is about as many pixels wide
 
 
-def kept(values: NDArray[np.float64], *, most: int = MOST) -> NDArray[np.intp]:
+def thin_indices(values: NDArray[np.float64], *, most: int = MOST) -> NDArray[np.intp]:
     """Return the indices of at most `most` points: of each stretch the smallest and the largest, so that peaks stay.
 
-    >>> kept(np.array([0.0, 1.0, 9.0, 1.0, 0.0, -5.0]), most=4)  # of each half
+    >>> thin_indices(np.array([0.0, 1.0, 9.0, 1.0, 0.0, -5.0]), most=4)  # of each half
     array([0, 2, 3, 5])
     """
     if len(values) <= most:
@@ -29,8 +29,8 @@ def kept(values: NDArray[np.float64], *, most: int = MOST) -> NDArray[np.intp]:
     return np.array(sorted(found), dtype=np.intp)
 
 
-def thinned(curve: Curve, *, most: int = MOST, modelled: bool = False) -> Curve:
+def thin_curve(curve: Curve, *, most: int = MOST, modelled: bool = False) -> Curve:
     """Return a curve with at most `most` rows, chosen by its amplitude or by that of the model."""
     chosen = curve.model_amplitude if modelled else curve.amplitude
     assert chosen is not None
-    return curve.at(kept(chosen, most=most))
+    return curve.at(thin_indices(chosen, most=most))

@@ -36,7 +36,7 @@ def items(words: Iterable[str]) -> str:
     return f"<ul>{inside}</ul>" if inside else ""
 
 
-def folded(summary: str, *parts: str, on_paper: bool = True) -> str:
+def details(summary: str, *parts: str, on_paper: bool = True) -> str:
     """Return parts that a click unfolds; on paper they are unfolded, or left out unless the reader unfolded them."""
     kind = "" if on_paper else ' class="screen"'
     return f"<details{kind}><summary>{escape(summary)}</summary>{''.join(parts)}</details>"

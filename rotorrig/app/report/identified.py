@@ -3,13 +3,22 @@
 import math
 from collections.abc import Mapping
 
-from rotorrig.app.report.html import Section, folded, paragraph, section, table
-from rotorrig.app.text import at_bound, change, determined, in_sigmas, interval, long, plus_minus, shown
+from rotorrig.app.report.html import Section, details, paragraph, section, table
+from rotorrig.app.text import (
+    bound_text,
+    change_in_sigmas,
+    change_text,
+    estimate_text,
+    interval_text,
+    is_determined,
+    long_name,
+    quantity_text,
+)
 from rotorrig.identify import Diagnosis, Estimate, Fit, Identification, Verdict
 from rotorrig.rig.config import RPM
 
 
-def identified(
+def identified_section(
     identification: Identification | None, diagnosis: Diagnosis | None, *, truth: Mapping[str, float] | None
 ) -> Section | None:
     """Return the section; None without a fit. `truth` maps names of estimates to values in SI."""
@@ -35,7 +44,7 @@ def _estimates(fit: Fit, *, truth: Mapping[str, float] | None) -> str:
     rows = [_estimate_row(e, truth) for e in fit.estimates]
     low, high = (speed * RPM for speed in fit.band)
     caption = f"Fit, {fit.name}: {low:.0f} to {high:.0f} rpm"
-    marked = [i for i, e in enumerate(fit.estimates) if not determined(e)]
+    marked = [i for i, e in enumerate(fit.estimates) if not is_determined(e)]
     remarks = any(row[-1] for row in rows)  # a column of nothing is left out
     return table(
         caption,
@@ -46,19 +55,23 @@ def _estimates(fit: Fit, *, truth: Mapping[str, float] | None) -> str:
 
 
 def _estimate_row(estimate: Estimate, truth: Mapping[str, float] | None) -> list[str]:
-    cells = [long(estimate.name), plus_minus(estimate), interval(estimate) or "–"]
-    cells += [shown(estimate.nameplate, estimate.unit), change(estimate, estimate.nameplate)]
+    cells = [long_name(estimate.name), estimate_text(estimate), interval_text(estimate) or "–"]
+    cells += [quantity_text(estimate.nameplate, estimate.unit), change_text(estimate, estimate.nameplate)]
     if truth:
         actual = truth.get(estimate.name, math.nan)
-        cells += [shown(actual, estimate.unit), change(estimate, actual), in_sigmas(estimate, actual)]
-    return [*cells, at_bound(estimate) or ("" if determined(estimate) else "hardly restricts the fit")]
+        cells += [
+            quantity_text(actual, estimate.unit),
+            change_text(estimate, actual),
+            change_in_sigmas(estimate, actual),
+        ]
+    return [*cells, bound_text(estimate) or ("" if is_determined(estimate) else "hardly restricts the fit")]
 
 
 def _limits(fit: Fit) -> str:
     """Return where the uncertainty of each estimate comes from."""
     causes = list(next(iter(fit.budget.values())))
     rows = [[name, *(f"{100 * shares[cause]:.0f} %" for cause in causes)] for name, shares in fit.budget.items()]
-    return folded(
+    return details(
         "What limits each value, noise or the nameplate's tolerances",
         table("Shares of each variance", ["parameter", *causes], rows),
     )
@@ -66,9 +79,9 @@ def _limits(fit: Fit) -> str:
 
 def _nuisances(fit: Fit) -> str:
     """Return what the fit may adjust within the nameplate's tolerance: never a discovery."""
-    rows = [[long(e.name), plus_minus(e)] for e in fit.nuisances]
+    rows = [[long_name(e.name), estimate_text(e)] for e in fit.nuisances]
     caption = "Deviations from the nameplate, adjusted within its tolerance"
-    return folded(
+    return details(
         f"Nameplate deviations adjusted by the fit ({len(rows)})", table(caption, ["quantity", "deviation ± 1 σ"], rows)
     )
 

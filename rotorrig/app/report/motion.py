@@ -13,14 +13,14 @@ from rotorrig.app.plot_data import (
     clearance_circle,
 )
 from rotorrig.app.report.drawings import orbit_pictures
-from rotorrig.app.report.figures import centreline as centreline_figure
+from rotorrig.app.report.figures import centreline
 from rotorrig.app.report.html import Section, paragraph, plot, section, table
 from rotorrig.app.report.synchronous import compensation
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import UM, micrometres
 
 
-def orbits(response: OrderTrackedResponse) -> Section | None:
+def orbits_section(response: OrderTrackedResponse) -> Section | None:
     """Return the 1X orbits at a few speeds of the first sweep; None without a plane of two probes."""
     lines = [
         f'<h3>{escape(plane.name)}</h3><div class="orbits">{"".join(pictures)}</div>'
@@ -33,7 +33,7 @@ def orbits(response: OrderTrackedResponse) -> Section | None:
     return section("orbits", "Orbits at 1X", said, *lines)
 
 
-def centreline(response: OrderTrackedResponse) -> Section | None:
+def centreline_section(response: OrderTrackedResponse) -> Section | None:
     """Return where the mean position goes, plane by plane, and the gap voltages; None if the gap was not tracked."""
     gaps = _gaps(response)
     if not gaps:
@@ -45,7 +45,7 @@ def centreline(response: OrderTrackedResponse) -> Section | None:
         plots.append(
             plot(
                 f"mean-position-{i}",
-                centreline_figure(mine, circle),
+                centreline(mine, circle),
                 caption=plane,
                 label=f"Mean position of the shaft at {plane}. {centreline_words(tuple(mine))}",
                 share=0.5,

@@ -9,7 +9,7 @@ from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import RPM, UM
 
 
-def full_spectrum(response: OrderTrackedResponse) -> Section | None:
+def full_spectrum_section(response: OrderTrackedResponse) -> Section | None:
     """Return the amplitude of +nX and -nX over speed and at the peaks; None where no plane has two probes."""
     spectra = list(order_spectra(response))
     if not spectra:
@@ -38,7 +38,7 @@ def _words(one: OrderSpectrum) -> str:
     return f"At {one.peak_rpm:.0f} rpm, in µm: {', '.join(sizes)}."
 
 
-def other_orders(response: OrderTrackedResponse) -> Section | None:
+def other_orders_section(response: OrderTrackedResponse) -> Section | None:
     """Return the amplitude of every other order against speed; None if there is none."""
     others = [order for order in response.orders if order not in (0.0, 1.0)]
     if not others:

@@ -16,16 +16,16 @@ from string import Template
 from plotly.offline import get_plotlyjs
 
 from rotorrig.app.plot_data import part_of
-from rotorrig.app.report.causes import causes, untold
+from rotorrig.app.report.causes import causes_section, undetectable_section
 from rotorrig.app.report.html import Section
-from rotorrig.app.report.identified import identified
-from rotorrig.app.report.motion import centreline, orbits
-from rotorrig.app.report.orders import full_spectrum, other_orders
-from rotorrig.app.report.residuals import residuals
-from rotorrig.app.report.rig import rig
-from rotorrig.app.report.source import conventions, provenance
-from rotorrig.app.report.synchronous import synchronous
-from rotorrig.app.report.tracking import tracking
+from rotorrig.app.report.identified import identified_section
+from rotorrig.app.report.motion import centreline_section, orbits_section
+from rotorrig.app.report.orders import full_spectrum_section, other_orders_section
+from rotorrig.app.report.residuals import residuals_section
+from rotorrig.app.report.rig import rig_section
+from rotorrig.app.report.source import conventions_section, provenance_section
+from rotorrig.app.report.synchronous import synchronous_section
+from rotorrig.app.report.tracking import tracking_section
 from rotorrig.app.report.verdict import banner
 from rotorrig.identify import Diagnosis, Identification
 from rotorrig.processing import OrderTrackedResponse
@@ -49,19 +49,19 @@ def write_report(
     diagnosis = part_of(diagnosis, response) if diagnosis else None
     verdict = banner(identification, diagnosis)
     parts = (
-        residuals(response, diagnosis),
-        synchronous(response, identification, diagnosis),
-        causes(diagnosis),
-        identified(identification, diagnosis, truth=truth),
-        full_spectrum(response),
-        other_orders(response),
-        orbits(response),
-        centreline(response),
-        untold(identification, diagnosis),
-        tracking(response),
-        rig(response.rig),
-        provenance(response, identification, diagnosis),
-        conventions(response),
+        residuals_section(response, diagnosis),
+        synchronous_section(response, identification, diagnosis),
+        causes_section(diagnosis),
+        identified_section(identification, diagnosis, truth=truth),
+        full_spectrum_section(response),
+        other_orders_section(response),
+        orbits_section(response),
+        centreline_section(response),
+        undetectable_section(identification, diagnosis),
+        tracking_section(response),
+        rig_section(response.rig),
+        provenance_section(response, identification, diagnosis),
+        conventions_section(response),
     )
     page = _page(response, verdict, [part for part in parts if part])
     try:

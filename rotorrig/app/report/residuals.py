@@ -6,7 +6,7 @@ import numpy as np
 
 from rotorrig.app.plot_data import extended_sigmas
 from rotorrig.app.report.figures import residual_map, whirl_map
-from rotorrig.app.report.html import Section, folded, name_of_order, paragraph, plot, section, table
+from rotorrig.app.report.html import Section, details, name_of_order, paragraph, plot, section, table
 from rotorrig.identify import Diagnosis, Verdict
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import RPM, UM
@@ -14,11 +14,11 @@ from rotorrig.rig.config import RPM, UM
 LISTED = 12
 
 
-def residuals(response: OrderTrackedResponse, diagnosis: Diagnosis | None) -> Section | None:
+def residuals_section(response: OrderTrackedResponse, diagnosis: Diagnosis | None) -> Section | None:
     """Return the section; None without a diagnosis (the part of it that is about `response`)."""
     if diagnosis is None:
         return None
-    told = [order for order in response.orders if order and _told(response, diagnosis, order)]
+    told = [order for order in response.orders if order and _has_residual(response, diagnosis, order)]
     loud = {misfit.order for misfit in diagnosis.worst} if diagnosis.verdict is not Verdict.ADEQUATE else set()
     shown = [order for order in told if order == 1.0 or order in loud]
     calm = [order for order in told if order not in shown]
@@ -30,7 +30,7 @@ def residuals(response: OrderTrackedResponse, diagnosis: Diagnosis | None) -> Se
         *(part for order in sorted(shown, key=lambda order: order != 1.0) for part in maps[order]),
         *(_whirl(response, diagnosis) if 1.0 in shown else ()),
         misfits(diagnosis),
-        folded(
+        details(
             f"Residuals at {', '.join(f'{order:g}X' for order in calm)}",
             *(part for order in calm for part in maps[order]),
             on_paper=False,
@@ -40,7 +40,7 @@ def residuals(response: OrderTrackedResponse, diagnosis: Diagnosis | None) -> Se
     )
 
 
-def _told(response: OrderTrackedResponse, diagnosis: Diagnosis, order: float) -> bool:
+def _has_residual(response: OrderTrackedResponse, diagnosis: Diagnosis, order: float) -> bool:
     return bool(np.isfinite(diagnosis.sigmas[:, :, response.orders.index(order)]).any())
 
 

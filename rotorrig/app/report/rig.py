@@ -3,12 +3,12 @@
 import math
 
 from rotorrig.app.report.drawings import end_view, side_view
-from rotorrig.app.report.html import Section, folded, paragraph, section, table
+from rotorrig.app.report.html import Section, details, paragraph, section, table
 from rotorrig.app.text import bearing_coefficients
 from rotorrig.rig.config import RigConfig
 
 
-def rig(config: RigConfig) -> Section:
+def rig_section(config: RigConfig) -> Section:
     """Return the section on the rig that the config describes."""
     side = f'<figure class="wide">{side_view(config)}<figcaption>Side view, to scale</figcaption></figure>'
     end = f'<figure class="end">{end_view(config)}<figcaption>End view, axes and probes</figcaption></figure>'
@@ -31,4 +31,4 @@ def _nameplate(config: RigConfig) -> str:
         [f"probe {p.name}", f"{p.position * 1e3:g}", f"at {math.degrees(p.angle):g}°, {p.sensitivity / 1e3:.4g} mV/µm"]
         for p in config.probes
     ]
-    return folded("Nameplate values", table("Nameplate", ["part", "mm from the coupling", "values"], rows))
+    return details("Nameplate values", table("Nameplate", ["part", "mm from the coupling", "values"], rows))

@@ -6,7 +6,7 @@ from rotorrig.identify import Diagnosis, Identification
 from rotorrig.processing import OrderTrackedResponse
 
 
-def provenance(
+def provenance_section(
     response: OrderTrackedResponse, identification: Identification | None, diagnosis: Diagnosis | None
 ) -> Section:
     """Return what this report was made from."""
@@ -32,7 +32,7 @@ def provenance(
     return section("provenance", "Where this comes from", pairs("Provenance", values))
 
 
-def conventions(response: OrderTrackedResponse) -> Section:
+def conventions_section(response: OrderTrackedResponse) -> Section:
     """Return how to read every number of the report."""
     rig = response.rig
     edge = f"the {rig.keyphasor.edge} keyphasor edge" if rig.keyphasor else "the keyphasor edge"

@@ -8,7 +8,7 @@ import numpy as np
 
 from rotorrig.app.plot_data import Curve, Vectors, curves, model_vectors, predictions, slow_roll_known, sweeps, vectors
 from rotorrig.app.report.figures import bode, polar
-from rotorrig.app.report.html import Section, folded, paragraph, plot, section, table
+from rotorrig.app.report.html import Section, details, paragraph, plot, section, table
 from rotorrig.identify import Diagnosis, Fit, Identification
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import RPM, UM
@@ -35,7 +35,7 @@ class Models:
         return None if self.extended is None else self.base
 
 
-def synchronous(
+def synchronous_section(
     response: OrderTrackedResponse, identification: Identification | None, diagnosis: Diagnosis | None
 ) -> Section:
     """Return the section; `diagnosis` is the part of it that is about `response`."""
@@ -45,7 +45,7 @@ def synchronous(
     return section(
         "bode",
         "Synchronous response (1X) against speed",
-        paragraph(compensation(response), _drawn(models), _COLOURS),
+        paragraph(compensation(response), _plot_key(models), _COLOURS),
         '<label class="toggle"><input type="checkbox" id="log-amplitude" disabled> logarithmic amplitude</label>',
         *(_probe(response, p, models) for p in range(len(response.probes))),
         _peaks(response, models),
@@ -60,7 +60,7 @@ def compensation(response: OrderTrackedResponse) -> str:
     return f"Slow-roll compensated: the vector at {rpm:.0f} rpm is subtracted from measurement and model alike."
 
 
-def _drawn(models: Models) -> str:
+def _plot_key(models: Models) -> str:
     if models.extended is not None:
         return "Dots are measured, lines the extended model, thin grey lines the base model."
     if models.base is None:
@@ -98,7 +98,7 @@ def _numbers(response: OrderTrackedResponse, probe: int, models: Models) -> str:
     header += ["model, µm 0-peak", "phase lag"] if models.best is not None else []
     header += ["base model, µm 0-peak", "phase lag"] if models.before is not None else []
     caption = f"Probe {response.probes[probe]}, 1X at {NUMBERS} speeds of each run, the peak among them"
-    return folded(f"Probe {response.probes[probe]} in numbers", table(caption, header, rows), on_paper=False)
+    return details(f"Probe {response.probes[probe]} in numbers", table(caption, header, rows), on_paper=False)
 
 
 def _number_rows(curve: Curve, base: Curve, models: Models) -> Iterator[list[str]]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rotorrig.app.plot_data import lag_degrees
 from rotorrig.app.report.html import Section, items, pairs, paragraph, section, table
-from rotorrig.app.text import plus_minus_of
+from rotorrig.app.text import quantity_with_sigma
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import RPM, UM
 
@@ -28,7 +28,7 @@ WINDOWS = {
 }
 
 
-def tracking(response: OrderTrackedResponse) -> Section:
+def tracking_section(response: OrderTrackedResponse) -> Section:
     """Return the section on order tracking and data quality."""
     return section(
         "tracking",
@@ -36,8 +36,8 @@ def tracking(response: OrderTrackedResponse) -> Section:
         pairs("Order tracking", _facts(response)),
         _runs(response),
         _slow_roll(response),
-        _grouped("Rows that are not usable, and why", response, response.reasons),
-        _grouped("Remarks on usable rows", response, [_kinds(row) for row in response.remarks]),
+        _count_by_kind("Rows that are not usable, and why", response, response.reasons),
+        _count_by_kind("Remarks on usable rows", response, [_kinds(row) for row in response.remarks]),
     )
 
 
@@ -117,7 +117,7 @@ def _slow_roll(response: OrderTrackedResponse) -> str:
 def _vector(z: complex, sigma: float) -> str:
     if not np.isfinite(z):
         return "–"
-    return f"{plus_minus_of(abs(z), sigma, 'm')} at {lag_degrees(np.array([z]))[0]:.0f}°"
+    return f"{quantity_with_sigma(abs(z), sigma, 'm')} at {lag_degrees(np.array([z]))[0]:.0f}°"
 
 
 def _kinds(remarks: Iterable[str]) -> list[str]:
@@ -129,7 +129,7 @@ def _kinds(remarks: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(remark.partition(": ")[0] for remark in remarks))
 
 
-def _grouped(caption: str, response: OrderTrackedResponse, words: Sequence[Iterable[str]]) -> str:
+def _count_by_kind(caption: str, response: OrderTrackedResponse, words: Sequence[Iterable[str]]) -> str:
     """Return a table of what was said of rows, the most frequent first, with the speeds it was said at."""
     rows_of: defaultdict[str, list[int]] = defaultdict(list)
     for row, said in enumerate(words):

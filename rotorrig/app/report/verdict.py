@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from html import escape
 
 from rotorrig.app.report.html import Section, items, paragraph
-from rotorrig.app.text import causes, probability
+from rotorrig.app.text import next_run_sentence, p_value_text
 from rotorrig.identify import Diagnosis, Identification, Verdict
 from rotorrig.identify.adequacy import Misfit
 from rotorrig.rig.config import UM
@@ -55,7 +55,7 @@ def _evidence(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.dof > 0:
         said.append(f"χ² per degree of freedom {diagnosis.chi2 / diagnosis.dof:.3g}")
     if math.isfinite(diagnosis.p):
-        said.append(probability(diagnosis.p))
+        said.append(p_value_text(diagnosis.p))
     if math.isfinite(diagnosis.noise_floor):
         said.append(f"noise floor {diagnosis.noise_floor * UM:.2g} µm")
     if math.isfinite(diagnosis.false_alarm_rate):
@@ -79,5 +79,5 @@ def _worst(diagnosis: Diagnosis) -> list[str]:
 
 
 def _next(diagnosis: Diagnosis) -> list[str]:
-    words = causes.next_run(diagnosis)
+    words = next_run_sentence(diagnosis)
     return [f"Next: {words}"] if words else []

@@ -27,7 +27,7 @@ def masses(rig: RigConfig) -> Table:
     shaft = shaft_mass(rig.shaft)
     table.add_row("shaft", f"{shaft:.3f}")
     for disk in rig.disks:
-        table.add_row(_named("disk", disk.name), f"{disk.mass:.3f}")
+        table.add_row(_part_name("disk", disk.name), f"{disk.mass:.3f}")
     table.add_row("total", f"{shaft + sum(disk.mass for disk in rig.disks):.3f}", style="bold")
     return table
 
@@ -49,9 +49,9 @@ def at_rest(rig: RigConfig, model: RotorModel) -> Table:
 
     for bearing, load in zip(rig.bearings, loads, strict=True):
         sideways = f" ({load[across]:+.2f} across)" if abs(load[across]) > 1e-3 * abs(load[axis]) else ""
-        row(_named("bearing", bearing.name), bearing.position, f"{-load[axis]:.2f}{sideways}")
+        row(_part_name("bearing", bearing.name), bearing.position, f"{-load[axis]:.2f}{sideways}")
     for disk in rig.disks:
-        row(_named("disk", disk.name), disk.position)
+        row(_part_name("disk", disk.name), disk.position)
     for place in sorted({probe.position for probe in rig.probes}):
         row("probes " + ", ".join(p.name for p in rig.probes if p.position == place), place)
     return table
@@ -111,7 +111,7 @@ def _whirl(sense: float, rotation: int) -> str:
     return "straight" if abs(sense) < CIRCULAR else "forward" if sense > 0 else "backward"
 
 
-def _named(kind: str, name: str) -> str:
+def _part_name(kind: str, name: str) -> str:
     return name if name.lower().startswith(kind) else f"{kind} {name}"
 
 

@@ -41,7 +41,7 @@ class Terminal:
         self._say(text)
 
     def _listen(self) -> None:
-        for line in typed_lines():
+        for line in read_typed_lines():
             if line.strip().lower() in STOP_WORDS:
                 self._stop = True
             elif not line.strip():
@@ -59,7 +59,7 @@ def operator_for(steps: Sequence[Step], *, say: Callable[[str], object], yes: bo
     return Terminal(say=say, yes=yes)
 
 
-def typed_lines() -> list[str]:
+def read_typed_lines() -> list[str]:
     """Return what was typed at the terminal since the last call, line by line; never waits.
 
     Nothing where standard input is no terminal, or is another program's at the moment: reading it would stop this one.

@@ -1,4 +1,4 @@
-"""Tables for the terminal: identified values beside nameplate and, where a simulated plant has one, the truth."""
+"""Terminal tables: identified values beside nameplate or truth, causes tried, parts of a config."""
 
 import math
 from collections.abc import Mapping
@@ -7,15 +7,24 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from rotorrig.app.text import SHOWN, bearing_coefficients, change, interval
-from rotorrig.app.text import causes as cause_text
+from rotorrig.app.text import (
+    SHOWN,
+    bearing_coefficients,
+    cause_evidence,
+    cause_prediction_error,
+    cause_size,
+    cause_status,
+    causes_to_list,
+    change_text,
+    interval_text,
+)
 from rotorrig.identify import Diagnosis, Estimate, Identification
 from rotorrig.rig.config import RPM, RigConfig
 
 
 def identified(found: Identification, truth: Mapping[str, float] | None = None) -> Table:
-    """Return a table of every fit's values ± 1 sigma, beside the nameplate or, where it is known, truth and error."""
-    beside = ", beside the plant's sealed truth" if truth else ""
+    """Return every fit's values ± 1 sigma, beside the nameplate or, if it is known, truth and error."""
+    beside = ", against the simulated rig's truth" if truth else ""
     table = Table(title=f"Identified, ± 1 sigma, limits at 95 %{beside}", box=box.SIMPLE_HEAD, title_justify="left")
     table.add_column("", no_wrap=True)
     table.add_column("truth" if truth else "nameplate", justify="right", no_wrap=True)
@@ -23,33 +32,33 @@ def identified(found: Identification, truth: Mapping[str, float] | None = None) 
         band = f"{fit.band[0] * RPM:.0f}-{fit.band[1] * RPM:.0f} rpm"
         table.add_column(f"{fit.name}\n{band}", justify="right", no_wrap=True)
         if truth:
-            table.add_column("off", justify="right", no_wrap=True)
+            table.add_column("error", justify="right", no_wrap=True)
     for first in found.fits[0].estimates:
         unit, factor = SHOWN.get(first.unit, (first.unit, 1.0))
         known = truth.get(first.name, math.nan) if truth else first.nameplate
         cells = [rf"{first.name} \[{unit}]", number(known * factor)]
         for fit in found.fits:
             estimate = fit.estimate(first.name)
-            cells.append(value_with_sigma(estimate, factor))
-            cells += [change(estimate, known)] if truth else []
+            cells.append(estimate_cell(estimate, factor))
+            cells += [change_text(estimate, known)] if truth else []
         table.add_row(*cells)
     return table
 
 
 def causes(found: Diagnosis) -> Table:
-    """Return a table of the causes tried: what was found of each, and what speaks for it."""
+    """Return a table of the causes tried: size, evidence, cross-validation and status."""
     table = Table(title="Causes tried, best first", box=box.SIMPLE_HEAD, title_justify="left")
-    for heading in ("cause", "size", "evidence", "held-out error", ""):
+    for heading in ("cause", "size", "evidence", "error on\nunseen data", ""):
         table.add_column(heading, justify="right" if heading == "evidence" else "left")
-    for cause in cause_text.listed(found):
-        cells = (cause.label, cause_text.size(cause), cause_text.evidence(cause), cause_text.heldout(cause))
-        table.add_row(*map(escape, cells), cause_text.standing(cause, found), style="bold" if cause.chosen else "")
+    for cause in causes_to_list(found):
+        cells = (cause.label, cause_size(cause), cause_evidence(cause), cause_prediction_error(cause))
+        table.add_row(*map(escape, cells), cause_status(cause, found), style="bold" if cause.chosen else "")
     return table
 
 
-def value_with_sigma(estimate: Estimate, factor: float) -> str:
+def estimate_cell(estimate: Estimate, factor: float) -> str:
     """Return "33.91 ± 0.12", with as many digits as the sigma warrants, and the 95 % interval where it says more."""
-    within = interval(estimate, unit=False)
+    within = interval_text(estimate, unit=False)
     if not estimate.determined or not math.isfinite(estimate.sigma):
         return f"({estimate.value * factor:.3g}) {within or 'undetermined'}"
     sigma = estimate.sigma * factor
@@ -64,9 +73,9 @@ def number(value: float) -> str:
 
 
 def rig_parts(rig: RigConfig) -> Table:
-    """Return what a config says, part by part, for `rotor check`."""
+    """Return the parts of a config as a table, for `rotor check`."""
     table = Table(title=f"{rig.name} (config {rig.hash})")
-    for column in ("part", "at, mm", "what"):
+    for column in ("part", "at, mm", "values"):
         table.add_column(column, justify="right" if column == "at, mm" else "left")
     for tube in rig.shaft.tubes:
         bore = f", bore {tube.inner_diameter * 1e3:g} mm" if tube.inner_diameter else ""

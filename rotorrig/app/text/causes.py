@@ -1,9 +1,9 @@
-"""What a diagnosis found beyond its verdict, in words that terminal, report and viewer share."""
+"""Causes, cross-validation, ties and hidden effects of a diagnosis as text, for terminal, report and viewer."""
 
 import math
 from collections.abc import Iterator
 
-from rotorrig.app.text.quantities import plus_minus_of, shown, unit_of
+from rotorrig.app.text.quantities import quantity_text, quantity_with_sigma, unit_of
 from rotorrig.identify import Diagnosis
 from rotorrig.identify.verdict import VERDICT, Cause, HiddenEffect
 from rotorrig.rig.config import UM
@@ -11,100 +11,94 @@ from rotorrig.rig.config import UM
 LISTED = 8  # causes in a table
 
 
-def listed(found: Diagnosis) -> tuple[Cause, ...]:
+def causes_to_list(found: Diagnosis) -> tuple[Cause, ...]:
     """Return the causes worth a line: the chosen ones, the tied ones and the next best."""
     tied = {label for group in found.tied for label in group}
     return tuple(cause for i, cause in enumerate(found.causes) if cause.chosen or cause.label in tied or i < LISTED)
 
 
-def size(cause: Cause) -> str:
-    """Return the figures of a cause: "18.0 ± 0.3 µm at 110 ± 2°", with their names where there are several."""
-    figures = {name: plus_minus_of(f.value, f.sigma, f.unit) for name, f in cause.parameters.items()}
-    angles = {name: figures.pop(f"{name} angle") for name in cause.parameters if f"{name} angle" in figures}
-    said = {name: f"{words} at {angles[name]}" if name in angles else words for name, words in figures.items()}
-    return ", ".join(f"{name} {words}" if len(said) > 1 else words for name, words in said.items())
+def cause_size(cause: Cause) -> str:
+    """Return the estimated parameters of a cause: "18.0 ± 0.3 µm at 110 ± 2°", named where there are several."""
+    values = {name: quantity_with_sigma(f.value, f.sigma, f.unit) for name, f in cause.parameters.items()}
+    angles = {name: values.pop(f"{name} angle") for name in cause.parameters if f"{name} angle" in values}
+    phasors = {name: f"{value} at {angles[name]}" if name in angles else value for name, value in values.items()}
+    return ", ".join(f"{name} {value}" if len(phasors) > 1 else value for name, value in phasors.items())
 
 
-def evidence(cause: Cause) -> str:
-    """Return what speaks for a cause, "≥ 120" where its fit was given up."""
+def cause_evidence(cause: Cause) -> str:
+    """Return the gain in BIC, "≥ 120" where the fit was stopped early."""
     return f"{'≥ ' if cause.given_up else ''}{cause.evidence:.0f}"
 
 
-def heldout(cause: Cause) -> str:
-    """Return the prediction error on held-out data, before and after: "12.3 → 0.410 µm"."""
+def cause_prediction_error(cause: Cause) -> str:
+    """Return the cross-validation error without and with the cause: "12.3 → 0.410 µm"."""
     if not (math.isfinite(cause.heldout_before) and math.isfinite(cause.heldout_after)):
         return "–"
     before, after = (f"{error * UM:#.3g}".rstrip(".") for error in (cause.heldout_before, cause.heldout_after))
     return f"{before} → {after} µm"
 
 
-def standing(cause: Cause, found: Diagnosis) -> str:
-    """Return what became of a cause: "in the model", "tied", "not plausible" or nothing."""
+def cause_status(cause: Cause, found: Diagnosis) -> str:
+    """Return "in the model", "tied", "not plausible", or nothing for a rejected cause."""
     tied = any(cause.label in group for group in found.tied)
-    said = ["in the model"] if cause.chosen else []
-    said += ["tied"] if tied else []
-    said += [] if cause.plausible else ["not plausible"]
-    return ", ".join(said)
+    status = ["in the model"] if cause.chosen else []
+    status += ["tied"] if tied else []
+    status += [] if cause.plausible else ["not plausible"]
+    return ", ".join(status)
 
 
-def ties(found: Diagnosis) -> list[str]:
+def tie_sentences(found: Diagnosis) -> list[str]:
     """Return a sentence for every set of causes the data cannot separate."""
-    return [f"Tied: {'; '.join(group)}. This data cannot tell them apart." for group in found.tied]
+    return [f"Tied: {'; '.join(group)}. This data cannot separate them." for group in found.tied]
 
 
-def next_run(found: Diagnosis) -> str:
-    """Return the run that would tell more, as a sentence; empty if none is known."""
+def next_run_sentence(found: Diagnosis) -> str:
+    """Return the run that would separate tied causes; empty if none is proposed."""
     run = found.next_run
     if run is None or not math.isfinite(run.lam):
         return run.words if run else ""
     return f"{run.words} Expected separation: {run.lam:.3g} in chi2, where {VERDICT.nameable:g} names a cause."
 
 
-def gain(found: Diagnosis) -> str:
-    """Return what the extended model bought, as a sentence; empty if nothing was measured."""
-    bought = found.gain
-    if bought is None or not (math.isfinite(bought.heldout_before) and math.isfinite(bought.heldout_after)):
+def gain_sentence(found: Diagnosis) -> str:
+    """Return the cross-validation error of base and extended model; empty if it was not measured."""
+    gain = found.gain
+    if gain is None or not (math.isfinite(gain.heldout_before) and math.isfinite(gain.heldout_after)):
         return ""
-    said = f"On data no fit saw ({bought.on}), the prediction error goes"
-    said += f" from {bought.heldout_before * UM:.3g} to {bought.heldout_after * UM:.3g} µm"
-    if bought.noise_floor > 0:
-        said += f", {bought.over_noise_floor:.2f} times the noise floor of {bought.noise_floor * UM:.2g} µm"
-    return said + "."
+    sentence = f"On unseen data ({gain.on}), the prediction error goes"
+    sentence += f" from {gain.heldout_before * UM:.3g} to {gain.heldout_after * UM:.3g} µm"
+    if gain.noise_floor > 0:
+        sentence += f", {gain.over_noise_floor:.2f} times the noise floor of {gain.noise_floor * UM:.2g} µm"
+    return sentence + "."
 
 
-def absorbed(found: Diagnosis) -> Iterator[tuple[str, str, str, str]]:
-    """Yield name, value before, value after and change in sigmas of every base parameter that the extension moved."""
+def parameter_shifts(found: Diagnosis) -> Iterator[tuple[str, str, str, str]]:
+    """Yield name, value before, value after and shift in sigmas of every base parameter moved by the extension."""
     for name, shift in found.gain.base.items() if found.gain else ():
         if not (math.isfinite(shift.before) and math.isfinite(shift.after)):
             continue
         unit = unit_of(name)
-        change = shift.after - shift.before
-        change = math.remainder(change, math.tau) if unit == "rad" else change
-        known = shift.sigma > 0 and math.isfinite(shift.sigma)
-        moved = f"{change / shift.sigma:+.1f} σ" if known else "–"
-        yield (
-            name,
-            shown(shift.before, unit),
-            plus_minus_of(shift.after, shift.sigma if known else math.nan, unit),
-            moved,
-        )
+        difference = shift.after - shift.before
+        difference = math.remainder(difference, math.tau) if unit == "rad" else difference
+        sigma = shift.sigma if shift.sigma > 0 and math.isfinite(shift.sigma) else math.nan
+        sigmas = "–" if math.isnan(sigma) else f"{difference / sigma:+.1f} σ"
+        yield name, quantity_text(shift.before, unit), quantity_with_sigma(shift.after, sigma, unit), sigmas
 
 
-def hidden(effect: HiddenEffect) -> str:
-    """Return one effect this data would not show, with the size that would and the measurement that is missing."""
-    said = "would not show at any size"
+def hidden_effect_text(effect: HiddenEffect) -> str:
+    """Return an effect below the detection limit of this data, with that limit and the measurement needed."""
+    limit = "not detectable at any size"
     if math.isfinite(effect.smallest):
-        said = f"would show from {shown(float(f'{effect.smallest:.2g}'), effect.unit)} on"
-    missing = f"; what is missing is {effect.missing}" if effect.missing else ""
-    return f"{effect.effect}: {said}{missing}"
+        limit = f"detectable from {quantity_text(float(f'{effect.smallest:.2g}'), effect.unit)}"
+    return f"{effect.effect}: {limit}" + (f"; needs {effect.missing}" if effect.missing else "")
 
 
-def not_seen(found: Diagnosis) -> str:
-    """Return which effects this data would not show, in one sentence; empty if it would show all."""
+def hidden_effects_sentence(found: Diagnosis) -> str:
+    """Return the effects this data would not show at their typical size; empty if it would show all."""
     names = [effect.effect for effect in found.hidden]
     return f"At their typical size this data would not show: {'; '.join(names)}." if names else ""
 
 
-def untold(found: Diagnosis) -> list[str]:
-    """Return a sentence for every effect this data would not show."""
-    return [hidden(effect) for effect in found.hidden]
+def hidden_effect_lines(found: Diagnosis) -> list[str]:
+    """Return a line for every effect below the detection limit of this data."""
+    return [hidden_effect_text(effect) for effect in found.hidden]

@@ -47,49 +47,47 @@ NEAR_BOUND = 1e-3  # relative: nearer to a bound than this, an estimate was stop
 UNDETERMINED = "not determined by this data"
 
 
-def shown(value: float, unit: str, *, sigma: float = math.nan) -> str:
+def quantity_text(value: float, unit: str, *, sigma: float = math.nan) -> str:
     """Return `value` [SI] in the unit people use, rounded to two digits of `sigma` or to four digits without one.
 
-    >>> shown(33912.7, "N/m", sigma=120.0), shown(1.5e-5, "kg m"), shown(math.nan, "N/m")
+    >>> quantity_text(33912.7, "N/m", sigma=120.0), quantity_text(1.5e-5, "kg m"), quantity_text(math.nan, "N/m")
     ('33.91 kN/m', '15 g mm', '–')
     """
     name, factor = SHOWN.get(unit, (unit, 1.0))
     if not math.isfinite(value):
         return "–"
     gap = "" if name in ("", "°") else " "
-    return f"{_rounded(value * factor, sigma * factor)}{gap}{name}"
+    return f"{_round(value * factor, sigma * factor)}{gap}{name}"
 
 
-def plus_minus(estimate: Estimate) -> str:
+def estimate_text(estimate: Estimate) -> str:
     """Return "33.91 ± 0.12 kN/m", or that the data do not determine it."""
-    if not determined(estimate):
+    if not is_determined(estimate):
         return UNDETERMINED
     if estimate.unit == "" and estimate.nameplate == 0:  # a relative deviation from the nameplate
-        return plus_minus_of(100 * estimate.value, 100 * estimate.sigma, "%")
-    return plus_minus_of(estimate.value, estimate.sigma, estimate.unit)
+        return quantity_with_sigma(100 * estimate.value, 100 * estimate.sigma, "%")
+    return quantity_with_sigma(estimate.value, estimate.sigma, estimate.unit)
 
 
-def plus_minus_of(value: float, sigma: float, unit: str) -> str:
+def quantity_with_sigma(value: float, sigma: float, unit: str) -> str:
     """Return `value` ± `sigma` [SI] in the unit people use; without a finite sigma the value alone.
 
-    >>> plus_minus_of(1.8e-5, 3e-7, "m"), plus_minus_of(-0.5, math.inf, "rad")
+    >>> quantity_with_sigma(1.8e-5, 3e-7, "m"), quantity_with_sigma(-0.5, math.inf, "rad")
     ('18.00 ± 0.30 µm', '-28.65°')
     """
     if not (math.isfinite(sigma) and sigma > 0):
-        return shown(value, unit)
+        return quantity_text(value, unit)
     name, factor = SHOWN.get(unit, (unit, 1.0))
     gap = "" if name == "°" else " "
-    return (
-        f"{_rounded(value * factor, sigma * factor)} ± {_rounded(sigma * factor, sigma * factor)}{gap}{name}".rstrip()
-    )
+    return f"{_round(value * factor, sigma * factor)} ± {_round(sigma * factor, sigma * factor)}{gap}{name}".rstrip()
 
 
-def interval(estimate: Estimate, *, unit: bool = True) -> str:
+def interval_text(estimate: Estimate, *, unit: bool = True) -> str:
     """Return the 95 % interval, an open one as a limit; nothing where none is known or both its ends are open.
 
     >>> from dataclasses import replace
     >>> c = Estimate(name="cxx", value=1.0, sigma=math.inf, unit="N s/m", nameplate=math.nan, bounds=(1.0, 1e3))
-    >>> interval(replace(c, interval=(1.0, 2.816))), interval(replace(c, interval=(1.2, 2.8163)), unit=False)
+    >>> interval_text(replace(c, interval=(1.0, 2.816))), interval_text(replace(c, interval=(1.2, 2.8163)), unit=False)
     ('below 2.82 N s/m', '1.20 to 2.82')
     """
     if estimate.interval is None:
@@ -100,13 +98,13 @@ def interval(estimate: Estimate, *, unit: bool = True) -> str:
     if from_bound and to_bound:
         return ""
     name, factor = SHOWN.get(estimate.unit, (estimate.unit, 1.0))
-    first, last = (_rounded(factor * end, factor * min((high - low) / 4, abs(end) / 3)) for end in (low, high))
+    first, last = (_round(factor * end, factor * min((high - low) / 4, abs(end) / 3)) for end in (low, high))
     words = f"below {last}" if from_bound else f"above {first}" if to_bound else f"{first} to {last}"
     gap = "" if name == "°" else " "
     return f"{words}{gap}{name}".rstrip() if unit else words
 
 
-def determined(estimate: Estimate) -> bool:
+def is_determined(estimate: Estimate) -> bool:
     """Return whether the data say what this is."""
     return estimate.determined and math.isfinite(estimate.sigma) and math.isfinite(estimate.value)
 
@@ -122,13 +120,13 @@ def difference(estimate: Estimate, reference: float) -> float:
     return math.remainder(gap, 2 * math.pi) if estimate.unit == "rad" else gap
 
 
-def change(estimate: Estimate, reference: float) -> str:
+def change_text(estimate: Estimate, reference: float) -> str:
     """Return the difference from `reference` in %, in degrees for an angle; "–" where there is none to state.
 
-    >>> change(Estimate(name="kxx", value=33.0e3, sigma=1e3, unit="N/m", nameplate=30.0e3), 30.0e3)
+    >>> change_text(Estimate(name="kxx", value=33.0e3, sigma=1e3, unit="N/m", nameplate=30.0e3), 30.0e3)
     '+10.0 %'
     """
-    if not (determined(estimate) and math.isfinite(reference)):
+    if not (is_determined(estimate) and math.isfinite(reference)):
         return "–"
     gap = difference(estimate, reference)
     if estimate.unit == "rad":
@@ -136,17 +134,17 @@ def change(estimate: Estimate, reference: float) -> str:
     return f"{100 * gap / reference:+.1f} %" if reference else "–"
 
 
-def in_sigmas(estimate: Estimate, reference: float) -> str:
+def change_in_sigmas(estimate: Estimate, reference: float) -> str:
     """Return the difference from `reference` in standard deviations of the estimate."""
-    if not (determined(estimate) and math.isfinite(reference) and estimate.sigma > 0):
+    if not (is_determined(estimate) and math.isfinite(reference) and estimate.sigma > 0):
         return "–"
     return f"{difference(estimate, reference) / estimate.sigma:+.1f} σ"
 
 
-def long(name: str) -> str:
+def long_name(name: str) -> str:
     """Return an estimate's name with what it stands for.
 
-    >>> long("spring kxx"), long("u disk 2")
+    >>> long_name("spring kxx"), long_name("u disk 2")
     ('spring kxx, stiffness, horizontal', 'u disk 2, unbalance')
     """
     for key in (name, name.split()[0], name.split()[-1]):  # a bearing stands before its quantity, a disk behind
@@ -167,24 +165,24 @@ def unit_of(name: str) -> str:
     return ""
 
 
-def at_bound(estimate: Estimate) -> str:
+def bound_text(estimate: Estimate) -> str:
     """Return "at its lower bound of 0.1 kN/m", or nothing where none stopped it."""
     for side, bound in zip(("lower", "upper"), estimate.bounds or (), strict=False):
         if math.isclose(estimate.value, bound, rel_tol=NEAR_BOUND):
-            return f"at its {side} bound of {shown(bound, estimate.unit)}"
+            return f"at its {side} bound of {quantity_text(bound, estimate.unit)}"
     return ""
 
 
-def probability(p: float) -> str:
+def p_value_text(p: float) -> str:
     """Return a p-value as people quote it.
 
-    >>> probability(0.0312), probability(1e-20)
+    >>> p_value_text(0.0312), p_value_text(1e-20)
     ('p = 0.031', 'p < 0.0001')
     """
     return "p < 0.0001" if p < 1e-4 else f"p = {p:.2g}"
 
 
-def _rounded(value: float, sigma: float) -> str:
+def _round(value: float, sigma: float) -> str:
     if not (math.isfinite(sigma) and sigma > 0):
         return f"{value:.4g}"
     decimals = 1 - math.floor(math.log10(sigma))

@@ -9,7 +9,7 @@ from rotorrig.processing.rows import crowded_share
 from rotorrig.rig.config import RPM
 
 
-def tracked_words(response: OrderTrackedResponse) -> str:
+def tracking_line(response: OrderTrackedResponse) -> str:
     """Return rows, runs, masked rows and trial masses in a line, without the file's name."""
     masked = int((~response.usable).any(axis=1).sum())
     loaded = ", ".join(dict.fromkeys(disk for run in response.runs for disk in run.trial_unbalance))
@@ -18,7 +18,7 @@ def tracked_words(response: OrderTrackedResponse) -> str:
     )
 
 
-def spacing_words(response: OrderTrackedResponse, settings: Tracking) -> str:
+def spacing_remark(response: OrderTrackedResponse, settings: Tracking) -> str:
     """Return a sentence where rows stand further apart than was asked for, empty where none does."""
     every = settings.every
     share = crowded_share(response, every) if every else 0.0
@@ -31,7 +31,7 @@ def spacing_words(response: OrderTrackedResponse, settings: Tracking) -> str:
     )
 
 
-def quality_words(response: OrderTrackedResponse) -> list[str]:
+def quality_lines(response: OrderTrackedResponse) -> list[str]:
     """Return what is wrong with its rows and worth knowing of them, each once with how often and at which speeds."""
     lines = [f"slow roll: {remark}" for remark in response.slow_roll_remarks]
     remarks = [tuple(word.partition(": ")[0] for word in row) for row in response.remarks]
@@ -47,7 +47,7 @@ def quality_words(response: OrderTrackedResponse) -> list[str]:
     return lines
 
 
-def tracked_facts(response: OrderTrackedResponse) -> dict[str, Any]:
+def tracking_facts(response: OrderTrackedResponse) -> dict[str, Any]:
     """Return the same and more as plain values; speeds in rpm, jitter in s, 1 sigma."""
     rows = [np.flatnonzero(response.run == i) for i in range(len(response.runs))]
     return {

@@ -1,4 +1,4 @@
-"""Arguments that several verbs of `rotor` have."""
+"""Arguments and options shared by several verbs of `rotor`."""
 
 from contextlib import suppress
 from pathlib import Path
@@ -16,7 +16,7 @@ def load_config(given: Path) -> RigConfig:
 
 
 def plans_of_the_config(context: typer.Context, incomplete: str) -> list[str]:
-    """Return the plans a shell may complete `--plan` with; none where no config given so far can be read."""
+    """Return the plan names for shell completion of `--plan`; none if no config given so far can be read."""
     given = [context.params.get("config"), *context.args]  # behind an option without its value it is still a word
     for word in filter(None, given):
         with suppress(RigError):
@@ -30,14 +30,14 @@ Config = Annotated[
 Out = Annotated[Path, typer.Option("--out", "-o", help="the file to write", show_default=False)]
 Response = Annotated[Path, typer.Argument(metavar="RESPONSE", help="a response.mcap", show_default=False)]
 Recording = Annotated[Path, typer.Argument(metavar="RUN", help="a run.mcap", show_default=False)]
-Seed = Annotated[int, typer.Option(help="of the search; of the simulated rig's hidden deviations")]
-Hidden = Annotated[Path | None, typer.Option(help="a sealed file with what the simulated rig hides, instead of a seed")]
-Rate = Annotated[float, typer.Option(help="simulated seconds per second, at the most")]
-Faults = Annotated[Path | None, typer.Option(help="a script of what goes wrong on the simulated rig, in JSON")]
+Seed = Annotated[int, typer.Option(help="random seed: of the search, or of the simulated rig's hidden truth")]
+Hidden = Annotated[Path | None, typer.Option(help="sealed truth file of the simulated rig, instead of a seed")]
+Rate = Annotated[float, typer.Option(help="simulated seconds per second, at most")]
+Faults = Annotated[Path | None, typer.Option(help="JSON script of faults on the simulated rig")]
 Trial = Annotated[
     list[str] | None,
-    typer.Option(help="a trial mass on the rotor, 'disk: 12 g mm at 90 deg' from the keyphasor mark; repeatable"),
+    typer.Option(help="trial mass on the rotor, 'disk: 12 g mm at 90 deg' from the keyphasor mark; repeatable"),
 ]
-Plan = Annotated[str, typer.Option(help="a plan of the config", autocompletion=plans_of_the_config)]
-View = Annotated[bool, typer.Option("--view", help="show orbits, Bode plot, speed and time base while it runs")]
-AsJson = Annotated[bool, typer.Option("--json", help="print what came of it as one JSON object")]
+Plan = Annotated[str, typer.Option(help="sweep plan in the config", autocompletion=plans_of_the_config)]
+View = Annotated[bool, typer.Option("--view", help="show orbits, Bode plots, speed and time base live")]
+AsJson = Annotated[bool, typer.Option("--json", help="print the result as one JSON object")]

@@ -1,4 +1,4 @@
-"""Verbs for files of data: replay, track, import, export, salvage."""
+"""Verbs for data files: replay, track, import, export, salvage."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -13,13 +13,13 @@ from rotorrig.rig.config import find_config
 
 def replay(
     run: Recording,
-    rate: Annotated[str, typer.Option(help="'max', or recorded seconds per second")] = "max",
-    track: Annotated[Path | None, typer.Option(help="the response.mcap to write, of what was played")] = None,
-    begin: Annotated[float, typer.Option("--from", help="seconds on the recording's clock to begin at")] = 0.0,
+    rate: Annotated[str, typer.Option(help="playback speed: 'max', or recorded seconds per second")] = "max",
+    track: Annotated[Path | None, typer.Option(help="also track the orders into this response.mcap")] = None,
+    begin: Annotated[float, typer.Option("--from", help="start time on the recording's clock, s")] = 0.0,
     view: View = False,
     as_json: AsJson = False,
 ) -> None:
-    """Play a recording as if it were live; with --track, track its orders: as `rotor track` does, at any rate."""
+    """Play a recording as if it were live; with --track, track its orders as `rotor track` does."""
     from rotorrig.app.commands import replay
 
     seconds = replay.play(run, rate=rate, view=view, track=track, begin=begin)
@@ -31,27 +31,27 @@ def track(
     run: Recording,
     out_file: Out,
     trial: Trial = None,
-    turns: Annotated[int, typer.Option(help="of the shaft in a row: more average more noise, and smear more")] = 8,
-    orders: Annotated[str, typer.Option(help="multiples of the speed; 0 is the gap")] = "0,0.5,1,2,3",
+    turns: Annotated[int, typer.Option(help="shaft turns per row: more average out more noise, and smear more")] = 8,
+    orders: Annotated[str, typer.Option(help="multiples of shaft speed; 0 is the gap")] = "0,0.5,1,2,3",
     method: Annotated[
         Literal["resampling", "least-squares", "vold-kalman"],
-        typer.Option(help="windowed DFT over the shaft angle; a fit of all orders at once; a Vold-Kalman filter"),
+        typer.Option(help="windowed DFT over shaft angle; joint fit of all orders; Vold-Kalman filter"),
     ] = "resampling",
     every: Annotated[
-        str | None, typer.Option(help="rows at steps of '10 rpm' or '0.5 s'", show_default="one after another")
+        str | None, typer.Option(help="row spacing, '10 rpm' or '0.5 s'", show_default="back to back")
     ] = None,
     slow_roll: Annotated[
         str | None,
-        typer.Option(help="speeds to take the slow roll at, '200 to 400 rpm'", show_default="the run of that name"),
+        typer.Option(help="slow-roll speed range, '200 to 400 rpm'", show_default="the run named slow-roll"),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Track the orders of a recording into a response file, the slow-roll vector beside them.
+    """Track the orders of a recording into a response file, with the slow-roll vector.
 
-    Trial masses are those the sweep noted; --trial stands instead of them.
+    Trial masses are those noted by the sweep, unless --trial replaces them.
     """
     from rotorrig.acquisition.files import open_recording
-    from rotorrig.app.text import quality_words, spacing_words, tracked_facts, tracked_words
+    from rotorrig.app.text import quality_lines, spacing_remark, tracking_facts, tracking_line
     from rotorrig.processing import Spacing, SpeedWindow, Tracking, pipeline, read_orders
     from rotorrig.processing.files import write_response
     from rotorrig.rig.config import read_trial_mass
@@ -71,34 +71,38 @@ def track(
             recording, settings, trial=masses, progress=lambda done: bars.update(task, completed=done)
         )
         write_response(out_file, response)
-    said = [words for words in (spacing_words(response, settings), *quality_words(response)) if words]
-    facts = {"file": str(out_file), **tracked_facts(response), "said": said}
-    tell(f"{out_file}: {tracked_words(response)}", facts, as_json=as_json)
-    for words in [] if as_json else said:
-        err.print(words, highlight=False, markup=False, soft_wrap=True)
+    remarks = [line for line in (spacing_remark(response, settings), *quality_lines(response)) if line]
+    facts = {"file": str(out_file), **tracking_facts(response), "said": remarks}
+    tell(f"{out_file}: {tracking_line(response)}", facts, as_json=as_json)
+    for line in [] if as_json else remarks:
+        err.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
 def import_(
-    file: Annotated[Path, typer.Argument(help="CSV, UFF, TDMS, WAV; with --ross a rotor of ROSS", show_default=False)],
+    file: Annotated[
+        Path, typer.Argument(help="CSV, UFF, TDMS or WAV file; with --ross a ROSS rotor", show_default=False)
+    ],
     out_file: Out,
     config: Annotated[Path | None, typer.Option("--config", help="the rig's TOML file", show_default=False)] = None,
     mapping: Annotated[
         Path | None,
-        typer.Option("--mapping", "--vectors", help="a TOML file that says what channels or columns mean"),
+        typer.Option("--mapping", "--vectors", help="TOML file that maps the channels or columns"),
     ] = None,
-    ross: Annotated[bool, typer.Option("--ross", help="FILE is a rotor saved by ROSS: make a config of it")] = False,
-    keep_nodes: Annotated[bool, typer.Option("--keep-nodes", help="with --ross: every element a section")] = False,
+    ross: Annotated[bool, typer.Option("--ross", help="convert a rotor saved by ROSS to a config")] = False,
+    keep_nodes: Annotated[
+        bool, typer.Option("--keep-nodes", help="with --ross: one shaft section per element")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Bring in waveforms (to a run.mcap), by its mapping a Bode table (to a response.mcap), with --ross a rotor."""
+    """Import waveforms to a run.mcap, a mapped Bode table to a response.mcap or, with --ross, a rotor to a config."""
     from rotorrig.app.commands import import_files, ross_exchange
 
     if ross and (config or mapping):
-        raise ConfigError("--ross: wants neither --config nor --mapping, it makes a config")
+        raise ConfigError("--ross: makes a config, want neither --config nor --mapping")
     if ross:
         lines = ross_exchange.bring_in(file, out=out_file, keep_nodes=keep_nodes)
     elif config is None:
-        raise ConfigError("--config: is missing, want the rig's TOML file, as it says what the columns are")
+        raise ConfigError("--config: missing, want the rig's TOML file, which names the columns")
     else:
         with working(f"reading {file.name}"):
             lines = [import_files.bring_in(file, rig=load_config(config), mapping=mapping, out=out_file)]
@@ -106,15 +110,15 @@ def import_(
 
 
 def export(
-    file: Annotated[Path, typer.Argument(help="a run.mcap or response.mcap; with --ross a config", show_default=False)],
+    file: Annotated[Path, typer.Argument(help="run.mcap or response.mcap; with --ross a config", show_default=False)],
     out_file: Out,
-    ross: Annotated[bool, typer.Option("--ross", help="write the rotor of a config, for ROSS")] = False,
-    max_element: Annotated[str, typer.Option(help="with --ross: the longest shaft element")] = "20 mm",
+    ross: Annotated[bool, typer.Option("--ross", help="export the rotor of a config to ROSS")] = False,
+    max_element: Annotated[str, typer.Option(help="with --ross: maximum length of a shaft element")] = "20 mm",
     as_json: AsJson = False,
 ) -> None:
-    """Write waveforms of a run or order vectors of a response as .csv or .uff; with --ross, a rotor for ROSS.
+    """Export waveforms of a run or order vectors of a response to .csv or .uff; with --ross, a rotor to ROSS.
 
-    Of a response, a .json is a layout that shows it in Foxglove.
+    For a response, an --out ending in .json writes a Foxglove layout.
     """
     from rotorrig.app.commands import export_files
 
@@ -129,13 +133,13 @@ def export(
 
 
 def salvage(run: Recording, out_file: Out, as_json: AsJson = False) -> None:
-    """Make a valid recording of one that was cut off."""
+    """Recover a valid recording from a truncated one."""
     from dataclasses import asdict
 
     from rotorrig.acquisition.files import salvage as save
 
     with working(f"reading {run.name}"):
         saved = save(run, out_file)
-    lost = "nothing was lost" if saved.whole else f"{saved.lost_bytes} bytes could not be read"
-    words = f"{out_file}: {saved.seconds:.2f} s saved, {lost}"
+    lost = "nothing lost" if saved.whole else f"{saved.lost_bytes} bytes unreadable"
+    words = f"{out_file}: {saved.seconds:.2f} s recovered, {lost}"
     tell(words, {"file": str(out_file), **asdict(saved)}, as_json=as_json)

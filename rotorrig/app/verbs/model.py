@@ -1,4 +1,4 @@
-"""Verbs that compare a response with the model, and show it: identify, diagnose, report, view."""
+"""Verbs that fit a model to a response and show the result: identify, diagnose, report, view."""
 
 import json
 from pathlib import Path
@@ -15,54 +15,60 @@ def identify(
     out_file: Out,
     objective: Annotated[
         Literal["residual", "f1", "f2", "f3"],
-        typer.Option(help="of the search: the complex residual, or the chapter's on amplitudes, eq. 14-16"),
+        typer.Option(help="cost function: complex residual, or the chapter's amplitude errors, eq. 14-16"),
     ] = "residual",
     profile: Annotated[
-        bool, typer.Option("--profile", help="95 % intervals by profile likelihood, all of them")
+        bool, typer.Option("--profile", help="95 % intervals of all parameters by profile likelihood")
     ] = False,
-    bootstrap: Annotated[int, typer.Option(min=0, help="95 % intervals by that many simulated measurements")] = 0,
-    workers: Annotated[int, typer.Option(min=1, help="processes for the bootstrap")] = 1,
+    bootstrap: Annotated[int, typer.Option(min=0, help="95 % intervals by parametric bootstrap, this many draws")] = 0,
+    workers: Annotated[int, typer.Option(min=1, help="bootstrap processes")] = 1,
     as_json: AsJson = False,
     seed: Seed = 0,
 ) -> None:
-    """Fit bearing stiffness, damping and unbalance."""
+    """Fit bearing stiffness, damping and unbalance to a response."""
     from rotorrig.app.commands import identify
     from rotorrig.app.terminal import tables
     from rotorrig.identify import identification_table, write_identification
     from rotorrig.processing.files import read_response
 
     measured = read_response(response)
-    found = identify.identified(
+    identification = identify.identify_response(
         measured, objective=objective, profile=profile, draws=bootstrap, workers=workers, seed=seed
     )
-    write_identification(out_file, found)
+    write_identification(out_file, identification)
     if as_json:
-        tell("", {"file": str(out_file), **identification_table(found)}, as_json=True)
+        tell("", {"file": str(out_file), **identification_table(identification)}, as_json=True)
         return
-    out.print(tables.identified(found))
-    for words in found.fits[0].words:
+    out.print(tables.identified(identification))
+    for words in identification.fits[0].words:
         out.print(words, highlight=False)
     if measured.rig.effects:
         labels = "; ".join(effect.label for effect in measured.rig.effects)
-        out.print(f"The config's effects ({labels}) are not in this fit, only in rotor diagnose.", highlight=False)
-    out.print(f"{out_file}: {len(found.fits)} fit{'s' * (len(found.fits) != 1)} in {found.wall_s:.1f} s")
+        out.print(
+            f"The config's effects ({labels}) are not in this fit; rotor diagnose includes them.", highlight=False
+        )
+    number = len(identification.fits)
+    out.print(f"{out_file}: {number} fit{'s' * (number != 1)} in {identification.wall_s:.1f} s")
 
 
 def diagnose(
-    responses: Annotated[list[Path], typer.Argument(metavar="RESPONSE...", help="of one rig", show_default=False)],
+    responses: Annotated[
+        list[Path], typer.Argument(metavar="RESPONSE...", help="response.mcap files of one rig", show_default=False)
+    ],
     out_file: Out,
-    holdout: Annotated[Path | None, typer.Option(help="a response that no fit may see, to measure the gain on")] = None,
+    holdout: Annotated[Path | None, typer.Option(help="response to validate on; no fit uses it")] = None,
     config: Annotated[
-        Path | None, typer.Option(help="the rig's TOML file as extended since, instead of the one in the responses")
+        Path | None,
+        typer.Option(help="the rig's TOML file with an extended model, instead of the one in the responses"),
     ] = None,
-    rig_out: Annotated[Path | None, typer.Option(help="the config to write, extended by what was named")] = None,
+    rig_out: Annotated[Path | None, typer.Option(help="config to write, with the named cause in its model")] = None,
     model: Annotated[
-        Literal["swept", "quasi-static"], typer.Option(help="the passing speed in the model, or every row as steady")
+        Literal["swept", "quasi-static"], typer.Option(help="model the speed ramp, or take every row as steady state")
     ] = "swept",
-    as_json: Annotated[bool, typer.Option("--json", help="print the result as JSON, its arrays left out")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="print the result as JSON, without arrays")] = False,
     seed: Seed = 0,
 ) -> None:
-    """Say whether the model is adequate; if not, where it is wrong, name the cause and measure what it explains."""
+    """Test whether the model is adequate; if not, locate the misfit, name the cause and cross-validate it."""
     from rotorrig.app.commands import diagnose
     from rotorrig.identify import diagnosis_table, write_diagnosis
 
@@ -70,26 +76,26 @@ def diagnose(
     seen = diagnose.read_responses(paths, config=load_config(config) if config else None)
     used, unseen = seen[: len(responses)], seen[-1] if holdout else None
     try:
-        found = diagnose.diagnosed(used, holdout=unseen, model=model, seed=seed)
+        diagnosis = diagnose.diagnose_responses(used, holdout=unseen, model=model, seed=seed)
     except KeyboardInterrupt as interrupt:
         err.print(f"interrupted: {out_file} was not written", highlight=False)
         raise typer.Exit(130) from interrupt
-    write_diagnosis(out_file, found)
+    write_diagnosis(out_file, diagnosis)
     if as_json:
-        print(json.dumps(diagnosis_table(found)))
+        print(json.dumps(diagnosis_table(diagnosis)))
     else:
-        diagnose.show(found)
+        diagnose.show(diagnosis)
     if rig_out:
-        extended = diagnose.write_extended(rig_out, used[0].rig, found)
+        extended = diagnose.write_extended(rig_out, used[0].rig, diagnosis)
         labels = "; ".join(effect.label for effect in extended.effects)
-        (err if as_json else out).print(f"{rig_out}: the config, its model extended by {labels}", highlight=False)
+        (err if as_json else out).print(f"{rig_out}: the config with {labels} in its model", highlight=False)
 
 
 def report(
     response: Response,
     out_file: Out,
-    fit: Annotated[Path | None, typer.Option(help="the fit.json to report")] = None,
-    diagnosis: Annotated[Path | None, typer.Option(help="the diagnosis.json to report")] = None,
+    fit: Annotated[Path | None, typer.Option(help="fit.json to include")] = None,
+    diagnosis: Annotated[Path | None, typer.Option(help="diagnosis.json to include")] = None,
 ) -> None:
     """Write one self-contained HTML file: verdict, Bode plots, values, provenance."""
     from rotorrig.app.report import write_report
@@ -103,19 +109,20 @@ def report(
             identification=read_identification(fit) if fit else None,
             diagnosis=read_diagnosis(diagnosis) if diagnosis else None,
         )
-    out.print(f"{out_file}: open it in any browser")
+    out.print(f"{out_file}: open in any browser")
 
 
 def view(
     file: Annotated[Path, typer.Argument(help="run.mcap, response.mcap or an .rrd", show_default=False)],
-    fit: Annotated[Path | None, typer.Option(help="the fit.json of a response.mcap", show_default=False)] = None,
-    diagnosis: Annotated[Path | None, typer.Option(help="its diagnosis.json", show_default=False)] = None,
-    run: Annotated[Path | None, typer.Option(help="the run.mcap it was made of", show_default=False)] = None,
+    fit: Annotated[Path | None, typer.Option(help="fit.json of the response", show_default=False)] = None,
+    diagnosis: Annotated[Path | None, typer.Option(help="diagnosis.json of the response", show_default=False)] = None,
+    run: Annotated[Path | None, typer.Option(help="run.mcap the response was tracked from", show_default=False)] = None,
     out_file: Annotated[
-        Path | None, typer.Option("--out", "-o", help="write a response's .rrd, and do not open it", show_default=False)
+        Path | None,
+        typer.Option("--out", "-o", help="write an .rrd file instead of opening the viewer", show_default=False),
     ] = None,
 ) -> None:
-    """Open a file in the Rerun viewer; a response with its fit and diagnosis, and the run for what was recorded."""
+    """Open a file in the Rerun viewer; a response together with its fit, diagnosis and recording."""
     from rotorrig.app.viewer import Evidence, save_result, view_file
 
     evidence = Evidence(fit=fit, diagnosis=diagnosis, run=run)
@@ -123,4 +130,4 @@ def view(
         view_file(file, evidence)
         return
     save_result(file, out_file, evidence)
-    out.print(f"{out_file}: rotor view {out_file} opens it", highlight=False, markup=False, soft_wrap=True)
+    out.print(f"{out_file}: open with rotor view {out_file}", highlight=False, markup=False, soft_wrap=True)

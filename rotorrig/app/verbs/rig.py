@@ -1,4 +1,4 @@
-"""Verbs that are about a rig: init, check, sweep, simulate, demo."""
+"""Verbs for a rig: init, check, sweep, simulate, demo."""
 
 from pathlib import Path
 from typing import Annotated
@@ -38,14 +38,14 @@ def init(
 
 def check(
     config: Config,
-    connect: Annotated[bool, typer.Option("--connect", help="talk to motor and DAQ and say what answered")] = False,
-    clear: Annotated[
-        bool, typer.Option("--clear-fault", help="clear what the motor controller has tripped with")
+    connect: Annotated[
+        bool, typer.Option("--connect", help="connect to motor and DAQ and print their replies")
     ] = False,
-    model: Annotated[bool, typer.Option("--model", help="draw the rotor; masses, sag, critical speeds")] = False,
+    clear: Annotated[bool, typer.Option("--clear-fault", help="clear the motor controller's fault")] = False,
+    model: Annotated[bool, typer.Option("--model", help="draw the rotor; masses, static sag, critical speeds")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Check a config, say what it describes; with --connect, talk to its devices."""
+    """Check a config and print its parts; with --connect, query its devices."""
     from rotorrig.app.commands import check as checking
 
     rig = load_config(config)
@@ -67,20 +67,20 @@ def sweep(
     config: Config,
     out_file: Annotated[Path | None, typer.Option("--out", "-o", help="the file to write", show_default=False)] = None,
     plan: Plan = "default",
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="say what it would do, and open nothing")] = False,
-    simulate: Annotated[bool, typer.Option("--simulate", help="on a simulated rig instead of the devices")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="preview the sweep; opens no device")] = False,
+    simulate: Annotated[bool, typer.Option("--simulate", help="use a simulated rig instead of the devices")] = False,
     trial: Trial = None,
     view: View = False,
-    yes: Annotated[bool, typer.Option("--yes", help="do not wait for masses to be mounted: a rehearsal")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="rehearsal: do not wait for trial masses to be mounted")] = False,
     seed: Seed = 1,
     hidden: Hidden = None,
     rate: Rate = 20.0,
     faults: Faults = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run a sweep and record it; with --dry-run, show its steps, its limits and what speaks against it."""
+    """Run a sweep and record it; with --dry-run, show its steps, limits and objections."""
     if faults and not simulate:
-        raise ConfigError("--faults: wants --simulate, only a simulated rig has faults to order")
+        raise ConfigError("--faults: wants --simulate, faults are scripted on a simulated rig only")
     rig = load_config(config)
     if dry_run:
         from rotorrig.app.commands import sweep_preview as previewing
@@ -88,22 +88,22 @@ def sweep(
         previewing.show(rig, plan, trial=trial or (), as_json=as_json)
         return
     if out_file is None:
-        raise ConfigError("--out: is missing, want the file to write, or --dry-run")
+        raise ConfigError("--out: missing, want the file to write, or --dry-run")
     from rotorrig.app.commands import simulate as simulating
     from rotorrig.app.commands import sweep
 
-    stand_in = simulating.StandIn(seed=seed, hidden=hidden, rate=rate, faults=faults) if simulate else None
+    simulation = simulating.SimulatedRig(seed=seed, hidden=hidden, rate=rate, faults=faults) if simulate else None
     try:
-        result = sweep.sweep(rig, out=out_file, plan=plan, trial=trial or (), stand_in=stand_in, view=view, yes=yes)
+        result = sweep.sweep(rig, out=out_file, plan=plan, trial=trial or (), simulation=simulation, view=view, yes=yes)
     except KeyboardInterrupt as interrupt:  # or SIGTERM, or the terminal was closed
-        err.print(f"interrupted: the rotor was stopped and {out_file} holds the sweep up to there", highlight=False)
+        err.print(f"interrupted: the rotor was stopped; {out_file} holds the sweep so far", highlight=False)
         raise typer.Exit(130) from interrupt
     words = f"{out_file}: {result.seconds:.1f} s, {result.samples} scans, {result.gaps} gaps recorded"
     tell(words, {"file": str(out_file), **sweep.sweep_facts(result)}, as_json=as_json)
     if not result.at_rest:
         err.print(f"warning: {result.events[-1].text}", highlight=False, markup=False, soft_wrap=True)
     if result.trip:
-        raise RigError(f"{result.trip}; the rotor was stopped and {out_file} holds the sweep up to there")
+        raise RigError(f"{result.trip}; the rotor was stopped; {out_file} holds the sweep up to the trip")
 
 
 def simulate(
@@ -116,8 +116,8 @@ def simulate(
     """Keep a simulated rig running on real ports until Ctrl-C, for another terminal to sweep."""
     from rotorrig.app.commands import simulate as simulating
 
-    simulation = simulating.StandIn(seed=seed, hidden=hidden, rate=rate, faults=faults)
-    simulating.stand_in(load_config(config), simulation)
+    simulation = simulating.SimulatedRig(seed=seed, hidden=hidden, rate=rate, faults=faults)
+    simulating.run_until_interrupted(load_config(config), simulation)
 
 
 def demo(
@@ -125,7 +125,7 @@ def demo(
     config: Annotated[Path | None, typer.Option("--config", help="another rig", show_default="rk4")] = None,
     seed: Seed = 1,
 ) -> None:
-    """Show the whole path on a simulated RK4, from sweep to report: a healthy rig and one with a bent shaft."""
+    """Sweep, track, identify, diagnose and report a simulated RK4: once healthy, once with a bent shaft."""
     from rotorrig.app.commands.demo import run_demo
 
     run_demo(load_config(config or bundled_config("rk4")), out=folder, seed=seed)

@@ -13,7 +13,7 @@ def flat(origin: str, name: str, bounds: rrb.VisualBounds2D) -> rrb.Spatial2DVie
     return rrb.Spatial2DView(origin=origin, name=name, background=BACKGROUND, visual_bounds=bounds)
 
 
-def laid_out(root: rrb.Container, *, timeline: str, fps: float | None = None) -> rrb.Blueprint:
+def make_blueprint(root: rrb.Container, *, timeline: str, fps: float | None = None) -> rrb.Blueprint:
     """Return a blueprint of these views alone, the viewer's own panels out of the way.
 
     `fps` is how many steps of a timeline without seconds are played in one.

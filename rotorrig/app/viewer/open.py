@@ -8,7 +8,7 @@ from rotorrig.acquisition import RawRecording
 from rotorrig.acquisition.files import read_recording
 from rotorrig.app.terminal import working
 from rotorrig.app.viewer.live import LiveView, open_stream
-from rotorrig.app.viewer.live.data import history_of, stepped
+from rotorrig.app.viewer.live.data import history_of, split_into_steps
 from rotorrig.app.viewer.live.parts import LiveScene
 from rotorrig.app.viewer.result import write_result_rrd
 from rotorrig.app.viewer.sinks import Sink, serve, show_files, to_file
@@ -100,7 +100,7 @@ def write_recording_rrd(path: Path, recording: RawRecording) -> None:
     stream = open_stream(recording.rig, "replay", to_file(path).targets)
     whole = history_of(recording)
     scene = LiveScene(recording.rig, recording.daq, stream, events=recording.events, whole=whole)
-    for block in stepped(recording):
+    for block in split_into_steps(recording):
         scene.take(block)
         scene.draw()
     scene.draw(last=True)

@@ -36,7 +36,7 @@ class Sink:
     address: str = ""  # what a person opens in a browser; empty where a window opens by itself, or for a file
     viewer: subprocess.Popen[bytes] | None = None
 
-    def opened(self) -> tuple[Any, ...]:
+    def open_targets(self) -> tuple[Any, ...]:
         """Return the targets as a stream takes them."""
         import rerun as rr  # takes a second, and only the process that draws needs it
 

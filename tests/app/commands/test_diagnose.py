@@ -116,7 +116,7 @@ def test_with_nothing_named_no_config_is_written(
     asked["answer"] = dataclasses.replace(named, verdict=Verdict.ADEQUATE, causes=())
     code, _, err = rotor("diagnose", file, "--out", "d.json", "--rig-out", "e.toml")
     assert code == 1
-    assert err.startswith("error: e.toml: was not written, as no cause was named")
+    assert err.startswith("error: e.toml: not written: no cause was named")
     assert not Path("e.toml").exists()
     assert Path("d.json").exists()
 
@@ -143,7 +143,7 @@ def test_responses_of_two_rigs_are_refused(
     write_response(Path("other.mcap"), dataclasses.replace(response, rig=other))
     code, _, err = rotor("diagnose", file, "other.mcap", "--out", "d.json")
     assert code == 1
-    assert "other.mcap: is of another rig" in err
+    assert "other.mcap: is from another rig" in err
     assert "want responses of one rig" in err
     extended = extend(response.rig, [Extension(name="bow", parameters={"bow re": 1e-6, "bow im": 0.0})])
     write_response(Path("extended.mcap"), dataclasses.replace(response, rig=extended))

@@ -69,7 +69,7 @@ def test_export_says_what_ross_has_no_place_for(rotor: Run) -> None:
         (["import", STEPPED, "-o", "x.toml"], "--config: is missing, want the rig's TOML file"),
         (["import", "--ross", STEPPED, "--config", RK4, "-o", "x.toml"], "wants neither --config nor --mapping"),
         (["import", "--ross", STEPPED, "-o", "no/x.toml"], "no/x.toml: cannot be written (No such file or directory)"),
-        (["import", "--ross", STEPPED, "-o", STEPPED], "stepped.toml: is the file just read"),
+        (["import", "--ross", STEPPED, "-o", STEPPED], "stepped.toml: is the input file"),
         (["export", "--ross", STEPPED, "-o", "x.toml"], "stepped.toml: "),
         (["export", "--ross", RK4, "--max-element", "20", "-o", "x.toml"], "--max-element: got '20'"),
         (["export", "--ross", RK4, "--max-element", "0 mm", "-o", "x.toml"], "--max-element: got 0 mm"),

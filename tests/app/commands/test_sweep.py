@@ -10,7 +10,7 @@ from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.acquisition.sweep import motor_control
 from rotorrig.acquisition.sweep.operator import Nobody
 from rotorrig.acquisition.sweep.plans import Step
-from rotorrig.app.commands.simulate import StandIn
+from rotorrig.app.commands.simulate import SimulatedRig
 from rotorrig.app.commands.sweep import record_sweep, sweep
 from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.config.units import RPM
@@ -87,10 +87,10 @@ def test_the_operator_ends_a_sweep_over_the_wire(ports: BenchPorts, tmp_path: Pa
 def test_a_mass_cannot_be_mounted_on_a_simulated_rig(tmp_path: Path) -> None:
     text = f'{RK4}\n[plans.test]\nkind = "trial-mass"\nmasses = ["disk: 12 g mm at 0 deg"]'
     with pytest.raises(ConfigError, match="which nobody can do on a simulated rig"):
-        sweep(parse(text, where="x"), out=tmp_path / "x.mcap", plan="test", stand_in=StandIn(seed=1), view=False)
+        sweep(parse(text, where="x"), out=tmp_path / "x.mcap", plan="test", simulation=SimulatedRig(seed=1), view=False)
 
 
 def test_a_sweep_that_will_not_fit_on_its_disk_is_refused_before_it_starts(tmp_path: Path) -> None:
     text = f'{RK4}\n[plans.test]\nkind = "dwell"\nspeed = "900 rpm"\ntime = "1000000 h"\nramp = "60 rpm/s"'
-    with pytest.raises(DataError, match=r"x\.mcap: \d+ MB are free there, want 180000\d\d\d MB for this sweep"):
-        sweep(parse(text, where="x"), out=tmp_path / "x.mcap", plan="test", stand_in=StandIn(seed=1), view=False)
+    with pytest.raises(DataError, match=r"x\.mcap: \d+ MB free, want 180000\d\d\d MB for this sweep"):
+        sweep(parse(text, where="x"), out=tmp_path / "x.mcap", plan="test", simulation=SimulatedRig(seed=1), view=False)

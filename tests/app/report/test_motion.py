@@ -5,7 +5,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 
-from rotorrig.app.report.motion import centreline
+from rotorrig.app.report.motion import centreline_section
 from rotorrig.processing.response import OrderTrackedResponse
 
 
@@ -34,7 +34,7 @@ def raised(response: OrderTrackedResponse) -> OrderTrackedResponse:
 
 
 def test_gap_voltages_are_those_of_the_probe(response: OrderTrackedResponse) -> None:
-    section = centreline(raised(response))
+    section = centreline_section(raised(response))
     assert section is not None
     # 7.874 mV/µm about -10 V: 20 µm are 0.157 V
     assert ["1x", "-10.000", "-9.843", "+20.00", "-18 to -2"] in Rows(section.html).rows
@@ -44,14 +44,16 @@ def test_gap_voltages_are_those_of_the_probe(response: OrderTrackedResponse) -> 
 def test_the_way_is_said_as_a_share_of_the_clearance_where_that_is_known(response: OrderTrackedResponse) -> None:
     bearings = tuple(b.model_copy(update={"clearance": 100e-6}) for b in response.rig.bearings)
     known = dataclasses.replace(raised(response), rig=response.rig.model_copy(update={"bearings": bearings}))
-    section = centreline(known)
+    section = centreline_section(known)
     assert section is not None
     assert ["1x, 1y at 250.5 mm, up", "20 µm", "480", "3600", "40.0% (left B)"] in Rows(section.html).rows  # of 50 µm
 
 
 def test_single_probes_have_gaps_and_no_centreline(response: OrderTrackedResponse) -> None:
     parallel = tuple(probe.model_copy(update={"angle": 0.0}) for probe in response.rig.probes)
-    section = centreline(dataclasses.replace(response, rig=response.rig.model_copy(update={"probes": parallel})))
+    section = centreline_section(
+        dataclasses.replace(response, rig=response.rig.model_copy(update={"probes": parallel}))
+    )
     assert section is not None
     assert "data-figure" not in section.html
     assert len(Rows(section.html).rows) == 1 + len(response.probes)
@@ -66,4 +68,4 @@ def test_without_0x_there_is_nothing_to_say(response: OrderTrackedResponse) -> N
         slow_roll=response.slow_roll[:, 1:],
         slow_roll_covariance=response.slow_roll_covariance[1:],
     )
-    assert centreline(moving) is None
+    assert centreline_section(moving) is None

@@ -101,7 +101,7 @@ def test_the_evidence_comes_in_order(
         "Other orders",
         "Orbits at 1X",
         "Shaft centreline and gap",
-        "What this data cannot tell",
+        "What this data cannot show",
         "How it was tracked",
         "The rig",
         "Where this comes from",

@@ -4,14 +4,14 @@ import dataclasses
 
 import numpy as np
 
-from rotorrig.app.report.tracking import tracking
+from rotorrig.app.report.tracking import tracking_section
 from rotorrig.processing.response import OrderTrackedResponse, Run
 
 
 def said(response: OrderTrackedResponse) -> str:
     """Return the section with its markup taken for blanks."""
     words, inside = "", False
-    for letter in tracking(response).html:
+    for letter in tracking_section(response).html:
         inside = letter == "<" or (inside and letter != ">")
         words += " " if inside or letter == ">" else letter
     return " ".join(words.split())

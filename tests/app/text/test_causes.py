@@ -5,7 +5,18 @@ import math
 
 import pytest
 
-from rotorrig.app.text import causes
+from rotorrig.app.text.causes import (
+    LISTED,
+    cause_evidence,
+    cause_prediction_error,
+    cause_size,
+    cause_status,
+    causes_to_list,
+    gain_sentence,
+    hidden_effect_text,
+    next_run_sentence,
+    parameter_shifts,
+)
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.verdict.cause import Figure
 from rotorrig.identify.verdict.gain import Shift
@@ -16,14 +27,14 @@ BOW = make_cause("bow", "residual bow", chosen=True, evidence=800.0, after=4.1e-
 
 
 def test_a_single_phasor_needs_no_name() -> None:
-    assert causes.size(BOW) == "18.00 ± 0.30 µm at 110.0 ± 1.0°"
+    assert cause_size(BOW) == "18.00 ± 0.30 µm at 110.0 ± 1.0°"
 
 
 def test_several_figures_are_told_apart_by_their_names() -> None:
     several = {"force 1X": Figure(value=0.3, unit="N", sigma=0.01), "force 2X": Figure(value=0.1, unit="N", sigma=0.02)}
     angle = {"force 1X angle": Figure(value=math.pi, unit="rad", sigma=math.inf)}
     assert (
-        causes.size(dataclasses.replace(BOW, parameters=several | angle))
+        cause_size(dataclasses.replace(BOW, parameters=several | angle))
         == "force 1X 0.300 ± 0.010 N at 180°, force 2X 0.100 ± 0.020 N"
     )
 
@@ -32,41 +43,41 @@ def test_several_figures_are_told_apart_by_their_names() -> None:
     ("before", "after", "said"), [(1.234e-4, 2e-6, "123 → 2.00 µm"), (5.2e-6, 4.1e-7, "5.20 → 0.410 µm")]
 )
 def test_errors_have_three_digits(before: float, after: float, said: str) -> None:
-    assert causes.heldout(dataclasses.replace(BOW, heldout_before=before, heldout_after=after)) == said
+    assert cause_prediction_error(dataclasses.replace(BOW, heldout_before=before, heldout_after=after)) == said
 
 
 def test_what_was_not_measured_is_a_dash() -> None:
-    assert causes.heldout(dataclasses.replace(BOW, heldout_after=math.nan)) == "–"
+    assert cause_prediction_error(dataclasses.replace(BOW, heldout_after=math.nan)) == "–"
 
 
 def test_the_chosen_and_the_tied_are_listed_however_many_are_better(named: Diagnosis) -> None:
     others = [dataclasses.replace(make_cause(f"effect {i}", "", evidence=100.0 - i, after=1e-6)) for i in range(20)]
     found = dataclasses.replace(named, causes=(BOW, *others), tied=(("bow", "effect 19"),))
-    labels = [cause.label for cause in causes.listed(found)]
-    assert labels == ["bow", *(f"effect {i}" for i in range(causes.LISTED - 1)), "effect 19"]
-    assert causes.standing(others[19], found) == "tied"
-    assert causes.standing(BOW, found) == "in the model, tied"
+    labels = [cause.label for cause in causes_to_list(found)]
+    assert labels == ["bow", *(f"effect {i}" for i in range(LISTED - 1)), "effect 19"]
+    assert cause_status(others[19], found) == "tied"
+    assert cause_status(BOW, found) == "in the model, tied"
 
 
 def test_a_model_that_was_not_extended_has_no_gain(good: Diagnosis) -> None:
-    assert causes.gain(good) == ""
-    assert causes.next_run(good) == ""
-    assert list(causes.absorbed(good)) == []
+    assert gain_sentence(good) == ""
+    assert next_run_sentence(good) == ""
+    assert list(parameter_shifts(good)) == []
 
 
 def test_a_phase_moves_the_short_way_round(named: Diagnosis) -> None:
     turned = dataclasses.replace(
         named, gain=make_gain({"phase": Shift(before=-3.1, after=3.1, sigma=0.01, unit="rad")})
     )
-    ((_, _, _, moved),) = causes.absorbed(turned)
+    ((_, _, _, moved),) = parameter_shifts(turned)
     assert moved == "-8.3 σ"  # 6.2 - 2 pi = -0.083
 
 
 def test_an_effect_no_size_of_which_would_show_says_so() -> None:
     effect = HiddenEffect(effect="couple", smallest=math.inf, unit="rad", missing="a second plane")
-    assert causes.hidden(effect) == "couple: would not show at any size; what is missing is a second plane"
+    assert hidden_effect_text(effect) == "couple: not detectable at any size; needs a second plane"
 
 
 def test_a_fit_that_was_given_up_says_the_least_it_could_be() -> None:
-    assert causes.evidence(BOW) == "800"
-    assert causes.evidence(dataclasses.replace(BOW, given_up=True)) == "≥ 800"
+    assert cause_evidence(BOW) == "800"
+    assert cause_evidence(dataclasses.replace(BOW, given_up=True)) == "≥ 800"

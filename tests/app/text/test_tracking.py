@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rotorrig.app.text.tracking import quality_words
+from rotorrig.app.text.tracking import quality_lines
 from rotorrig.rig.config.description import RigConfig
 from tests.fuzz.corpus import response
 
@@ -19,7 +19,7 @@ def test_reasons_and_remarks_are_told_once_with_how_often_and_where(rig_config: 
         remarks=(("hum falls into 3X: adds up to 0.3 um",), ("hum falls into 3X: adds up to 0.1 um",), ()),
         slow_roll_remarks=("600 rpm are 0.27 of the 2230 rpm at which 1X is largest",),
     )
-    assert quality_words(said) == [
+    assert quality_lines(said) == [
         "slow roll: 600 rpm are 0.27 of the 2230 rpm at which 1X is largest",
         "masked: 1x: clipped (2 rows, 1010 to 1020 rpm)",
         "remark: hum falls into 3X (2 rows, 1000 to 1010 rpm)",
@@ -28,4 +28,4 @@ def test_reasons_and_remarks_are_told_once_with_how_often_and_where(rig_config: 
 
 def test_nothing_is_said_of_a_sound_response_without_remarks(rig_config: RigConfig) -> None:
     sound = replace(response(rig_config), reasons=((), (), ()), remarks=(), slow_roll_remarks=())
-    assert quality_words(sound) == []
+    assert quality_lines(sound) == []

@@ -6,8 +6,8 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from rotorrig.app.plot_data import Curve, curves, thinned
-from rotorrig.app.report.figures.look import COLOURS, dots, styled
+from rotorrig.app.plot_data import Curve, curves, thin_curve
+from rotorrig.app.report.figures.look import COLOURS, apply_look, dots
 from rotorrig.processing import OrderTrackedResponse
 
 MOST = 160  # points of a run: a panel is half as wide as the page
@@ -26,18 +26,18 @@ def order_amplitudes(response: OrderTrackedResponse, order: float) -> go.Figure:
     )
     for p in range(len(response.probes)):
         place = {"row": p // 2 + 1, "col": p % 2 + 1}
-        for i, curve in enumerate(thinned(c, most=MOST) for c in curves(response, p, order=order)):
-            figure.add_trace(_measured(curve, legend=p == 0), **place)
+        for i, curve in enumerate(thin_curve(c, most=MOST) for c in curves(response, p, order=order)):
+            figure.add_trace(_amplitude_trace(curve, legend=p == 0), **place)
             if i == 0:
-                figure.add_trace(_noise(curve, legend=p == 0), **place)
+                figure.add_trace(_noise_trace(curve, legend=p == 0), **place)
     figure.update_yaxes(rangemode="tozero", title="µm 0-peak", col=1)
     figure.update_xaxes(title="speed, rpm", row=rows)
-    styled(figure, height=80 + 210 * rows)
+    apply_look(figure, height=80 + 210 * rows)
     figure.update_layout(legend_y=1.0 + 0.12 / rows, margin_t=56)  # above the panels' titles
     return figure
 
 
-def _measured(curve: Curve, *, legend: bool) -> go.Scatter:
+def _amplitude_trace(curve: Curve, *, legend: bool) -> go.Scatter:
     name = escape(curve.run)
     return go.Scatter(
         x=np.round(curve.rpm, 1),
@@ -50,7 +50,7 @@ def _measured(curve: Curve, *, legend: bool) -> go.Scatter:
     )
 
 
-def _noise(curve: Curve, *, legend: bool) -> go.Scatter:
+def _noise_trace(curve: Curve, *, legend: bool) -> go.Scatter:
     return go.Scatter(
         x=np.round(curve.rpm, 1),
         y=np.round(curve.sigma, 4),

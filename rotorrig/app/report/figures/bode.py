@@ -8,8 +8,8 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from rotorrig.app.plot_data import Curve, curves, thinned
-from rotorrig.app.report.figures.look import base_line, dots, line, styled
+from rotorrig.app.plot_data import Curve, curves, thin_curve
+from rotorrig.app.report.figures.look import apply_look, base_line, dots, line
 from rotorrig.processing import OrderTrackedResponse
 
 HEIGHT = 430  # px
@@ -32,7 +32,7 @@ def bode(
     for i, curve in enumerate(curves(response, probe, prediction=before) if before is not None else ()):
         _draw_model(figure, curve, name="base model", legend=i == 0, look=base_line(curve.direction))
     for curve in curves(response, probe, prediction=prediction):
-        name, few = escape(curve.run), thinned(curve, most=DOTS)
+        name, few = escape(curve.run), thin_curve(curve, most=DOTS)
         _draw(figure, few.rpm, few.amplitude, few.lag, name=name, legend=True, look=dots(curve.direction))
         if prediction is not None:
             _draw_model(figure, curve, name=f"{name}, model", legend=True, look=line(curve.direction))
@@ -40,11 +40,11 @@ def bode(
     quarters = np.arange(-360, 811, 90)  # an axis may begin anywhere; its labels stay within 0 .. 360
     figure.update_yaxes(title="lag, °", tickvals=quarters, ticktext=quarters % 360, row=2, col=1)
     figure.update_xaxes(title="speed, rpm", row=2, col=1)
-    return styled(figure, height=HEIGHT)
+    return apply_look(figure, height=HEIGHT)
 
 
 def _draw_model(figure: go.Figure, curve: Curve, *, name: str, legend: bool, look: dict[str, Any]) -> None:
-    few = thinned(curve, modelled=True)
+    few = thin_curve(curve, modelled=True)
     assert few.model_amplitude is not None and few.model_lag is not None
     _draw(figure, few.rpm, few.model_amplitude, few.model_lag, name=name, legend=legend, look=look)
 

@@ -7,7 +7,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from rotorrig.app.plot_data import CentrelinePath, ClearanceCircle
-from rotorrig.app.report.figures.look import COLOURS, SHEER, styled
+from rotorrig.app.report.figures.look import COLOURS, SHEER, apply_look
 
 MOST = 250  # points of a path
 SEEN = 0.02  # of the circle's radius: a path that goes less far would be a dot in it, and is drawn without it
@@ -22,7 +22,7 @@ def centreline(paths: Sequence[CentrelinePath], circle: ClearanceCircle | None =
         _draw(figure, path)
     figure.update_xaxes(title="x, µm")
     figure.update_yaxes(title="y, µm", scaleanchor="x")
-    return styled(figure, height=380)
+    return apply_look(figure, height=380)
 
 
 def seen_in(paths: Sequence[CentrelinePath], circle: ClearanceCircle) -> bool:

@@ -14,7 +14,7 @@ GRID = "rgba(128,136,144,0.25)"
 LINE = "rgba(128,136,144,0.6)"
 
 
-def styled(figure: go.Figure, *, height: int) -> go.Figure:
+def apply_look(figure: go.Figure, *, height: int) -> go.Figure:
     """Strip Plotly's own look and give ours."""
     figure.update_layout(
         template="none",

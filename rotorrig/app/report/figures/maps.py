@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data import OrderSpectrum, residual_grid, whirl_grid
-from rotorrig.app.report.figures.look import styled
+from rotorrig.app.report.figures.look import apply_look
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import UM
 
@@ -96,6 +96,6 @@ def _map(
     figure = go.Figure(heat)
     figure.update_xaxes(title="speed, rpm", showgrid=False)
     figure.update_yaxes(autorange="reversed", showgrid=False, type="category")
-    styled(figure, height=110 + 26 * len(labels))
+    apply_look(figure, height=110 + 26 * len(labels))
     figure.update_layout(modebar_orientation="h")  # above the map, not across its scale
     return figure

@@ -12,9 +12,9 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data import Curve, curves, thinned
+from rotorrig.app.plot_data import Curve, curves, thin_curve
 from rotorrig.app.report.figures.bode import DOTS
-from rotorrig.app.report.figures.look import COLOURS, GRID, LINE, base_line, dots, line, styled
+from rotorrig.app.report.figures.look import COLOURS, GRID, LINE, apply_look, base_line, dots, line
 from rotorrig.processing import OrderTrackedResponse
 
 HEIGHT = 430  # px, that of the Bode plot beside it
@@ -32,19 +32,19 @@ def polar(
     """Return the paths of the 1X vectors over speed, in the colours and from the models of `bode`."""
     figure = go.Figure()
     for curve in curves(response, probe, prediction=before) if before is not None else ():
-        few = thinned(curve, modelled=True)
+        few = thin_curve(curve, modelled=True)
         _draw(figure, few, few.model_amplitude, few.model_lag, base_line(curve.direction))
     drawn = curves(response, probe, prediction=prediction)
     for curve in drawn:
-        few = thinned(curve, most=DOTS)
+        few = thin_curve(curve, most=DOTS)
         _draw(figure, few, few.amplitude, few.lag, dots(curve.direction, size=4))
         if prediction is not None:
-            few = thinned(curve, modelled=True)
+            few = thin_curve(curve, modelled=True)
             _draw(figure, few, few.model_amplitude, few.model_lag, line(curve.direction))
     for curve in drawn[:1]:
         _label(figure, curve)
     angle = next(p.angle for p in response.rig.probes if p.name == response.probes[probe])
-    styled(figure, height=HEIGHT)
+    apply_look(figure, height=HEIGHT)
     figure.update_layout(margin={"l": 40, "r": 40, "t": 34, "b": 46}, showlegend=False, modebar_orientation="h")
     figure.update_polars(
         bgcolor="rgba(0,0,0,0)",
@@ -82,7 +82,7 @@ def _draw(
 
 def _label(figure: go.Figure, curve: Curve) -> None:
     """Write a few speeds along a run, its peak first."""
-    rows = labelled(curve)
+    rows = rows_to_label(curve)
     figure.add_scatterpolar(
         r=np.round(curve.amplitude[rows], 3),
         theta=np.round(curve.lag[rows] % 360.0, 1),
@@ -95,7 +95,7 @@ def _label(figure: go.Figure, curve: Curve) -> None:
     )
 
 
-def labelled(curve: Curve) -> list[int]:
+def rows_to_label(curve: Curve) -> list[int]:
     """Return the rows whose speed is written beside them: the peak, and others spread over the vectors' path."""
     told = np.flatnonzero(np.isfinite(curve.amplitude))
     if not told.size:

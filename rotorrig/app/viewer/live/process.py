@@ -51,10 +51,10 @@ def _draw_all(reader: BlockReader) -> None:
     os.write(sys.stdout.fileno(), READY)
     while not reader.ended:
         if blocks := reader.blocks(FRAME):
-            for block in joined(blocks, most=most):
+            for block in join_blocks(blocks, most=most):
                 scene.take(block)
             scene.draw()
-    for block in joined(reader.blocks(0.0), most=most):
+    for block in join_blocks(reader.blocks(0.0), most=most):
         scene.take(block)
     scene.draw(last=True)
     stream.disconnect()
@@ -68,13 +68,13 @@ def open_stream(rig: RigConfig, kind: Literal["live", "replay"], targets: Sequen
     batches.flush_tick = FILE_TICK if all(isinstance(target, Path) for target in targets) else VIEWER_TICK
     # a viewer keeps a layout per application from one day to the next: either kind is one, and its own is made active
     stream = rr.RecordingStream(f"rotorrig {kind}", recording_id=f"{kind}-{time.time_ns():x}", batcher_config=batches)
-    stream.set_sinks(*Sink(targets=tuple(targets)).opened())
+    stream.set_sinks(*Sink(targets=tuple(targets)).open_targets())
     stream.send_blueprint(live_blueprint(rig) if kind == "live" else replay_blueprint(rig))
     stream.send_recording_name(displayable(f"{rig.name}, {kind}"))
     return stream
 
 
-def joined(blocks: list[Block], *, most: int = sys.maxsize) -> list[Block]:
+def join_blocks(blocks: list[Block], *, most: int = sys.maxsize) -> list[Block]:
     """Return the blocks with those that follow on each other put together, to about `most` scans.
 
     Tracking pays per call; what is seen of a waveform is the last turns of each.

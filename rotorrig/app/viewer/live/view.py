@@ -48,7 +48,7 @@ class LiveView:
         self._handed_over = 0  # blocks: progress, while the view is ending
         self._changed = threading.Condition()
         self._ended = False
-        self._process = _started(opening(rig, info, sink.targets, events=events))
+        self._process = _start_process(opening(rig, info, sink.targets, events=events))
         self._thread = threading.Thread(target=self._hand_over, name="live view", daemon=True)
         self._thread.start()
 
@@ -130,7 +130,7 @@ class LiveView:
             log.warning("the live view was too slow for %d blocks", self.dropped)
 
 
-def _started(told: bytes) -> subprocess.Popen[bytes]:
+def _start_process(told: bytes) -> subprocess.Popen[bytes]:
     """Start the drawing process, tell it `told`, return it once it is ready. Raises RigError in its own words."""
     process = subprocess.Popen(
         [sys.executable, "-m", "rotorrig.app.viewer.live.process"],

@@ -43,7 +43,7 @@ class CentrelinePicture:
         self._radius = (clearance or 0.0) / 2
         self._middle = np.array(UPWARDS[gravity]) * self._radius  # of circle and axes, µm from the reference
         self._reach = BEYOND * self._radius or SMALLEST_PATH
-        self._panel = self._drawn_axes()
+        self._panel = self._draw_axes()
 
     def draw(self, paths: Sequence[tuple[str, NDArray[np.float64], Colour]], *, labels: Sequence[Label] = ()) -> None:
         """Draw named paths (point, 2) [µm], NaN breaks one, and marked points with words beside them."""
@@ -66,9 +66,9 @@ class CentrelinePicture:
     def _grow(self, reach: float) -> None:
         if reach > self._reach:
             self._reach = nice(1.05 * reach)
-            self._panel = self._drawn_axes()
+            self._panel = self._draw_axes()
 
-    def _drawn_axes(self) -> Panel:
+    def _draw_axes(self) -> Panel:
         """Draw the axes anew, and the circle of the bearing if it has one."""
         panel = centreline_panel(self._reach, middle=self._middle, title=self._title)
         panel.log(self._stream, f"{self._path}/axes", static=self._static)

@@ -92,7 +92,7 @@ class PolarPicture:
         grid += [np.array([0.0, wanted]) * self._way(lag) for lag in lags]
         edge = [wanted * np.exp(1j * ROUND), np.array([wanted, 1.05 * wanted]) * self._way(0.0)]
         colours = [GRID] * len(grid) + [SOFT, INK]
-        lines = [self._placed(line) for line in (*grid, *edge)]
+        lines = [self._to_view(line) for line in (*grid, *edge)]
         self._log("axes/circles", rr.LineStrips2D(lines, colors=colours, radii=-0.5, draw_order=-10))
         self._log("axes/labels", texts(self._labels(radii, lags, clear=_clear_lag(z, lags + SPOKE / 2))))
         self._draw_rotation()
@@ -101,7 +101,7 @@ class PolarPicture:
         """Return the direction in which a phase lag [deg] is drawn."""
         return complex(np.exp(1j * (self._zero - self._sense * math.radians(lag))))
 
-    def _placed(self, xy: ArrayLike) -> NDArray[np.float64]:
+    def _to_view(self, xy: ArrayLike) -> NDArray[np.float64]:
         """Return the view's coordinates (point, 2) of places x + jy (point,) [µm]."""
         at = np.asarray(xy, dtype=complex)
         return self._panel.place(at.real, at.imag)
@@ -112,7 +112,7 @@ class PolarPicture:
         """Return the labels of the spokes, and of the circles along the lag `clear` [deg], and the title."""
         spokes = [(1.12 * self._reach * self._way(lag), f"{lag:g}°") for lag in lags]
         circles = [(radius * self._way(clear), f"{radius:g}") for radius in radii]
-        places = self._placed(np.array([at for at, _ in (*spokes, *circles)]))
+        places = self._to_view(np.array([at for at, _ in (*spokes, *circles)]))
         found = [(x, y, words) for (x, y), (_, words) in zip(places, (*spokes, *circles), strict=True)]
         return [*found, (50.0, -15.0, self._title)]
 
@@ -123,9 +123,9 @@ class PolarPicture:
         out = np.exp(1j * arc[-1])
         along = 1j * self._sense * out
         head = line[-1] + 0.05 * self._reach * np.array([0.7 * out - along, 0.0, -0.7 * out - along])
-        strips = [self._placed(line), self._placed(head)]
+        strips = [self._to_view(line), self._to_view(head)]
         self._log("axes/rotation", rr.LineStrips2D(strips, colors=SOFT, radii=-0.9, draw_order=-10))
-        ((x, y),) = self._placed(np.array([1.36 * self._reach * np.exp(1j * np.radians(225.0))]))
+        ((x, y),) = self._to_view(np.array([1.36 * self._reach * np.exp(1j * np.radians(225.0))]))
         self._log("axes/rotation/word", texts([(x + 1.0, y + 11.0, "rotation")]))
 
     def _speeds(self, z: NDArray[np.complex128], rpm: NDArray[np.float64], colour: Colour) -> rr.Points2D:

@@ -34,7 +34,7 @@ class ResidualPicture:
         if not len(labels):
             return
         tall, wide = max(1, HEIGHT // len(labels)), max(1, WIDTH // grid.shape[1])
-        image = np.kron(coloured(grid), np.ones((tall, wide, 1), dtype=np.uint8))
+        image = np.kron(colour_sigmas(grid), np.ones((tall, wide, 1), dtype=np.uint8))
         self._log("map", rr.Image(image))
         panel = Panel(
             left=0, top=0, width=image.shape[1], height=image.shape[0], x=(edges[0], edges[-1]), y=(0, len(labels)),
@@ -51,7 +51,7 @@ class ResidualPicture:
         self._stream.log(f"{self._path}/{name}", what, static=True)
 
 
-def coloured(grid: NDArray[np.float64]) -> NDArray[np.uint8]:
+def colour_sigmas(grid: NDArray[np.float64]) -> NDArray[np.uint8]:
     """Return sigmas (row, bin) as colours (row, bin, 3); what was not measured takes the grid's colour."""
     at = [stop for stop, _ in STOPS]
     channels = [np.interp(grid, at, [colour[k] for _, colour in STOPS]) for k in range(3)]

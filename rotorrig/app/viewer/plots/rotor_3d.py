@@ -66,7 +66,7 @@ class RotorPicture:
     def say(self, words: str) -> None:
         """Write `words` above the rotor."""
         at = (self._rig.shaft.length / 2, 0.0, 0.22 * self._rig.shaft.length)
-        self._log("moving/words", _named([at], [words], INK))
+        self._log("moving/words", _labels([at], [words], INK))
 
     def _places(self, nodes: int) -> NDArray[np.intp]:
         """Return the nodes that get an orbit."""
@@ -97,14 +97,14 @@ class RotorPicture:
             "moving/disks",
             rr.Cylinders3D(
                 lengths=[d.width for d in disks], radii=[d.diameter / 2 for d in disks], centers=centres,
-                quaternions=[_turned_to(slope) for slope in slopes], colors=DISK,
+                quaternions=[_rotation_to(slope) for slope in slopes], colors=DISK,
                 fill_mode=rr.components.FillMode.TransparentFillMajorWireframe,
             ),
         )  # fmt: skip
 
     def _draw_bearings(self, radius: float) -> None:
         bearings, floor = self._rig.bearings, -1.2 * max([d.diameter / 2 for d in self._rig.disks], default=0.03)
-        along = _turned_to(np.array([1.0, 0.0, 0.0]))
+        along = _rotation_to(np.array([1.0, 0.0, 0.0]))
         rings = rr.Cylinders3D(
             lengths=[0.01] * len(bearings), radii=[radius] * len(bearings), colors=GROUND,
             centers=[(b.position, 0, 0) for b in bearings], quaternions=[along] * len(bearings),
@@ -114,7 +114,7 @@ class RotorPicture:
         base = [[(0, 0, floor), (self._rig.shaft.length, 0, floor)]]
         self._log("rig/bearings", rings, static=True)
         self._log("rig/ground", rr.LineStrips3D([*feet, *base], colors=GROUND, radii=-1.5), static=True)
-        said = _said_together([(b.position, b.name) for b in bearings], apart=0.06 * self._rig.shaft.length)
+        said = _merge_labels([(b.position, b.name) for b in bearings], apart=0.06 * self._rig.shaft.length)
         self._labels("bearings", [(at, 0, floor) for at, _ in said], [words for _, words in said], SOFT)
         tops = [(d.position, 0, 1.15 * d.diameter / 2) for d in self._rig.disks]
         self._labels("disks", tops, [d.name for d in self._rig.disks], INK)
@@ -142,13 +142,13 @@ class RotorPicture:
         self._log("rig/rotation/head", head, static=True)
 
     def _labels(self, name: str, places: Sequence[tuple[float, ...]], words: Sequence[str], colour: Colour) -> None:
-        self._log(f"rig/{name}/names", _named(places, words, colour), static=True)
+        self._log(f"rig/{name}/names", _labels(places, words, colour), static=True)
 
     def _log(self, name: str, what: rr.AsComponents, *, static: bool = False) -> None:
         self._stream.log(f"{self._path}/{name}", what, static=static)
 
 
-def _named(places: Sequence[tuple[float, ...]], words: Sequence[str], colour: Colour) -> rr.Points3D:
+def _labels(places: Sequence[tuple[float, ...]], words: Sequence[str], colour: Colour) -> rr.Points3D:
     """Return words at places (point, 3), without a dot."""
     shown = [displayable(said) for said in words]
     return rr.Points3D(places, labels=shown, show_labels=True, radii=-0.01, colors=colour)
@@ -183,7 +183,7 @@ def sense_colour(forward: float) -> Colour:
     return FORWARD if forward > 0 else BACKWARD
 
 
-def _said_together(named: Sequence[tuple[float, str]], *, apart: float) -> list[tuple[float, str]]:
+def _merge_labels(named: Sequence[tuple[float, str]], *, apart: float) -> list[tuple[float, str]]:
     """Return places and names, in order along the shaft, those nearer than `apart` [m] joined at their middle."""
     groups: list[list[tuple[float, str]]] = []
     for at, name in sorted(named):
@@ -194,7 +194,7 @@ def _said_together(named: Sequence[tuple[float, str]], *, apart: float) -> list[
     return [(sum(at for at, _ in group) / len(group), ", ".join(name for _, name in group)) for group in groups]
 
 
-def _turned_to(direction: Reals) -> rr.Quaternion:
+def _rotation_to(direction: Reals) -> rr.Quaternion:
     """Return the rotation that takes the Z axis, a cylinder's own, to `direction` (3,)."""
     way = direction / np.linalg.norm(direction)
     xyzw = np.array([-way[1], way[0], 0.0, 1.0 + way[2]])  # half-way between the two; Z and -Z never meet here

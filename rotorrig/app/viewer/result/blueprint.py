@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import rerun.blueprint as rrb
 
-from rotorrig.app.viewer.blueprint import BACKGROUND, BODE_BOUNDS, ORBIT_BOUNDS, POLAR_BOUNDS, flat, laid_out
+from rotorrig.app.viewer.blueprint import BACKGROUND, BODE_BOUNDS, ORBIT_BOUNDS, POLAR_BOUNDS, flat, make_blueprint
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.processing import Plane
 
@@ -24,7 +24,7 @@ def result_layout(result: Result, modes: Sequence[str]) -> rrb.Blueprint:
     if planes:
         tabs.append(_spectrum(planes))
     tabs.append(_rotor(modes, result.response.rig.shaft.length))
-    return laid_out(rrb.Tabs(*tabs, active_tab=0), timeline="speed_rpm", fps=PLAYED)
+    return make_blueprint(rrb.Tabs(*tabs, active_tab=0), timeline="speed_rpm", fps=PLAYED)
 
 
 def _overview(result: Result, planes: Sequence[Plane]) -> rrb.Container:

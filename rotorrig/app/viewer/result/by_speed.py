@@ -17,7 +17,7 @@ RECORDED = (96, 104, 112)  # all that the probes saw
 RAW = (120, 150, 176)  # 1X before the slow-roll vector is taken off
 
 
-def shown_rows(result: Result) -> list[int]:
+def rows_to_show(result: Result) -> list[int]:
     """Return the rows the cursor can stand at: along the first sweep, the largest vector among them."""
     return representative_rows(result.response, result.z, run=result.sweeps[0], count=SPEEDS) if result.sweeps else []
 
@@ -34,7 +34,7 @@ def draw_by_speed(
 ) -> None:
     """Draw orbits, the cursor in every plot and the rotor's deflection at every speed shown."""
     pictures = [OrbitPicture(stream, f"orbit/{i}") for i in range(len(result.planes))]
-    for step, row in enumerate(shown_rows(result)):
+    for step, row in enumerate(rows_to_show(result)):
         rpm = float(result.response.omega[row] * RPM)
         stream.set_time("speed_rpm", sequence=round(rpm))
         for (plane, columns), orbits_of in zip(result.planes, pictures, strict=True):
@@ -64,12 +64,12 @@ def _orbits(
     if slow_roll_known(result.response):
         raw = orbit(plane, result.response.order(1.0)[row, columns][:, None]) * UM
         found.insert(0, ("raw-1X", raw, RAW))
-    if waveforms and (recorded := _recorded(waveforms, result, row, plane)) is not None:
+    if waveforms and (recorded := _recorded_orbit(waveforms, result, row, plane)) is not None:
         found.insert(0, ("recorded", recorded, RECORDED))
     return found, xy[:1]
 
 
-def _recorded(waveforms: Waveforms, result: Result, row: int, plane: Plane) -> NDArray[np.float64] | None:
+def _recorded_orbit(waveforms: Waveforms, result: Result, row: int, plane: Plane) -> NDArray[np.float64] | None:
     """Return two turns of the recorded orbit (point, 2) [µm] about its mean at a row's time; None where unknown."""
     pulses = result.response.keyphasor_t
     after = np.searchsorted(pulses, result.response.t[row])

@@ -25,14 +25,14 @@ def draw_cascades(stream: rr.RecordingStream, result: Result, waveforms: Wavefor
     if not result.sweeps or not result.planes:
         return
     rows = representative_rows(result.response, result.z, run=result.sweeps[0], count=SPECTRA)
-    found = recorded(result, waveforms, rows) if waveforms is not None and rows else []
-    for i, (rpm, order, amplitude) in enumerate(found or tracked(result, rows)):
+    found = recorded_cascades(result, waveforms, rows) if waveforms is not None and rows else []
+    for i, (rpm, order, amplitude) in enumerate(found or tracked_cascades(result, rows)):
         what = "as recorded" if found else "of the order vectors, raw"
         picture = CascadePicture(stream, f"cascade/{i}", title=f"full spectrum, {what}, 0-peak", static=True)
         picture.draw(rpm, order, amplitude * UM)
 
 
-def recorded(result: Result, waveforms: Waveforms, rows: list[int]) -> list[Cascade]:
+def recorded_cascades(result: Result, waveforms: Waveforms, rows: list[int]) -> list[Cascade]:
     """Return the cascade of every plane from the waveforms in turns about the rows; none where pulses are unknown."""
     pulses = result.response.keyphasor_t
     middle = np.searchsorted(pulses, result.response.t[rows])
@@ -48,7 +48,7 @@ def recorded(result: Result, waveforms: Waveforms, rows: list[int]) -> list[Casc
     return [(laid.omega * RPM, s.order, s.amplitude) for s in spectra if s.plane.name in wanted]
 
 
-def tracked(result: Result, rows: list[int]) -> list[Cascade]:
+def tracked_cascades(result: Result, rows: list[int]) -> list[Cascade]:
     """Return the cascade of every plane from the orders that were tracked, a narrow line at each."""
     orders = sorted(order for order in result.response.orders if 0 < order <= HIGHEST)
     centres = np.array([*(-n for n in reversed(orders)), *orders])

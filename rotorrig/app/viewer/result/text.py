@@ -1,6 +1,16 @@
 """What stands beside the pictures of a result, in Markdown: verdict, causes, values, colours, provenance."""
 
-from rotorrig.app.text import causes, plus_minus, shown
+from rotorrig.app.text import (
+    cause_evidence,
+    cause_prediction_error,
+    cause_size,
+    causes_to_list,
+    estimate_text,
+    gain_sentence,
+    next_run_sentence,
+    quantity_text,
+    tie_sentences,
+)
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.identify import Diagnosis
 
@@ -11,7 +21,7 @@ def verdict_words(result: Result) -> str:
     if found := result.diagnosis:
         said += [f"**{str(found.verdict).upper()}**: {found.sentence}", *_causes(found)]
     if fit := result.fit:
-        rows = [f"| {e.name} | {plus_minus(e)} | {shown(e.nameplate, e.unit)} |" for e in fit.estimates]
+        rows = [f"| {e.name} | {estimate_text(e)} | {quantity_text(e.nameplate, e.unit)} |" for e in fit.estimates]
         said.append("\n".join(["| | identified | nameplate |\n|---|---|---|", *rows]))
     made = result.response.source
     said.append(f"Config {made.config_hash}, data {made.source} {made.source_hash}, code {made.code_version}.")
@@ -41,11 +51,11 @@ def _causes(found: Diagnosis) -> list[str]:
     said = [cause.words for cause in found.causes if cause.chosen and cause.words not in found.sentence]
     if found.causes:
         rows = [
-            f"| {c.label} | {causes.size(c)} | {causes.evidence(c)} | {causes.heldout(c)} |"
-            for c in causes.listed(found)
+            f"| {c.label} | {cause_size(c)} | {cause_evidence(c)} | {cause_prediction_error(c)} |"
+            for c in causes_to_list(found)
         ]
         said.append("\n".join(["| cause | size | evidence | held-out error |", "|---|---|---|---|", *rows]))
     return [
         *said,
-        *(words for words in (causes.gain(found), *causes.ties(found), causes.next_run(found)) if words),
+        *(words for words in (gain_sentence(found), *tie_sentences(found), next_run_sentence(found)) if words),
     ]

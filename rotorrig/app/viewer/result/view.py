@@ -13,7 +13,7 @@ from rotorrig.acquisition import RawRecording
 from rotorrig.app.viewer.plots import displayable
 from rotorrig.app.viewer.result import curves
 from rotorrig.app.viewer.result.blueprint import result_layout
-from rotorrig.app.viewer.result.by_speed import draw_by_speed, shown_rows
+from rotorrig.app.viewer.result.by_speed import draw_by_speed, rows_to_show
 from rotorrig.app.viewer.result.cascade import draw_cascades
 from rotorrig.app.viewer.result.data import Result, result_of
 from rotorrig.app.viewer.result.rotor import RotorScene
@@ -39,11 +39,11 @@ def write_result_rrd(
     result = result_of(response, identification, diagnosis, recording)
     sink = to_file(path)
     waveforms = Waveforms(recording) if recording else None
-    motion = rotor_motion(result, shown_rows(result))
+    motion = rotor_motion(result, rows_to_show(result))
     titles = [mode_words(mode, rotation=response.rig.rotation) for mode in motion.modes]
     source = response.source.source_hash or response.source.config_hash
     stream = rr.RecordingStream(application_of(result, titles), recording_id=f"result-{source}")
-    stream.set_sinks(*sink.opened(), default_blueprint=result_layout(result, titles))
+    stream.set_sinks(*sink.open_targets(), default_blueprint=result_layout(result, titles))
     stream.send_recording_name(displayable(f"{response.rig.name}, result"))
     bodes = curves.draw_bodes(stream, result)
     polars = curves.draw_polars(stream, result)

@@ -15,7 +15,7 @@ from rotorrig.app.report.figures.amplitudes import order_amplitudes
 from rotorrig.app.report.figures.bode import bode
 from rotorrig.app.report.figures.centreline import centreline
 from rotorrig.app.report.figures.maps import full_spectrum_map
-from rotorrig.app.report.figures.polar import labelled, polar
+from rotorrig.app.report.figures.polar import polar, rows_to_label
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 from rotorrig.processing.response import OrderTrackedResponse
@@ -62,7 +62,7 @@ def test_lag_grows_against_the_rotation_from_the_probe_on(response: OrderTracked
 
 def test_speeds_are_written_along_the_polar_path_the_peak_among_them(response: OrderTrackedResponse) -> None:
     up = curves(response, 0)[0]
-    rows = labelled(up)
+    rows = rows_to_label(up)
     assert up.rpm[rows[0]] == pytest.approx(2230, abs=10)
     assert len(rows) >= 4
     z = up.amplitude[rows] * np.exp(-1j * np.radians(up.lag[rows]))

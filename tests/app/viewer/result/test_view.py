@@ -13,8 +13,8 @@ from rerun.experimental import ViewerClient
 
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.viewer.open import Evidence, as_rrd, save_result
-from rotorrig.app.viewer.plots.residual import coloured
-from rotorrig.app.viewer.result.cascade import recorded, tracked
+from rotorrig.app.viewer.plots.residual import colour_sigmas
+from rotorrig.app.viewer.result.cascade import recorded_cascades, tracked_cascades
 from rotorrig.app.viewer.result.data import result_of
 from rotorrig.app.viewer.result.rotor import exaggeration
 from rotorrig.app.viewer.result.text import colour_words, verdict_words
@@ -102,7 +102,7 @@ def test_the_colours_named_are_those_there_are(response: OrderTrackedResponse, n
 
 
 def test_a_residual_of_eight_sigmas_is_red_and_what_was_not_measured_has_the_grids_colour() -> None:
-    assert coloured(np.array([[8.0, 20.0, np.nan]])).tolist() == [[list(RED), list(RED), [58, 64, 72]]]
+    assert colour_sigmas(np.array([[8.0, 20.0, np.nan]])).tolist() == [[list(RED), list(RED), [58, 64, 72]]]
 
 
 def test_a_deflection_is_drawn_larger_by_a_round_factor() -> None:
@@ -114,7 +114,7 @@ def test_the_cascade_of_a_forward_whirl_stands_at_plus_one(recording: RawRecordi
     response = track(recording)
     result = result_of(response, recording=recording)
     rows = [i for i in range(0, len(response.omega), 25) if response.run[i] == result.sweeps[0]]
-    for rpm, order, amplitude in recorded(result, Waveforms(recording), rows):
+    for rpm, order, amplitude in recorded_cascades(result, Waveforms(recording), rows):
         wanted = np.abs(jeffcott(rpm * RAD))
         assert amplitude[:, order == 1.0].ravel() == pytest.approx(wanted, rel=0.05)
         assert (amplitude[:, np.abs(order - 1.0) > 0.3] < 0.02 * amplitude.max()).all()
@@ -122,7 +122,7 @@ def test_the_cascade_of_a_forward_whirl_stands_at_plus_one(recording: RawRecordi
 
 def test_without_the_recording_a_cascade_has_lines_at_the_orders_tracked(response: OrderTrackedResponse) -> None:
     rows = [100, 300]
-    (_, order, amplitude), _ = tracked(result_of(response), rows)
+    (_, order, amplitude), _ = tracked_cascades(result_of(response), rows)
     forward = np.abs(response.order(1.0)[rows, 0] + 1j * response.order(1.0)[rows, 1]) / 2
     assert order[[0, -1]] == pytest.approx([-4.0, 4.0])
     assert (np.diff(order) > 0).all()

@@ -1,7 +1,7 @@
 """What the live view computes from blocks: tracked vectors, waveforms, slow roll, spectra, the history of a sweep."""
 
 from rotorrig.app.viewer.live.data.curves import WAYS, Points, SpeedCurves
-from rotorrig.app.viewer.live.data.history import STEP, History, history_of, stepped
+from rotorrig.app.viewer.live.data.history import STEP, History, history_of, split_into_steps
 from rotorrig.app.viewer.live.data.slow_roll import SlowRollSoFar
 from rotorrig.app.viewer.live.data.spectra import SpectraSoFar
 from rotorrig.app.viewer.live.data.tracker import LiveTracker
@@ -20,5 +20,5 @@ __all__ = [
     "SpeedCurves",
     "Waveform",
     "history_of",
-    "stepped",
+    "split_into_steps",
 ]

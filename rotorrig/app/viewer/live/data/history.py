@@ -31,12 +31,12 @@ class History:
 def history_of(recording: RawRecording) -> History:
     """Return what a whole recording comes to."""
     tracker, history = LiveTracker(recording.rig, recording.daq), History(recording.rig)
-    for block in stepped(recording):
+    for block in split_into_steps(recording):
         history.add(tracker.take(block), tracker.waveform())
     return history
 
 
-def stepped(recording: RawRecording) -> list[Block]:
+def split_into_steps(recording: RawRecording) -> list[Block]:
     """Return a recording in blocks of about STEP, none across a gap."""
     rate = recording.daq.sample_rate
     size = max(1, round(STEP * rate))

@@ -67,7 +67,7 @@ class LiveTracker:
         self._newest = block.counts[-max(1, int(GAP_SECONDS * self._rate)) :]
         known = len(self._edges)
         self._edges = np.concatenate([self._edges, self._keyphasor.update(block)])
-        ended = self._ended(max(known - 1, 0))
+        ended = self._complete_turns(max(known - 1, 0))
         self._let_go()
         return ended
 
@@ -81,7 +81,7 @@ class LiveTracker:
         x = self._scale.displacement(self._counts[begin:end])
         return Waveform(edges=edges / self._rate, x=at_equal_angles(x, first=float(self._first + begin), edges=edges))
 
-    def _ended(self, since: int) -> Turns:
+    def _complete_turns(self, since: int) -> Turns:
         """Return the turns between the edges from index `since` on."""
         edges = self._edges[since:]
         probes = len(self._scale.channels)

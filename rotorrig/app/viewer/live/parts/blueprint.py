@@ -7,7 +7,7 @@ import rerun.blueprint as rrb
 from rerun.blueprint.archetypes import TextLogColumns
 from rerun.blueprint.encodings import TextLogColumnKind
 
-from rotorrig.app.viewer.blueprint import BACKGROUND, POLAR_BOUNDS, flat, laid_out
+from rotorrig.app.viewer.blueprint import BACKGROUND, POLAR_BOUNDS, flat, make_blueprint
 from rotorrig.processing import planes
 from rotorrig.rig.config import RigConfig
 
@@ -39,7 +39,7 @@ def _tabs(rig: RigConfig, *, events: bool, tab: str) -> rrb.Blueprint:
     pages = [_sweep(rig, events=events), _orbits(rig), _polar(rig), _position(rig), _spectra(rig)]
     there = [page for page in pages if page is not None]
     active = [page.name for page in there].index(tab)
-    return laid_out(rrb.Tabs(*there, active_tab=active), timeline="time")
+    return make_blueprint(rrb.Tabs(*there, active_tab=active), timeline="time")
 
 
 def _sweep(rig: RigConfig, *, events: bool) -> rrb.Container:

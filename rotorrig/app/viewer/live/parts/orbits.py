@@ -48,11 +48,11 @@ class OrbitsPart:
         columns: list[int],
     ) -> None:
         """Draw one plane's `x` (point, 2) and 1X `z` (2,), both in µm, along its probes."""
-        orbits = [("unfiltered", x, UNFILTERED), ("1X", _around(z), UP)]
+        orbits = [("unfiltered", x, UNFILTERED), ("1X", _turn_of_1x(z), UP)]
         if slow_roll.known:
             shape = np.tile(slow_roll.shape[:, columns] * UM, (len(x) // POINTS, 1))
             orbits.append(("compensated", x - shape, COMPENSATED))
-            orbits.append(("compensated-1X", _around(z - slow_roll.z[columns] * UM), COMPENSATED))
+            orbits.append(("compensated-1X", _turn_of_1x(z - slow_roll.z[columns] * UM), COMPENSATED))
         in_plane = [(name, line @ plane.to_xy.T, colour) for name, line, colour in orbits]
         dots = {name: _dots(name, line) for name, line, _ in in_plane}
         picture.draw(in_plane, dots)
@@ -72,7 +72,7 @@ def at_edges(x: NDArray[np.float64]) -> NDArray[np.float64]:
     return x[before] + (places - before)[:, None] * (x[before + 1] - x[before])
 
 
-def _around(z: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _turn_of_1x(z: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Return one turn (point, 2) of 1X alone."""
     return (np.exp(1j * AROUND)[:, None] * z).real
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rotorrig.app.viewer.live.data.curves import SpeedCurves
 from rotorrig.app.viewer.live.data.tracker import LiveTracker, Turns
-from rotorrig.app.viewer.live.process import joined
+from rotorrig.app.viewer.live.process import join_blocks
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 
@@ -61,8 +61,8 @@ def test_a_gap_costs_the_turns_it_cuts_and_nothing_else(rig: RigConfig, swept: S
     angles = np.array([p.angle for p in rig.probes])
     expected = closed_form(turns.omega)[:, None] * np.exp(-1j * angles)
     assert np.abs(turns.z - expected).max() < 0.02 * np.abs(expected).max()
-    assert len(joined(cut)) == 2
-    assert {len(block.counts) for block in joined(cut, most=1000)} == {1000}
+    assert len(join_blocks(cut)) == 2
+    assert {len(block.counts) for block in join_blocks(cut, most=1000)} == {1000}
 
 
 def test_a_keyphasor_of_several_pulses_per_turn_gives_one_vector_per_turn(rig: RigConfig) -> None:
