@@ -35,7 +35,7 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help: fits a screen of 24 lines
-    help="Data acquisition, order tracking, identification and diagnosis for a rotor kit.",
+    help="Acquisition, order tracking, identification and diagnosis of a rotor kit.",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rotorrig.app import cli
-from rotorrig.app.terminal.model_drawing import drawing
+from rotorrig.app.terminal.model_drawing import draw_rotor
 from rotorrig.rig.config.description import RigConfig, from_si
 
 RK4 = Path(__file__).parents[2] / "configs/rk4.toml"
@@ -40,7 +40,7 @@ def rotor(**change: object) -> RigConfig:
 
 
 def rows(rig: RigConfig, width: int = 41, *, plain: bool = False) -> list[str]:
-    return drawing(rig, width=width, plain=plain).plain.split("\n")
+    return draw_rotor(rig, width=width, plain=plain).plain.split("\n")
 
 
 def squares(lines: list[str], column: int) -> int:

@@ -73,8 +73,8 @@ def test_rows_stand_at_steps_of_speed(tracked) -> None:
 
 def test_steps_too_fine_for_rows_that_do_not_overlap_are_said(tracked) -> None:
     response, err = tracked("--every", "0.2 s")
-    assert "of the rows are further apart than 0.2 s: rows of 8 turns would overlap there" in err
-    assert "fewer --turns bring them closer" in err
+    assert "of the rows are further apart than 0.2 s: closer rows of 8 turns would overlap" in err
+    assert "fewer --turns allow closer rows" in err
     length = 8 * 2 * np.pi / response.omega
     assert (np.diff(response.t) > 0.95 * length[1:]).all()
 

@@ -17,7 +17,7 @@ def show_rig(rig: RigConfig) -> None:
     check_effects(rig)
     out.print(tables.rig_parts(rig))
     listed = ", ".join(f"{s:.0f}" for s in _critical_rpm(rig)) or "none"
-    out.print(f"critical speeds of the nameplate up to {_ceiling(rig) * RPM:.0f} rpm: {listed}", highlight=False)
+    out.print(f"critical speeds of the nameplate model up to {_ceiling(rig) * RPM:.0f} rpm: {listed}", highlight=False)
 
 
 def rig_facts(rig: RigConfig) -> dict[str, Any]:
@@ -45,10 +45,10 @@ def device_facts(rig: RigConfig) -> dict[str, Any]:
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def show_model(rig: RigConfig) -> None:
     """Draw the rotor; print its masses, bearing loads and sag, critical speeds and stability. Raises DataError."""
-    from rotorrig.app.terminal import drawing, model_summary
+    from rotorrig.app.terminal import draw_rotor, model_summary
     from rotorrig.sims.rotor.model import assemble
 
-    out.print(drawing(rig, width=out.width, plain=out.options.ascii_only))
+    out.print(draw_rotor(rig, width=out.width, plain=out.options.ascii_only))
     out.print()
     model = assemble(rig)
     out.print(model_summary.masses(rig))

@@ -30,7 +30,7 @@ def _response(file: Path, out: Path) -> str:
 
     response = read_response(file)
     if out.suffix.lower() == LAYOUT:
-        return f"{write_foxglove_layout(out, response)} panels; in Foxglove: layout menu, Import from file"
+        return f"{write_foxglove_layout(out, response)} panels for Foxglove: layout menu, Import from file"
     if out.suffix.lower() == ".csv":
         return f"{response_csv.write_csv(out, response)} rows"
     return f"{response_uff.write_uff(out, response)} order functions"

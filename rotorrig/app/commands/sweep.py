@@ -11,7 +11,7 @@ from rotorrig.acquisition.files import RecordingWriter
 from rotorrig.acquisition.sweep import Ask, Operator, Step, SweepResult, plan_sweep, plan_timeline, run_sweep
 from rotorrig.app.commands.config_model import criticals_to_pass
 from rotorrig.app.commands.simulate import SimulatedRig, simulated_rig
-from rotorrig.app.commands.sweep_preview import expected_bytes
+from rotorrig.app.commands.sweep_preview import estimate_bytes
 from rotorrig.app.terminal import HINT, operator_for, progress_bars
 from rotorrig.rig import ConfigError, DataError, Interlock, Provenance, code_version, connect
 from rotorrig.rig.config import RPM, RigConfig
@@ -84,7 +84,7 @@ def refuse_full_disk(out: Path, rig: RigConfig, steps: Sequence[Step]) -> None:
     """Raise DataError if the recording is unlikely to fit on its disk."""
     if rig.daq is None or not out.parent.is_dir():
         return  # reported by whoever opens them
-    want = expected_bytes(rig, plan_timeline(steps)[-1].end if steps else 0.0)
+    want = estimate_bytes(rig, plan_timeline(steps)[-1].end if steps else 0.0)
     free = shutil.disk_usage(out.parent).free
     if free < want:
         raise DataError(f"{out}: {free / 1e6:.0f} MB free, want {want / 1e6:.0f} MB for this sweep")

@@ -1,4 +1,4 @@
-"""`rotor sweep --dry-run`: what a sweep would do, step by step, and what speaks against it; nothing is opened."""
+"""`rotor sweep --dry-run`: steps, limits and objections of a sweep; no device is opened."""
 
 import math
 from collections.abc import Sequence
@@ -41,21 +41,21 @@ DOT = {False: "·", True: "."}  # along a critical speed
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Preview:
-    """What a plan comes to."""
+    """Steps, critical speeds and objections of a plan."""
 
     steps: tuple[TimedStep, ...]
     criticals: tuple[float, ...]  # of the nameplate's model, rad/s
     bands: tuple[Band, ...]
-    objections: tuple[str, ...]  # why it is refused; empty: it is not
+    objections: tuple[str, ...]  # reasons to refuse it
 
     @property
     def seconds(self) -> float:
-        """How long it takes [s], masses mounted in no time."""
+        """Duration [s], without the time for mounting trial masses."""
         return self.steps[-1].end if self.steps else 0.0
 
 
-def preview(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> Preview:
-    """Return what a plan comes to. Raises ConfigError if there is none of that name, or no such trial mass."""
+def preview_plan(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> Preview:
+    """Return the preview of a plan. Raises ConfigError for an unknown plan or trial mass."""
     criticals = criticals_of(rig)
     steps = draft_sweep(rig, plan, trial=trial, criticals=criticals)
     return Preview(
@@ -67,24 +67,24 @@ def preview(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> Preview:
 
 
 def show(rig: RigConfig, plan: str, *, trial: Sequence[str] = (), as_json: bool = False) -> None:
-    """Print the preview. Raises ConfigError with the first objection, when everything has been shown."""
-    seen = preview(rig, plan, trial=trial)
+    """Print the preview, then raise ConfigError with the first objection."""
+    preview = preview_plan(rig, plan, trial=trial)
     if as_json:
-        tell("", preview_facts(rig, plan, seen), as_json=True)
+        tell("", preview_facts(rig, plan, preview), as_json=True)
     else:
-        _print(rig, plan, seen)
-    for objection in seen.objections:
+        _print(rig, plan, preview)
+    for objection in preview.objections:
         raise ConfigError(f"plans.{plan}: {objection}")
 
 
-def preview_facts(rig: RigConfig, plan: str, seen: Preview) -> dict[str, Any]:
-    """Return the preview as plain values: s, rpm, bytes."""
+def preview_facts(rig: RigConfig, plan: str, preview: Preview) -> dict[str, Any]:
+    """Return the preview as plain values in s, rpm and bytes."""
     return {
         "plan": plan,
-        "seconds": seen.seconds,
-        "bytes": expected_bytes(rig, seen.seconds),
-        "critical_speeds_rpm": [speed * RPM for speed in seen.criticals],
-        "objections": list(seen.objections),
+        "seconds": preview.seconds,
+        "bytes": estimate_bytes(rig, preview.seconds),
+        "critical_speeds_rpm": [speed * RPM for speed in preview.criticals],
+        "objections": list(preview.objections),
         "steps": [
             {
                 "begin_s": timed.begin,
@@ -92,59 +92,59 @@ def preview_facts(rig: RigConfig, plan: str, seen: Preview) -> dict[str, Any]:
                 "step": _describe_step(timed)[0],
                 "from_rpm": timed.speed * RPM,
                 "to_rpm": timed.to * RPM,
-                "remarks": _remarks(timed, seen),
+                "remarks": _remarks(timed, preview),
             }
-            for timed in seen.steps
+            for timed in preview.steps
         ],
     }
 
 
-def _print(rig: RigConfig, plan: str, seen: Preview) -> None:
-    out.print(steps_table(seen, title=f"plan '{plan}' on {rig.name}"))
+def _print(rig: RigConfig, plan: str, preview: Preview) -> None:
+    out.print(steps_table(preview, title=f"plan '{plan}' on {rig.name}"))
     plain = out.options.ascii_only or not out.is_terminal
-    out.print(chart(seen.steps, criticals=seen.criticals, width=min(out.width, 100), plain=plain))
-    for line in (*facts(rig, seen), *(f"refused: {objection}" for objection in seen.objections)):
+    out.print(chart(preview.steps, criticals=preview.criticals, width=min(out.width, 100), plain=plain))
+    for line in (*facts(rig, preview), *(f"refused: {objection}" for objection in preview.objections)):
         out.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
-def steps_table(seen: Preview, *, title: str) -> Table:
-    """Return the steps with times, speeds and what they pass."""
+def steps_table(preview: Preview, *, title: str) -> Table:
+    """Return the steps with times, speeds and the critical speeds they pass."""
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     for heading in ("begin, s", "end, s", "step", "rpm", "rpm/s", "remarks"):
         right = heading in ("begin, s", "end, s", "rpm", "rpm/s")
         table.add_column(heading, justify="right" if right else "left", no_wrap=heading != "remarks")
-    for timed in seen.steps:
+    for timed in preview.steps:
         what, rate = _describe_step(timed)
         speeds = f"{timed.to * RPM:.0f}"
         if timed.to != timed.speed:
             speeds = f"{timed.speed * RPM:.0f} → {speeds}"
         about = "~" if isinstance(timed.step, Coast) else ""
         table.add_row(
-            f"{timed.begin:.1f}", f"{about}{timed.end:.1f}", Text(what), speeds, rate, Text(_remarks(timed, seen))
+            f"{timed.begin:.1f}", f"{about}{timed.end:.1f}", Text(what), speeds, rate, Text(_remarks(timed, preview))
         )
     return table
 
 
-def facts(rig: RigConfig, seen: Preview) -> list[str]:
-    """Return in a line each: the time, the file's size, the limits and the critical speeds."""
-    coasts = sum(isinstance(timed.step, Coast) for timed in seen.steps)
-    asks = sum(isinstance(timed.step, Ask) for timed in seen.steps)
-    total = f"about {seen.seconds:.0f} s"
-    total += f", {coasts} coast-downs guessed at {COAST_SECONDS:.0f} s each" if coasts > 1 else ""
-    total += f", its coast-down guessed at {COAST_SECONDS:.0f} s" if coasts == 1 else ""
-    total += f", and the time of an operator asked {'once' if asks == 1 else f'{asks} times'}" if asks else ""
-    lines = [f"time: {total}; then the run-down to rest"]
+def facts(rig: RigConfig, preview: Preview) -> list[str]:
+    """Return duration, file size, limits and critical speeds, a line each."""
+    coasts = sum(isinstance(timed.step, Coast) for timed in preview.steps)
+    asks = sum(isinstance(timed.step, Ask) for timed in preview.steps)
+    total = f"about {preview.seconds:.0f} s"
+    total += f", {coasts} coast-downs assumed to take {COAST_SECONDS:.0f} s each" if coasts > 1 else ""
+    total += f", coast-down assumed to take {COAST_SECONDS:.0f} s" if coasts == 1 else ""
+    total += f"; plus operator time, asked {'once' if asks == 1 else f'{asks} times'}" if asks else ""
+    lines = [f"time: {total}; then run-down to rest"]
     if rig.daq:
-        size = expected_bytes(rig, seen.seconds) / 1e6
+        size = estimate_bytes(rig, preview.seconds) / 1e6
         lines.append(f"file: about {size:.0f} MB, {channels_used(rig)} channels at {rig.daq.sample_rate:g} Hz")
     lines.append(f"limits: {limits_words(rig)}")
-    named = ", ".join(f"{speed * RPM:.0f}" for speed in seen.criticals) or "none"
-    lines.append(f"critical speeds of the nameplate: {named}{' rpm' if seen.criticals else ''}")
+    named = ", ".join(f"{speed * RPM:.0f}" for speed in preview.criticals) or "none"
+    lines.append(f"critical speeds of the nameplate model: {named}{' rpm' if preview.criticals else ''}")
     return lines
 
 
-def expected_bytes(rig: RigConfig, seconds: float) -> float:
-    """Return about how large the recording of a sweep is; 0 without a DAQ."""
+def estimate_bytes(rig: RigConfig, seconds: float) -> float:
+    """Estimate the size of a sweep's recording; 0 without a DAQ."""
     rate = rig.daq.sample_rate if rig.daq else 0.0
     return seconds * rate * channels_used(rig) * BYTES_PER_SAMPLE * COMPRESSION
 
@@ -153,20 +153,18 @@ def limits_words(rig: RigConfig) -> str:
     """Return the config's limits in a line."""
     limits = rig.limits
     if limits is None:
-        return "none: the config has no [limits], only drive and keyphasor are watched"
+        return "none: the config has no [limits], only drive and keyphasor are monitored"
     words = [f"{limits.overspeed * RPM:.0f} rpm", f"{limits.vibration * 1e6:g} um 0-peak"]
     words += [f"{name} {limit * 1e6:g} um" for name, limit in limits.probes.items()]
     words += [
         f"{band.low * RPM:.0f}-{band.high * RPM:.0f} rpm {band.vibration * 1e6:g} um" for band in limits.critical_bands
     ]
-    words += (
-        [f"critical speeds passed at {limits.critical_ramp * RPM:g} rpm/s at least"] if limits.critical_ramp else []
-    )
+    words += [f"critical speeds passed at {limits.critical_ramp * RPM:g} rpm/s or more"] if limits.critical_ramp else []
     return ", ".join(words)
 
 
 def chart(steps: Sequence[TimedStep], *, criticals: Sequence[float] = (), width: int, plain: bool) -> Text:
-    """Return speed over time as columns of characters, with the highest speed and the critical ones [rad/s] named."""
+    """Return speed over time as a character chart, labelled with the top speed and the critical speeds [rad/s]."""
     total, top = steps[-1].end or 1.0, max(max(timed.speed, timed.to) for timed in steps) or 1.0
     rows = {int(speed / top * ROWS): f"critical {speed * RPM:.0f} rpm " for speed in criticals if speed < top}
     named = {ROWS - 1: f"{top * RPM:.0f} rpm "} | rows
@@ -187,14 +185,14 @@ def chart(steps: Sequence[TimedStep], *, criticals: Sequence[float] = (), width:
 
 
 def _speed_at(steps: Sequence[TimedStep], t: float) -> float:
-    """Return the expected speed at a time, straight between the ends of each step."""
+    """Return the expected speed at a time, linear within each step."""
     timed = next((timed for timed in steps if timed.begin <= t < timed.end), steps[-1])
     part = (t - timed.begin) / timed.seconds if timed.seconds else 1.0
     return timed.speed + min(part, 1.0) * (timed.to - timed.speed)
 
 
 def _describe_step(timed: TimedStep) -> tuple[str, str]:
-    """Return what a step is, and its rate in rpm/s where it has one."""
+    """Return a step's name, and its rate in rpm/s if it is a ramp."""
     match timed.step:
         case Ramp(rate=rate):
             return "ramp", f"{rate * RPM:.0f}"
@@ -212,12 +210,12 @@ def _describe_step(timed: TimedStep) -> tuple[str, str]:
             return f"trial mass: {mass}", ""
 
 
-def _remarks(timed: TimedStep, seen: Preview) -> str:
-    """Say which critical speeds and bands a step passes or stands in."""
+def _remarks(timed: TimedStep, preview: Preview) -> str:
+    """Return the critical speeds a step passes and the bands it dwells in."""
     low, high = sorted((timed.speed, timed.to))
-    said = []
+    remarks = []
     if timed.seconds:
-        passed = [f"{speed * RPM:.0f}" for speed in seen.criticals if low <= speed <= high and low < high]
-        said += [f"passes critical {', '.join(passed)} rpm"] if passed else []
-        said += [f"in band {band}" for band in seen.bands if timed.speed in band and timed.to in band]
-    return "; ".join(said)
+        passed = [f"{speed * RPM:.0f}" for speed in preview.criticals if low <= speed <= high and low < high]
+        remarks += [f"passes critical {', '.join(passed)} rpm"] if passed else []
+        remarks += [f"in band {band}" for band in preview.bands if timed.speed in band and timed.to in band]
+    return "; ".join(remarks)

@@ -1,4 +1,4 @@
-"""The HTML report: one file a section, figures by Plotly, drawings as SVG; one self-contained page to send."""
+"""HTML report, one self-contained page: one file per section, figures by Plotly, drawings as SVG."""
 
 from rotorrig.app.report.page import write_report
 

@@ -1,4 +1,4 @@
-"""The pieces a page is made of: sections, tables, plots and folded parts. Every quoted word is escaped here."""
+"""HTML elements of the page: sections, tables, plots, collapsible details. All text is escaped here."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,9 +10,9 @@ import plotly.graph_objects as go
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A part of the page that its list of contents leads to."""
+    """A section of the page, linked from its contents."""
 
-    name: str  # what a link goes to
+    name: str  # anchor
     heading: str
     html: str
 
@@ -26,8 +26,8 @@ def section(name: str, heading: str, *parts: str) -> Section:
 
 def paragraph(*sentences: str, kind: str = "") -> str:
     """Return sentences as a paragraph of a class of report.css; nothing if all are empty."""
-    said = " ".join(sentence for sentence in sentences if sentence)
-    return f"<p{f' class={kind}' if kind else ''}>{escape(said)}</p>" if said else ""
+    words = " ".join(sentence for sentence in sentences if sentence)
+    return f"<p{f' class={kind}' if kind else ''}>{escape(words)}</p>" if words else ""
 
 
 def items(words: Iterable[str]) -> str:
@@ -37,7 +37,7 @@ def items(words: Iterable[str]) -> str:
 
 
 def details(summary: str, *parts: str, on_paper: bool = True) -> str:
-    """Return parts that a click unfolds; on paper they are unfolded, or left out unless the reader unfolded them."""
+    """Return collapsible parts; in print they are expanded, or left out unless the reader expanded them."""
     kind = "" if on_paper else ' class="screen"'
     return f"<details{kind}><summary>{escape(summary)}</summary>{''.join(parts)}</details>"
 
@@ -76,8 +76,7 @@ def pairs(caption: str, values: Mapping[str, Any]) -> str:
 def plot(name: str, figure: go.Figure, *, caption: str, label: str, share: float = 1.0) -> str:
     """Return a plot's place on the page and its data; report.js draws it.
 
-    `label` is what a screen reader says, and what stands there without JavaScript. `share` of the width of the paper
-    is what it takes where others stand beside it.
+    `label` is for screen readers and for pages without JavaScript. `share` is its share of the paper width in print.
     """
     data = figure.to_json().replace("<", "\\u003c")  # so that no text in the data can end the script element
     return (

@@ -1,4 +1,4 @@
-"""Identified values ± their uncertainty beside the nameplate, and beside the truth where a simulated rig has one."""
+"""Identified values ± 1 sigma beside the nameplate and, for a simulated rig, the truth."""
 
 import math
 from collections.abc import Mapping
@@ -38,7 +38,7 @@ def identified_section(
 
 
 def _estimates(fit: Fit, *, truth: Mapping[str, float] | None) -> str:
-    """Return the identified values of a fit beside the nameplate, and beside the simulated rig's own if given."""
+    """Return the identified values of a fit beside the nameplate and, if given, the simulated rig's truth."""
     header = ["parameter", "identified ± 1 σ", "95 %", "nameplate", "difference"]
     header += ["simulated rig", "error", "error in σ"] if truth else []
     rows = [_estimate_row(e, truth) for e in fit.estimates]
@@ -64,21 +64,21 @@ def _estimate_row(estimate: Estimate, truth: Mapping[str, float] | None) -> list
             change_text(estimate, actual),
             change_in_sigmas(estimate, actual),
         ]
-    return [*cells, bound_text(estimate) or ("" if is_determined(estimate) else "hardly restricts the fit")]
+    return [*cells, bound_text(estimate) or ("" if is_determined(estimate) else "insensitive: barely affects the fit")]
 
 
 def _limits(fit: Fit) -> str:
-    """Return where the uncertainty of each estimate comes from."""
+    """Return the uncertainty budget of each estimate."""
     causes = list(next(iter(fit.budget.values())))
     rows = [[name, *(f"{100 * shares[cause]:.0f} %" for cause in causes)] for name, shares in fit.budget.items()]
     return details(
-        "What limits each value, noise or the nameplate's tolerances",
-        table("Shares of each variance", ["parameter", *causes], rows),
+        "Uncertainty budget: noise and nameplate tolerances",
+        table("Shares of the variance of each value", ["parameter", *causes], rows),
     )
 
 
 def _nuisances(fit: Fit) -> str:
-    """Return what the fit may adjust within the nameplate's tolerance: never a discovery."""
+    """Return the nuisance parameters, adjusted within the nameplate's tolerance."""
     rows = [[long_name(e.name), estimate_text(e)] for e in fit.nuisances]
     caption = "Deviations from the nameplate, adjusted within its tolerance"
     return details(
@@ -87,7 +87,7 @@ def _nuisances(fit: Fit) -> str:
 
 
 _WRONG_MODEL = (
-    "These are the values with which a model that does not describe the run comes nearest to it: "
-    "they may be off by far more than their standard deviations say."
+    "These values belong to a model that does not describe the run: "
+    "they may be biased by far more than their standard deviations."
 )
-_PLUS_MINUS = "± is one standard deviation of this data and this model; it says nothing of what the model leaves out."
+_PLUS_MINUS = "± is one standard deviation, assuming this model; bias from effects it lacks is not included."

@@ -1,4 +1,4 @@
-"""How the shaft moves in its planes of probes: orbits at a few speeds, and where its mean position goes."""
+"""Orbits at a few speeds, shaft centreline and gap voltages."""
 
 from html import escape
 
@@ -29,12 +29,12 @@ def orbits_section(response: OrderTrackedResponse) -> Section | None:
     ]
     if not lines:
         return None
-    said = paragraph(compensation(response), "The dot is the shaft at the keyphasor edge, the arrow its way round.")
-    return section("orbits", "Orbits at 1X", said, *lines)
+    note = paragraph(compensation(response), "The dot is the keyphasor edge, the arrow the direction of whirl.")
+    return section("orbits", "Orbits at 1X", note, *lines)
 
 
 def centreline_section(response: OrderTrackedResponse) -> Section | None:
-    """Return where the mean position goes, plane by plane, and the gap voltages; None if the gap was not tracked."""
+    """Return the shaft centreline of each plane and the gap voltages; None if the gap was not tracked."""
     gaps = _gaps(response)
     if not gaps:
         return None
@@ -52,19 +52,19 @@ def centreline_section(response: OrderTrackedResponse) -> Section | None:
             )
         )
         rows += [_path_row(path, circle) for path in mine]
-    header = ["plane, run", "moves by up to", "from rpm", "to rpm", "of the bearing's radial clearance"]
+    header = ["plane, run", "moves up to", "from rpm", "to rpm", "share of radial bearing clearance"]
     clear = any(row[-1] for row in rows)  # a column of nothing is left out
     moves = table("Mean position", header if clear else header[:-1], [row if clear else row[:-1] for row in rows])
-    said = paragraph(_NOTE, _CIRCLE if clear else "")
-    shown = [said, f'<div class="pair">{"".join(plots)}</div>', moves] if paths else []
+    note = paragraph(_NOTE, _CIRCLE if clear else "")
+    shown = [note, f'<div class="pair">{"".join(plots)}</div>', moves] if paths else []
     return section("centreline", "Shaft centreline and gap", *shown, gaps)
 
 
 def _by_plane(paths: tuple[CentrelinePath, ...]) -> dict[str, list[CentrelinePath]]:
-    found: dict[str, list[CentrelinePath]] = {}
+    planes: dict[str, list[CentrelinePath]] = {}
     for path in paths:
-        found.setdefault(path.plane, []).append(path)
-    return found
+        planes.setdefault(path.plane, []).append(path)
+    return planes
 
 
 def _path_row(path: CentrelinePath, circle: ClearanceCircle | None) -> list[str]:
@@ -74,16 +74,16 @@ def _path_row(path: CentrelinePath, circle: ClearanceCircle | None) -> list[str]
 
 
 def _gaps(response: OrderTrackedResponse) -> str:
-    """Return the probes' gap voltages over the slowest and the fastest rows; nothing if the gap was not tracked."""
+    """Return each probe's gap voltage at the slowest and fastest rows; nothing if the gap was not tracked."""
     if 0.0 not in response.orders:
         return ""
     gap, order = response.order(0.0).real, np.argsort(response.omega)
     rows = []
     for p, name in enumerate(response.probes):
-        told = order[response.usable[order, p] & np.isfinite(gap[order, p])]
+        usable = order[response.usable[order, p] & np.isfinite(gap[order, p])]
         probe = next(probe for probe in response.rig.probes if probe.name == name)
-        if told.size:
-            ends = [float(gap[some, p].mean()) for some in (told[:REFERENCE], told[-REFERENCE:])]
+        if usable.size:
+            ends = [float(gap[some, p].mean()) for some in (usable[:REFERENCE], usable[-REFERENCE:])]
             volts = [f"{probe.gap_voltage + probe.sensitivity * x:.3f}" for x in ends]
             linear = "{:g} to {:g}".format(*probe.linear_range)
             rows.append([name, *volts, f"{(ends[1] - ends[0]) * UM:+.2f}", linear])
@@ -92,12 +92,12 @@ def _gaps(response: OrderTrackedResponse) -> str:
 
 
 _CIRCLE = (
-    "The circle is the clearance of the nearest bearing, as if the shaft lay at its bottom while the run is slowest; "
-    "it is left out where the path would be a dot in it."
+    "The circle is the clearance of the nearest bearing, with the shaft at its bottom at the lowest speed; it is left "
+    "out where the path would be a dot in it."
 )
 _NOTE = (
-    "The mean position of the shaft, counted from that of the slowest rows of the run. A linear rotor vibrates about "
-    "one place at every speed. Where its mean position follows the speed, a support gives way on one side or the "
-    "stiffness turns with the shaft; where it drifts with time, a probe warms up. Part of it may be the probes': they "
-    "see a round shaft recede as it moves aside."
+    "Mean shaft position relative to the slowest rows of the run. A linear rotor vibrates about one position at every "
+    "speed. A mean position that follows the speed means a one-sided support or a stiffness that turns with the shaft; "
+    "one that drifts with time means a probe warming up. Part of it may be cross-axis error: a round shaft recedes from "
+    "a probe as it moves sideways."
 )

@@ -1,4 +1,4 @@
-"""Orders beside 1X: amplitude against speed, and the full spectrum of forward and backward whirl."""
+"""Full spectrum of forward and backward whirl; amplitude of the other orders against speed."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from rotorrig.rig.config import RPM, UM
 
 
 def full_spectrum_section(response: OrderTrackedResponse) -> Section | None:
-    """Return the amplitude of +nX and -nX over speed and at the peaks; None where no plane has two probes."""
+    """Return the amplitude of +nX and -nX over speed and at the peaks; None without a plane of two probes."""
     spectra = list(order_spectra(response))
     if not spectra:
         return None
@@ -48,7 +48,7 @@ def other_orders_section(response: OrderTrackedResponse) -> Section | None:
             f"order-{name_of_order(order)}",
             order_amplitudes(response, order),
             caption=f"{order:g}X amplitude against speed, with the noise of one vector",
-            label=f"{order:g}X amplitude against speed, a panel per probe; the table below has the largest of each.",
+            label=f"{order:g}X amplitude against speed, a panel per probe; the table below lists the largest.",
         )
         for order in others
     ]
@@ -62,7 +62,7 @@ def _largest(response: OrderTrackedResponse, order: float) -> list[list[str]]:
     z = np.where(response.usable, vectors(response, order), np.nan)
     variance = np.diagonal(response.covariance[:, response.orders.index(order)], axis1=1, axis2=2)[:, ::2]
     moving = np.isin(response.run, sweeps(response))
-    found = []
+    rows = []
     for p, name in enumerate(response.probes):
         size = np.where(moving, np.abs(z[:, p]), np.nan)
         if np.isfinite(size).any():
@@ -70,16 +70,16 @@ def _largest(response: OrderTrackedResponse, order: float) -> list[list[str]]:
             sigmas = size[row] / np.sqrt(variance[row, p]) if variance[row, p] > 0 else np.nan
             run = response.runs[response.run[row]].name
             cells = [f"{size[row] * UM:.2g}", f"{sigmas:.0f}", f"{response.omega[row] * RPM:.0f}", run]
-            found.append([f"{order:g}X, {name}", *cells])
-    return found
+            rows.append([f"{order:g}X, {name}", *cells])
+    return rows
 
 
 _FULL = (
-    "Two probes of a plane resolve every order into a forward part (+nX, it whirls with the rotation) and a backward "
-    "part (−nX). Equal parts are a straight line; −1X comes with supports of unequal stiffness or with a rub, +0.5X "
-    "with oil or looseness, 2X with misalignment or a shaft of uneven stiffness."
+    "Two probes in a plane resolve every order into forward whirl (+nX, with the rotation) and backward whirl (−nX). "
+    "Equal parts are a straight line; −1X indicates anisotropic supports or a rub, +0.5X oil whirl or looseness, 2X "
+    "misalignment or an asymmetric shaft."
 )
 _OTHERS = (
-    "An unbalanced linear rotor answers at 1X alone. A peak here at a critical speed divided by the order "
-    "means a force at that order: misalignment, a loose or nonlinear support, a shaft of uneven stiffness."
+    "An unbalanced linear rotor responds at 1X only. A peak at a critical speed divided by the order means a force at "
+    "that order: misalignment, a loose or nonlinear support, an asymmetric shaft."
 )

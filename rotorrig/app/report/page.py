@@ -1,6 +1,6 @@
-"""One self-contained HTML file that says what a run shows: the verdict first, then the evidence.
+"""The report page: one self-contained HTML file, verdict first, then the evidence.
 
-Everything is inside the file (plots included), nothing is fetched, and every quoted word is escaped.
+Plots are inside the file, nothing is fetched, and all text is escaped.
 """
 
 import base64
@@ -40,10 +40,10 @@ def write_report(
     diagnosis: Diagnosis | None = None,
     truth: Mapping[str, float] | None = None,
 ) -> None:
-    """Write the report of a response, with the fit and the verdict on it where there are any.
+    """Write the report of a response, with its fit and diagnosis if given.
 
     `truth` maps names of estimates to the simulated rig's own values in SI, for a column beside the estimates.
-    Raises DataError where the parts are not of one run, or the file cannot be written.
+    Raises DataError if fit or diagnosis belong to another run, or the file cannot be written.
     """
     _check(response, identification)
     diagnosis = part_of(diagnosis, response) if diagnosis else None
@@ -76,7 +76,7 @@ def _check(response: OrderTrackedResponse, identification: Identification | None
         if fit.prediction.shape != rows:
             raise DataError(
                 f"fit '{fit.name}': predicts (speed, probe) = {fit.prediction.shape}, the response has {rows}; "
-                "want the fit of this very response"
+                "want the fit of this response"
             )
 
 
@@ -85,7 +85,7 @@ def _page(response: OrderTrackedResponse, verdict: Section, sections: Sequence[S
     return Template(_asset("report.html")).substitute(
         title=escape(f"{response.rig.name}: rotor report"),
         heading=escape(response.rig.name),
-        source=escape(response.source.source or "a live rig"),
+        source=escape(response.source.source or "live rig"),
         contents=links,
         style=_asset("report.css"),
         plotly=_packed_plotly(),

@@ -1,4 +1,4 @@
-"""Where model and measurement part: maps of the residual before and after the extension, and the worst of it."""
+"""Residual maps of base and extended model, and the table of the largest misfits."""
 
 import math
 
@@ -15,17 +15,17 @@ LISTED = 12
 
 
 def residuals_section(response: OrderTrackedResponse, diagnosis: Diagnosis | None) -> Section | None:
-    """Return the section; None without a diagnosis (the part of it that is about `response`)."""
+    """Return the section; `diagnosis` is the part for `response`, None gives no section."""
     if diagnosis is None:
         return None
-    told = [order for order in response.orders if order and _has_residual(response, diagnosis, order)]
+    available = [order for order in response.orders if order and _has_residual(response, diagnosis, order)]
     loud = {misfit.order for misfit in diagnosis.worst} if diagnosis.verdict is not Verdict.ADEQUATE else set()
-    shown = [order for order in told if order == 1.0 or order in loud]
-    calm = [order for order in told if order not in shown]
-    maps = {order: _maps(response, diagnosis, order=order) for order in told}
+    shown = [order for order in available if order == 1.0 or order in loud]
+    calm = [order for order in available if order not in shown]
+    maps = {order: _maps(response, diagnosis, order=order) for order in available}
     return section(
         "residuals",
-        "Where model and measurement part",
+        "Misfit between model and measurement",
         paragraph(_COLOURS),
         *(part for order in sorted(shown, key=lambda order: order != 1.0) for part in maps[order]),
         *(_whirl(response, diagnosis) if 1.0 in shown else ()),
@@ -54,7 +54,7 @@ def _maps(response: OrderTrackedResponse, diagnosis: Diagnosis, *, order: float)
         plot(
             f"residual-{name_of_order(order)}{suffix}",
             residual_map(response, sigmas, order=order),
-            caption=f"Residual at {order:g}X, measured less {model}, in standard deviations of the noise",
+            caption=f"Residual at {order:g}X, measured minus {model}, in standard deviations of the noise",
             label=f"Map of the {order:g}X residual of the {model} over speed, a row per probe and run. "
             f"{_map_words(response, sigmas, order)}",
         )
@@ -63,11 +63,11 @@ def _maps(response: OrderTrackedResponse, diagnosis: Diagnosis, *, order: float)
 
 
 def _map_words(response: OrderTrackedResponse, sigmas: np.ndarray, order: float) -> str:
-    """Return the root mean square of a map and where it is largest."""
-    found = sigmas[:, :, response.orders.index(order)]
-    row, probe = np.unravel_index(np.nanargmax(found), found.shape)
+    """Return the RMS of a map and its largest value."""
+    residual = sigmas[:, :, response.orders.index(order)]
+    row, probe = np.unravel_index(np.nanargmax(residual), residual.shape)
     return (
-        f"Root mean square {np.sqrt(np.nanmean(found**2)):.2g} standard deviations; largest {found[row, probe]:.2g} "
+        f"RMS {np.sqrt(np.nanmean(residual**2)):.2g} standard deviations; largest {residual[row, probe]:.2g} "
         f"at probe {response.probes[probe]}, {response.omega[row] * RPM:.0f} rpm."
     )
 
@@ -83,7 +83,7 @@ def _whirl(response: OrderTrackedResponse, diagnosis: Diagnosis) -> list[str]:
 
 
 def misfits(diagnosis: Diagnosis) -> str:
-    """Return where model and measurement part as a table, most serious first."""
+    """Return the table of misfits, most serious first."""
     if not diagnosis.worst:
         return ""
     rows = [
@@ -99,10 +99,10 @@ def misfits(diagnosis: Diagnosis) -> str:
         ]
         for m in diagnosis.worst[:LISTED]
     ]
-    header = ["where", "rpm", "σ, rms", "largest, µm 0-peak", "amplitude off", "phase off (− late)"]
+    header = ["where", "rpm", "σ, rms", "largest, µm 0-peak", "amplitude error", "phase error (− lags)"]
     header += ["backward whirl", "other direction"]
     fine = diagnosis.verdict is Verdict.ADEQUATE and all(m.order for m in diagnosis.worst)
-    return table("Largest residuals, all within the noise" if fine else "Misfits, most serious first", header, rows)
+    return table("Largest residuals, all within noise" if fine else "Misfits, most serious first", header, rows)
 
 
-_COLOURS = "Grey is noise (below 2 σ); yellow, orange and red are what the model does not describe."
+_COLOURS = "Grey is noise (below 2 σ); yellow, orange and red are misfit of the model."

@@ -1,4 +1,4 @@
-"""The rig: its drawing to scale, its end view and its nameplate."""
+"""The rig: side view to scale, end view and nameplate."""
 
 import math
 
@@ -9,7 +9,7 @@ from rotorrig.rig.config import RigConfig
 
 
 def rig_section(config: RigConfig) -> Section:
-    """Return the section on the rig that the config describes."""
+    """Return the drawings and the nameplate of a rig."""
     side = f'<figure class="wide">{side_view(config)}<figcaption>Side view, to scale</figcaption></figure>'
     end = f'<figure class="end">{end_view(config)}<figcaption>End view, axes and probes</figcaption></figure>'
     drawing = f'<div class="rig">{side}{end}</div>'
@@ -17,7 +17,7 @@ def rig_section(config: RigConfig) -> Section:
 
 
 def _nameplate(config: RigConfig) -> str:
-    """Return disks, bearings and probes as the config has them."""
+    """Return disks, bearings and probes of the config."""
     rows = [
         [
             f"disk {d.name}",

@@ -1,4 +1,4 @@
-"""Where the numbers come from and how to read them: provenance and conventions."""
+"""Provenance and conventions."""
 
 from rotorrig.app.report.html import Section, pairs, section
 from rotorrig.app.text import UNDETERMINED
@@ -9,11 +9,11 @@ from rotorrig.processing import OrderTrackedResponse
 def provenance_section(
     response: OrderTrackedResponse, identification: Identification | None, diagnosis: Diagnosis | None
 ) -> Section:
-    """Return what this report was made from."""
+    """Return recording, config, code versions and search settings of this report."""
     source = response.source
     values = {
         "recording": source.source or "unknown",
-        "its sha256 (first 16 digits)": source.source_hash or "none: a live rig",
+        "sha256 of the recording (16 digits)": source.source_hash or "none: live rig",
         "config hash": source.config_hash,
         "tracked by code version": source.code_version,
     }
@@ -29,11 +29,11 @@ def provenance_section(
     if diagnosis:
         values["diagnosed by code version"] = diagnosis.source.code_version
         values["base model of the diagnosis"] = f"{diagnosis.model}, {len(diagnosis.responses) or 1} recording(s)"
-    return section("provenance", "Where this comes from", pairs("Provenance", values))
+    return section("provenance", "Provenance", pairs("Provenance", values))
 
 
 def conventions_section(response: OrderTrackedResponse) -> Section:
-    """Return how to read every number of the report."""
+    """Return the conventions of the values in the report."""
     rig = response.rig
     edge = f"the {rig.keyphasor.edge} keyphasor edge" if rig.keyphasor else "the keyphasor edge"
     first, second = rig.rotation.split("-to-")
@@ -46,7 +46,7 @@ def conventions_section(response: OrderTrackedResponse) -> Section:
         "+nX, −nX": "forward and backward whirl: with the rotation and against it",
         "unbalance angle": "from the keyphasor mark, in the sense of rotation",
         "gravity": {"none": "not considered"}.get(rig.gravity, f"along {rig.gravity}"),
-        "±": f"one standard deviation; infinite is said as “{UNDETERMINED}”",
-        "95 %": "an interval that holds the true value in 95 of 100 cases if the model is right",
+        "±": f"one standard deviation; an infinite one shows as “{UNDETERMINED}”",
+        "95 %": "confidence interval, if the model is right",
     }
-    return section("conventions", "Conventions", pairs("How to read the numbers", words))
+    return section("conventions", "Conventions", pairs("Conventions of this report", words))

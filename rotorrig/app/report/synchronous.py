@@ -1,4 +1,4 @@
-"""The synchronous response (1X): per probe a Bode plot, a polar plot and their numbers; the peaks in one table."""
+"""Synchronous response (1X): Bode plot, polar plot and values per probe; table of peaks."""
 
 import math
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ NUMBERS = 24  # speeds of a run in the table beside a plot
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Models:
-    """1X as models predict it, (speed, probe) [m]; None where there is none."""
+    """Predicted 1X vectors, (speed, probe) [m]; None if there is no such model."""
 
     fit: Fit | None
     base: Vectors | None
@@ -26,19 +26,19 @@ class Models:
 
     @property
     def best(self) -> Vectors | None:
-        """The extended model's where there is one."""
+        """Those of the extended model if there is one."""
         return self.base if self.extended is None else self.extended
 
     @property
     def before(self) -> Vectors | None:
-        """The base model's where an extended one stands beside it."""
+        """Those of the base model if there is an extended one."""
         return None if self.extended is None else self.base
 
 
 def synchronous_section(
     response: OrderTrackedResponse, identification: Identification | None, diagnosis: Diagnosis | None
 ) -> Section:
-    """Return the section; `diagnosis` is the part of it that is about `response`."""
+    """Return the section; `diagnosis` is the part for `response`."""
     fit = identification.fits[0] if identification and identification.fits else None
     base, extended = predictions(response, fit, diagnosis)
     models = Models(fit=fit, base=base, extended=extended)
@@ -53,52 +53,52 @@ def synchronous_section(
 
 
 def compensation(response: OrderTrackedResponse) -> str:
-    """Return whether the slow-roll vector is taken out of what is shown."""
+    """Return whether plots and tables are slow-roll compensated."""
     if not slow_roll_known(response):
         return "No slow roll was measured: the vectors are raw, runout and bow included."
     rpm = response.slow_roll_omega * RPM
-    return f"Slow-roll compensated: the vector at {rpm:.0f} rpm is subtracted from measurement and model alike."
+    return f"Slow-roll compensated: the vector at {rpm:.0f} rpm is subtracted from measurement and model."
 
 
 def _plot_key(models: Models) -> str:
     if models.extended is not None:
-        return "Dots are measured, lines the extended model, thin grey lines the base model."
+        return "Dots: measured; lines: extended model; thin grey lines: base model."
     if models.base is None:
-        return "Dots are measured."
-    return f"Dots are measured, lines the model fitted{f' to the {models.fit.name}' if models.fit else ''}."
+        return "Dots: measured."
+    return f"Dots: measured; lines: model fitted{f' to the {models.fit.name}' if models.fit else ''}."
 
 
 def _probe(response: OrderTrackedResponse, probe: int, models: Models) -> str:
-    """Return the plots of one probe and, folded, their numbers."""
+    """Return the plots of one probe and, collapsed, their values."""
     name = response.probes[probe]
     drawn = {"prediction": models.best, "before": models.before}
-    said = peak_words(response, probe, models)
+    peaks = peak_words(response, probe, models)
     left = plot(
         f"bode-{probe}",
         bode(response, probe, **drawn),
         caption=f"Probe {name}",
-        label=f"Bode plot of probe {name}, 1X amplitude and phase lag against speed. {said}",
+        label=f"Bode plot of probe {name}, 1X amplitude and phase lag against speed. {peaks}",
         share=0.57,
     )
     right = plot(
         f"polar-{probe}",
         polar(response, probe, **drawn),
         caption=f"Probe {name}, polar",
-        label=f"Polar plot of probe {name}, 1X vectors over speed. {said}",
+        label=f"Polar plot of probe {name}, 1X vectors over speed. {peaks}",
         share=0.43,
     )
     return f'<div class="probe">{left}{right}{_numbers(response, probe, models)}</div>'
 
 
 def _numbers(response: OrderTrackedResponse, probe: int, models: Models) -> str:
-    found = curves(response, probe, prediction=models.best)
-    before = curves(response, probe, prediction=models.before) if models.before is not None else found
-    rows = [cells for one, base in zip(found, before, strict=True) for cells in _number_rows(one, base, models)]
+    main = curves(response, probe, prediction=models.best)
+    before = curves(response, probe, prediction=models.before) if models.before is not None else main
+    rows = [cells for one, base in zip(main, before, strict=True) for cells in _number_rows(one, base, models)]
     header = ["run", "rpm", "µm 0-peak", "± 1 σ", "phase lag"]
     header += ["model, µm 0-peak", "phase lag"] if models.best is not None else []
     header += ["base model, µm 0-peak", "phase lag"] if models.before is not None else []
-    caption = f"Probe {response.probes[probe]}, 1X at {NUMBERS} speeds of each run, the peak among them"
-    return details(f"Probe {response.probes[probe]} in numbers", table(caption, header, rows), on_paper=False)
+    caption = f"Probe {response.probes[probe]}, 1X at {NUMBERS} speeds of each run, with the peak"
+    return details(f"Probe {response.probes[probe]} values", table(caption, header, rows), on_paper=False)
 
 
 def _number_rows(curve: Curve, base: Curve, models: Models) -> Iterator[list[str]]:
@@ -114,24 +114,24 @@ def _number_rows(curve: Curve, base: Curve, models: Models) -> Iterator[list[str
 
 def _spread(curve: Curve) -> list[int]:
     """Return rows evenly spread in speed, the row of the largest amplitude among them."""
-    told = np.flatnonzero(np.isfinite(curve.amplitude))
-    if not told.size:
+    usable = np.flatnonzero(np.isfinite(curve.amplitude))
+    if not usable.size:
         return []
-    wanted = np.linspace(curve.rpm[told].min(), curve.rpm[told].max(), NUMBERS)
-    rows = {int(told[np.argmin(np.abs(curve.rpm[told] - speed))]) for speed in wanted}
-    rows.add(int(told[np.argmax(curve.amplitude[told])]))
+    wanted = np.linspace(curve.rpm[usable].min(), curve.rpm[usable].max(), NUMBERS)
+    rows = {int(usable[np.argmin(np.abs(curve.rpm[usable] - speed))]) for speed in wanted}
+    rows.add(int(usable[np.argmax(curve.amplitude[usable])]))
     return sorted(rows, key=lambda row: float(curve.rpm[row]))
 
 
 def _peaks(response: OrderTrackedResponse, models: Models) -> str:
-    """Return the 1X peaks per probe and run, measured and modelled: the Bode plots in numbers."""
+    """Return the table of 1X peaks per probe and run, measured and modelled."""
     predicted = {"model": models.best, "base model": models.before}
     shown = {name: prediction for name, prediction in predicted.items() if prediction is not None}
     rows = []
     for p, name in enumerate(response.probes):
         for run in sweeps(response):
-            found = [_peak(response, p, run), *(_peak(response, p, run, model) for model in shown.values())]
-            cells = [cell for peak in found for cell in (peak or ("–",) * 3)]
+            peaks = [_peak(response, p, run), *(_peak(response, p, run, model) for model in shown.values())]
+            cells = [cell for peak in peaks for cell in (peak or ("–",) * 3)]
             rows.append([f"{name}, {response.runs[run].name}", *cells])
     header = ["probe, run", "peak, µm 0-peak", "at rpm", "phase lag"]
     for name in shown:
@@ -142,7 +142,7 @@ def _peaks(response: OrderTrackedResponse, models: Models) -> str:
 def _peak(
     response: OrderTrackedResponse, probe: int, run: int, prediction: Vectors | None = None
 ) -> tuple[str, str, str] | None:
-    """Return amplitude, speed and phase lag of the largest usable vector of a run as text; of a model if given."""
+    """Return amplitude, speed and phase lag of the largest usable vector of a run as text; of the model if given."""
     z = vectors(response) if prediction is None else model_vectors(response, prediction)
     chosen = (response.run == run) & response.usable[:, probe] & np.isfinite(z[:, probe])
     if not chosen.any():
@@ -154,17 +154,17 @@ def _peak(
 
 
 def peak_words(response: OrderTrackedResponse, probe: int, models: Models) -> str:
-    """Return what the plots of a probe show, for those who hear it."""
-    said = []
+    """Return the peaks of a probe as sentences, for screen readers."""
+    sentences = []
     for run in sweeps(response):
-        if found := _peak(response, probe, run):
-            said.append(f"Run {response.runs[run].name}: peak {found[0]} µm 0-peak at {found[1]} rpm, lag {found[2]}.")
-        if models.best is not None and (found := _peak(response, probe, run, models.best)):
-            said.append(f"Model: {found[0]} µm at {found[1]} rpm.")
-    return " ".join(said)
+        if top := _peak(response, probe, run):
+            sentences.append(f"Run {response.runs[run].name}: peak {top[0]} µm 0-peak at {top[1]} rpm, lag {top[2]}.")
+        if models.best is not None and (top := _peak(response, probe, run, models.best)):
+            sentences.append(f"Model: {top[0]} µm at {top[1]} rpm.")
+    return " ".join(sentences)
 
 
 _COLOURS = (
-    "Blue: speed rises; orange: it falls. Of a long run the plots show the smallest and the largest of every stretch. "
-    "Polar plots are in µm 0-peak, phase lag from 0° at the probe against the rotation, speeds in rpm beside the path."
+    "Blue: run-up; orange: run-down. Long runs are thinned to the extremes of each stretch. Polar plots: µm 0-peak, 0° "
+    "of phase lag at the probe, lag against rotation, speeds in rpm along the path."
 )

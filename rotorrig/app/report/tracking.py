@@ -1,4 +1,4 @@
-"""How the waveforms became vectors: method, window, runs, keyphasor, slow roll, and what was not usable and why."""
+"""Order tracking: method, window, runs, keyphasor, slow roll, masked rows and remarks."""
 
 import math
 from collections import defaultdict
@@ -15,8 +15,8 @@ from rotorrig.rig.config import RPM, UM
 
 LISTED = 12  # reasons, remarks
 METHODS = {
-    "resampling": "resampling at equal steps of shaft angle, then a windowed Fourier sum",
-    "least-squares": "least squares on the known shaft angle, all orders at once",
+    "resampling": "resampling at equal steps of shaft angle, then windowed DFT",
+    "least-squares": "joint least-squares fit of all orders over shaft angle",
     "vold-kalman": "Vold-Kalman filter",
     "unknown": "not stated by the response file",
 }
@@ -24,7 +24,7 @@ WINDOWS = {
     "blackman": "Blackman",
     "hann": "Hann",
     "rectangular": "rectangular",
-    "vold-kalman": "the filter's own, in time",
+    "vold-kalman": "the filter's own",
 }
 
 
@@ -32,12 +32,12 @@ def tracking_section(response: OrderTrackedResponse) -> Section:
     """Return the section on order tracking and data quality."""
     return section(
         "tracking",
-        "How it was tracked",
-        pairs("Order tracking", _facts(response)),
+        "Order tracking",
+        pairs("Method and window", _facts(response)),
         _runs(response),
         _slow_roll(response),
-        _count_by_kind("Rows that are not usable, and why", response, response.reasons),
-        _count_by_kind("Remarks on usable rows", response, [_kinds(row) for row in response.remarks]),
+        _count_by_kind("Masked rows, by reason", "reason", response, response.reasons),
+        _count_by_kind("Remarks on usable rows", "remark", response, [_kinds(row) for row in response.remarks]),
     )
 
 
@@ -46,10 +46,10 @@ def _facts(response: OrderTrackedResponse) -> dict[str, str]:
         "method": METHODS.get(response.method, response.method),
         "window": f"{WINDOWS.get(response.window, response.window)}, over {_turns(response.revolutions)} per vector",
         "orders": ", ".join("0X (gap)" if not order else f"{order:g}X" for order in response.orders),
-        "vectors": f"{len(response.omega)} rows, {1 - response.usable.mean():.1%} of their vectors not usable",
+        "vectors": f"{len(response.omega)} rows, {1 - response.usable.mean():.1%} of their vectors masked",
     }
     if len(response.keyphasor_t) > 1:
-        facts["turns seen by the keyphasor"] = str(len(response.keyphasor_t))
+        facts["keyphasor pulses"] = str(len(response.keyphasor_t))
     if np.isfinite(response.jitter).any():
         facts["keyphasor jitter, 1 σ of an edge"] = _jitter(response)
     if np.isfinite(response.omega_sigma).any():
@@ -61,17 +61,17 @@ def _turns(revolutions: NDArray[np.float64]) -> str:
     """Return the length of a row's window: "8 turns", "4 to 12 turns".
 
     >>> _turns(np.array([8.0, 8.0, np.nan])), _turns(np.array([4.0, 12.0])), _turns(np.array([np.nan]))
-    ('8 turns', '4 to 12 turns', 'a length not known')
+    ('8 turns', '4 to 12 turns', 'unknown length')
     """
     known = revolutions[np.isfinite(revolutions)]
     if not known.size:
-        return "a length not known"
+        return "unknown length"
     low, high = float(known.min()), float(known.max())
     return f"{low:g} turns" if math.isclose(low, high) else f"{low:.3g} to {high:.3g} turns"
 
 
 def _jitter(response: OrderTrackedResponse) -> str:
-    """Return the median jitter as a time, and as the angle it is at the row's speed."""
+    """Return the median jitter as time and as shaft angle."""
     angle = np.nanmedian(np.degrees(response.jitter * response.omega))
     return f"median {np.nanmedian(response.jitter) * 1e6:.2g} µs ({angle:.2g}° of shaft angle)"
 
@@ -96,10 +96,10 @@ def _runs(response: OrderTrackedResponse) -> str:
 
 
 def _slow_roll(response: OrderTrackedResponse) -> str:
-    """Return the slow-roll vectors of the orders that have them, and what speaks against them."""
+    """Return the slow-roll vectors and the doubts about them."""
     orders = [n for n, order in enumerate(response.orders) if order and np.isfinite(response.slow_roll[:, n]).any()]
     if not orders:
-        return paragraph("There is no slow roll: runout and bow are in every vector.")
+        return paragraph("No slow roll: every vector includes runout and bow.")
     sigma = np.sqrt(np.maximum(np.diagonal(response.slow_roll_covariance, axis1=1, axis2=2), 0.0))  # (order, 2 probe)
     rows = [
         [name, *(_vector(response.slow_roll[p, n], float(sigma[n, 2 * p])) for n in orders)]
@@ -107,10 +107,10 @@ def _slow_roll(response: OrderTrackedResponse) -> str:
     ]
     caption = f"Slow roll at {response.slow_roll_omega * RPM:.0f} rpm, 0-peak ± 1 σ and phase lag"
     kept = response.slow_roll_waveform.shape[-1]
-    notes = ["Raw vectors are kept; the slow roll is subtracted where a plot or table says so."]
-    notes += [f"Its waveform is kept as well, {kept} points a turn."] if kept else []
+    notes = ["Stored vectors are raw; the slow roll is subtracted only where stated."]
+    notes += [f"Its waveform is stored too, {kept} points per turn."] if kept else []
     against = [*response.slow_roll_remarks]
-    warning = paragraph("The slow roll may not be one:", kind="warning") + items(against) if against else ""
+    warning = paragraph("The slow roll is doubtful:", kind="warning") + items(against) if against else ""
     return table(caption, ["probe", *(f"{response.orders[n]:g}X" for n in orders)], rows) + warning + paragraph(*notes)
 
 
@@ -121,7 +121,7 @@ def _vector(z: complex, sigma: float) -> str:
 
 
 def _kinds(remarks: Iterable[str]) -> list[str]:
-    """Return what remarks are about, each once: what follows a colon is of one row.
+    """Return the distinct kinds of remarks: the text before the colon.
 
     >>> _kinds(["line interference: 50 Hz, 2.1 um", "line interference: 50 Hz, 2.2 um", "missed pulse"])
     ['line interference', 'missed pulse']
@@ -129,18 +129,18 @@ def _kinds(remarks: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(remark.partition(": ")[0] for remark in remarks))
 
 
-def _count_by_kind(caption: str, response: OrderTrackedResponse, words: Sequence[Iterable[str]]) -> str:
-    """Return a table of what was said of rows, the most frequent first, with the speeds it was said at."""
+def _count_by_kind(caption: str, kind: str, response: OrderTrackedResponse, words: Sequence[Iterable[str]]) -> str:
+    """Return a table of reasons or remarks, most frequent first, with their speed ranges."""
     rows_of: defaultdict[str, list[int]] = defaultdict(list)
-    for row, said in enumerate(words):
-        for word in said:
+    for row, kinds in enumerate(words):
+        for word in kinds:
             rows_of[word].append(row)
     if not rows_of:
         return ""
     often = sorted(rows_of.items(), key=lambda item: (-len(item[1]), item[0]))
     rows = []
-    for word, found in often[:LISTED]:
-        rpm = response.omega[found] * RPM
-        rows.append([word, str(len(found)), f"{np.nanmin(rpm):.0f} to {np.nanmax(rpm):.0f}"])
+    for word, where in often[:LISTED]:
+        rpm = response.omega[where] * RPM
+        rows.append([word, str(len(where)), f"{np.nanmin(rpm):.0f} to {np.nanmax(rpm):.0f}"])
     more = paragraph(f"{len(often) - LISTED} more are in the response file.") if len(often) > LISTED else ""
-    return table(caption, ["what", "rows", "rpm"], rows) + more
+    return table(caption, [kind, "rows", "rpm"], rows) + more

@@ -1,4 +1,4 @@
-"""The top of the page: is the model good enough for this run, and if not, where not."""
+"""Verdict banner: whether the model describes this run, and where it does not."""
 
 import math
 from collections.abc import Sequence
@@ -10,19 +10,19 @@ from rotorrig.identify import Diagnosis, Identification, Verdict
 from rotorrig.identify.adequacy import Misfit
 from rotorrig.rig.config import UM
 
-POOR = 2.0  # chi2 per degree of freedom above which a fit without a diagnosis is called poor outright
+POOR = 2.0  # chi2 per degree of freedom above which a fit without a diagnosis is called poor
 SHOWN_MISFITS = 3
 HEADLINES = {
     Verdict.ADEQUATE: ("good", "The model describes this run"),
     Verdict.NAMED: ("bad", "The base model does NOT describe this run; a cause is named"),
     Verdict.TIED: ("bad", "The base model does NOT describe this run; several causes fit equally well"),
     Verdict.UNEXPLAINED: ("bad", "The model does NOT describe this run"),
-    Verdict.CANNOT_TELL: ("unsure", "This data cannot tell whether the model is right"),
+    Verdict.CANNOT_TELL: ("unsure", "This data cannot decide whether the model is right"),
 }
 
 
 def banner(identification: Identification | None, diagnosis: Diagnosis | None) -> Section:
-    """Return the verdict as HTML: a headline, a sentence, and the figures behind them."""
+    """Return the verdict as HTML: a headline, a sentence, and the values behind them."""
     if diagnosis is not None:
         tone, headline = HEADLINES[diagnosis.verdict]
         if diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.causes:
@@ -32,35 +32,35 @@ def banner(identification: Identification | None, diagnosis: Diagnosis | None) -
     if identification is not None and identification.fits:
         fit = identification.fits[0]
         ratio = fit.chi2 / fit.dof if fit.dof > 0 else float("nan")
-        figures = f"χ² per degree of freedom {ratio:.3g} ({fit.chi2:.4g} over {fit.dof})"
+        values = f"χ² per degree of freedom {ratio:.3g} ({fit.chi2:.4g} over {fit.dof})"
         if ratio > POOR:
-            left = f"Its residual is {ratio**0.5:.1f} times the noise (root mean square), where 1 is expected."
-            return _banner("bad", "Poor fit: the model does NOT describe this run", left, [figures], [])
-        said = "A fit was made but no diagnosis, so nobody has looked where it fails."
-        return _banner("unsure", "Not judged", said, [figures], [])
+            sentence = f"Its RMS residual is {ratio**0.5:.1f} times the noise; 1 is expected."
+            return _banner("bad", "Poor fit: the model does NOT describe this run", sentence, [values], [])
+        sentence = "There is a fit but no diagnosis of where it fails: run rotor diagnose."
+        return _banner("unsure", "Fitted, not diagnosed", sentence, [values], [])
     return _banner("plain", "Measurement only", "No model was fitted to this run.", [], [])
 
 
-def _banner(tone: str, headline: str, sentence: str, figures: list[str], words: list[str]) -> Section:
-    lines = [paragraph(sentence), items(words), paragraph(" · ".join(figures), kind="figures")]
+def _banner(tone: str, headline: str, sentence: str, values: list[str], words: list[str]) -> Section:
+    lines = [paragraph(sentence), items(words), paragraph(" · ".join(values), kind="figures")]
     head = f'<h2 id="h-verdict">{escape(headline)}</h2>'
     html = f'<section id="verdict" class="banner {tone}" aria-labelledby="h-verdict">{head}{"".join(lines)}</section>'
     return Section("verdict", "Verdict", html)
 
 
 def _evidence(diagnosis: Diagnosis) -> list[str]:
-    said = []
+    evidence = []
     if diagnosis.verdict is not Verdict.ADEQUATE and diagnosis.worst:
-        said.append(f"largest misfit {size(diagnosis.worst)}")
+        evidence.append(f"largest misfit {size(diagnosis.worst)}")
     if diagnosis.dof > 0:
-        said.append(f"χ² per degree of freedom {diagnosis.chi2 / diagnosis.dof:.3g}")
+        evidence.append(f"χ² per degree of freedom {diagnosis.chi2 / diagnosis.dof:.3g}")
     if math.isfinite(diagnosis.p):
-        said.append(p_value_text(diagnosis.p))
+        evidence.append(p_value_text(diagnosis.p))
     if math.isfinite(diagnosis.noise_floor):
-        said.append(f"noise floor {diagnosis.noise_floor * UM:.2g} µm")
+        evidence.append(f"noise floor {diagnosis.noise_floor * UM:.2g} µm")
     if math.isfinite(diagnosis.false_alarm_rate):
-        said.append(f"this test calls at most {100 * diagnosis.false_alarm_rate:.2g} % of healthy runs faulty")
-    return said
+        evidence.append(f"false-alarm rate at most {100 * diagnosis.false_alarm_rate:.2g} %")
+    return evidence
 
 
 def size(misfits: Sequence[Misfit]) -> str:
@@ -70,7 +70,7 @@ def size(misfits: Sequence[Misfit]) -> str:
 
 
 def _worst(diagnosis: Diagnosis) -> list[str]:
-    """Return the causes named and the worst misfits, as far as the verdict's sentence does not say them."""
+    """Return the named causes and the worst misfits, except those in the verdict's sentence."""
     if diagnosis.verdict is Verdict.ADEQUATE:
         return []
     sentences = [cause.words for cause in diagnosis.causes if cause.chosen]

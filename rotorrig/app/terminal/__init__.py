@@ -1,4 +1,4 @@
-"""What the terminal shows: progress bars, tables, the rotor drawn in characters, questions to the operator."""
+"""Terminal output: progress bars, tables, the rotor as a character drawing, requests to the operator."""
 
 import lazy_loader
 

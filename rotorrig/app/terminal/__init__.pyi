@@ -3,13 +3,13 @@ from .console import out as out
 from .console import progress_bars as progress_bars
 from .console import tell as tell
 from .console import working as working
-from .model_drawing import drawing as drawing
+from .model_drawing import draw_rotor as draw_rotor
 from .operator import HINT as HINT
 from .operator import operator_for as operator_for
 
 __all__ = [
     "HINT",
-    "drawing",
+    "draw_rotor",
     "err",
     "operator_for",
     "out",

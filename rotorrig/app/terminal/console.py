@@ -1,4 +1,4 @@
-"""What the terminal shows: one console for results, one for errors, progress bars that keep quiet when piped."""
+"""Consoles for results and errors; progress bars, silent when piped."""
 
 import json
 import math
@@ -24,7 +24,7 @@ err = Console(stderr=True)
 
 
 def tell(words: str, facts: Mapping[str, Any], *, as_json: bool) -> None:
-    """Print what came of a verb: `words` for a person or, `as_json`, the `facts` as one JSON object on one line."""
+    """Print the result of a verb: `words` for a person or, `as_json`, the `facts` as one JSON object on one line."""
     if as_json:
         print(json.dumps(_plain(facts)))
     else:
@@ -33,9 +33,9 @@ def tell(words: str, facts: Mapping[str, Any], *, as_json: bool) -> None:
 
 @contextmanager
 def progress_bars() -> Iterator[Progress]:
-    """Show progress bars on standard error while the block runs; nothing where that is no terminal.
+    """Show progress bars on standard error while the block runs; nothing if that is not a terminal.
 
-    A task's field `unit` names what it counts, `scale` how many of it are one of its total's; its rate is shown in it.
+    A task's field `unit` is the unit its rate is shown in, `scale` the number of these per unit of its total.
     """
     columns = (
         SpinnerColumn(),
@@ -53,7 +53,7 @@ def progress_bars() -> Iterator[Progress]:
 
 @contextmanager
 def working(what: str) -> Iterator[None]:
-    """Show that something is under way whose length nobody knows, and for how long; nothing when piped."""
+    """Show elapsed time of a job of unknown length; nothing when piped."""
     with progress_bars() as bars:
         bars.add_task(what, total=None, note="")
         yield
@@ -80,7 +80,7 @@ class _Rate(ProgressColumn):
 
 
 def _plain(value: object) -> object:
-    """Return a value as JSON can hold it: what is not a finite number is null."""
+    """Return a value as JSON can hold it; NaN and infinity become null."""
     if isinstance(value, Mapping):
         return {str(key): _plain(inner) for key, inner in value.items()}
     if isinstance(value, str) or value is None:

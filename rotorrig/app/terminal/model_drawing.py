@@ -1,4 +1,4 @@
-"""The rotor in the terminal, side view to scale: shaft with its steps and bore, disks, bearings below, probes above.
+"""Character drawing of the rotor, side view to scale: stepped shaft with bore, disks, bearings below, probes above.
 
 A character is taken to be twice as high as wide, so half of one, as in ▀ and ▄, is a square of the drawing.
 """
@@ -9,7 +9,7 @@ from rotorrig.rig.config import RigConfig
 
 STYLES = {"disk": "cyan", "bearing": "green", "probe": "yellow", "ruler": "dim", "shaft": ""}
 PLAIN = str.maketrans({"█": "#", "▀": '"', "▄": "_", "▲": "^", "▼": "v", "│": "|", "─": "-", "┬": "+", "▓": "#"})
-FEWEST = 24  # columns: less than this is drawn as if it were this
+FEWEST = 24  # columns, the minimum width
 GAP = 2  # columns between two labels of a line
 TICKS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000)  # mm
 PER_TICK = 9  # columns, at the least
@@ -17,7 +17,7 @@ PER_TICK = 9  # columns, at the least
 Label = tuple[int, str, str]  # column, words, kind of part
 
 
-def drawing(rig: RigConfig, *, width: int, plain: bool = False) -> Text:
+def draw_rotor(rig: RigConfig, *, width: int, plain: bool = False) -> Text:
     """Return the drawing, at most `width` columns wide; `plain` uses ASCII alone."""
     width = max(width, FEWEST)
     square = rig.shaft.length / (width - 1)  # m of a column, and of half a row

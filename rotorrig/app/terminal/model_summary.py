@@ -1,4 +1,4 @@
-"""What the nameplate's model weighs, carries and resonates at: the tables of `rotor check --model`."""
+"""Masses, bearing loads, static sag, modes and stability of the nameplate model: `rotor check --model`."""
 
 import numpy as np
 from rich import box
@@ -16,8 +16,8 @@ from rotorrig.sims.rotor.modes import (
     static_sag,
 )
 
-CIRCULAR = 0.1  # of a mode's whirl: below, it is called neither forward nor backward
-SPEEDS = 31  # at which modes are followed from rest
+CIRCULAR = 0.1  # of a mode's whirl: below, neither forward nor backward
+SPEEDS = 31  # of the Campbell diagram
 MODES = 6
 
 
@@ -33,9 +33,9 @@ def masses(rig: RigConfig) -> Table:
 
 
 def at_rest(rig: RigConfig, model: RotorModel) -> Table:
-    """Return the load on every bearing and the sag of bearings, disks and probes under the rotor's own weight.
+    """Return bearing loads and the static sag at bearings, disks and probes.
 
-    Raises ValueError if the bearings do not hold the shaft.
+    Raises ValueError if the bearings do not support the shaft.
     """
     axis = {"-x": 0, "-y": 1}[rig.gravity]
     across = 1 - axis
@@ -68,7 +68,7 @@ def criticals(model: RotorModel, *, up_to: float) -> Table:
 
 
 def natural_frequencies(model: RotorModel, *, up_to: float) -> Table:
-    """Return the lowest modes at rest and as they are at a speed [rad/s]: the two ends of the Campbell diagram."""
+    """Return the lowest modes at rest and at a speed [rad/s]: both ends of the Campbell diagram."""
     branches = campbell(model, np.linspace(0.0, up_to, SPEEDS), count=MODES)
     top = f"{up_to * RPM:.0f} rpm"
     table = _table("Natural frequencies", "Hz at rest", f"Hz at {top}", "damping ratio, %", "whirl")
@@ -89,18 +89,18 @@ def stability(model: RotorModel, *, up_to: float) -> str:
         return f"stable from rest to {up_to * RPM:.0f} rpm"
     motion = f"a {_whirl(onset.whirl, model.rotation)} whirl of {onset.frequency * RPM:.0f} cpm grows"
     if onset.frequency == 0:
-        motion = "a deflection grows without vibrating"
+        motion = "a deflection grows without oscillating"
     return f"UNSTABLE from {onset.omega * RPM:.0f} rpm on: {motion}"
 
 
 def mesh(rig: RigConfig, model: RotorModel, *, up_to: float) -> str:
-    """Return one sentence on the mesh, and how far the chapter's lumped mass would move the critical speeds on it."""
+    """Return the mesh size, and the shift of the critical speeds with the chapter's lumped mass."""
     lumped = critical_speeds(assemble(rig, element="lumped"), up_to=up_to)
     consistent = critical_speeds(model, up_to=up_to)
     moved = ""
     if len(consistent) and len(lumped) == len(consistent):
         worst = 100 * np.abs(lumped / consistent - 1).max()
-        moved = f"; with the chapter's lumped mass the critical speeds are within {worst:.2g} %"
+        moved = f"; the chapter's lumped mass shifts the critical speeds by at most {worst:.2g} %"
     longest = np.diff(model.z).max() * 1e3
     return f"{len(model.z) - 1} Timoshenko elements of at most {longest:.3g} mm{moved}"
 

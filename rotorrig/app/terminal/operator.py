@@ -1,4 +1,4 @@
-"""The operator at the terminal: asked there, and heard without waiting. `s` and Enter end a sweep down the ramp."""
+"""Operator at the terminal: shows requests, reads replies without blocking; `s` and Enter end a sweep."""
 
 import os
 import select
@@ -22,22 +22,22 @@ class Terminal:
         self._stop = self._answered = False
 
     def wants_stop(self) -> bool:
-        """Whether `s` was typed."""
+        """Return whether `s` was typed."""
         self._listen()
         return self._stop
 
     def ask(self, request: str) -> None:
-        """Ask for something to be done at the rotor at rest."""
+        """Show a request to be done at the rotor at rest."""
         self._answered = self._yes
-        self._say(f"The rotor is at rest: {request}" + (" (--yes: going on)" if self._yes else ", then press Enter."))
+        self._say(f"The rotor is at rest: {request}" + (" (--yes: continuing)" if self._yes else ", then press Enter."))
 
     def has_answered(self) -> bool:
-        """Whether Enter was pressed since."""
+        """Return whether Enter was pressed since the request."""
         self._listen()
         return self._answered
 
     def tell(self, text: str) -> None:
-        """Say something that cannot wait."""
+        """Show an urgent message."""
         self._say(text)
 
     def _listen(self) -> None:
@@ -49,12 +49,12 @@ class Terminal:
 
 
 def operator_for(steps: Sequence[Step], *, say: Callable[[str], object], yes: bool) -> Terminal:
-    """Return the operator for these steps. Raises ConfigError if they ask for something and nobody can be asked."""
+    """Return the operator for these steps. Raises ConfigError if they contain requests and there is no terminal."""
     asks = any(isinstance(step, Ask) for step in steps)
     if asks and not yes and not sys.stdin.isatty():
         raise ConfigError(
-            "the plan asks for masses to be mounted, and there is no terminal to ask at; want one, or --yes for a "
-            "rehearsal that goes on without"
+            "the plan asks for trial masses to be mounted and there is no terminal to confirm at; want one, or --yes "
+            "for a rehearsal without them"
         )
     return Terminal(say=say, yes=yes)
 

@@ -1,4 +1,4 @@
-"""Results in words, shared by terminal, report and viewer: quantities with units, causes, the quality of a tracking."""
+"""Results as text, shared by terminal, report and viewer: quantities with units, causes, tracking quality."""
 
 from rotorrig.app.text.causes import (
     cause_evidence,

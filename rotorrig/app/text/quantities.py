@@ -1,4 +1,4 @@
-"""SI numbers as people read them: kN/m, g mm, degrees, and no more digits than their uncertainty leaves."""
+"""SI values in display units (kN/m, g mm, degrees), rounded to their uncertainty."""
 
 import math
 
@@ -19,7 +19,7 @@ SHOWN = {
     "s": ("µs", 1e6),
     "": ("", 1.0),
 }
-#: what an estimate's short name stands for
+#: meaning of an estimate's short name
 LONG = {
     "kxx": "stiffness, horizontal",
     "kyy": "stiffness, vertical",
@@ -43,12 +43,12 @@ UNITS = {
     "E": "Pa",
     "density": "kg/m^3",
 }  # by name, or its letter
-NEAR_BOUND = 1e-3  # relative: nearer to a bound than this, an estimate was stopped by it
+NEAR_BOUND = 1e-3  # relative: closer than this, an estimate is at its bound
 UNDETERMINED = "not determined by this data"
 
 
 def quantity_text(value: float, unit: str, *, sigma: float = math.nan) -> str:
-    """Return `value` [SI] in the unit people use, rounded to two digits of `sigma` or to four digits without one.
+    """Return `value` [SI] in its display unit, rounded to two digits of `sigma` or to four digits without one.
 
     >>> quantity_text(33912.7, "N/m", sigma=120.0), quantity_text(1.5e-5, "kg m"), quantity_text(math.nan, "N/m")
     ('33.91 kN/m', '15 g mm', '–')
@@ -61,7 +61,7 @@ def quantity_text(value: float, unit: str, *, sigma: float = math.nan) -> str:
 
 
 def estimate_text(estimate: Estimate) -> str:
-    """Return "33.91 ± 0.12 kN/m", or that the data do not determine it."""
+    """Return "33.91 ± 0.12 kN/m", or UNDETERMINED."""
     if not is_determined(estimate):
         return UNDETERMINED
     if estimate.unit == "" and estimate.nameplate == 0:  # a relative deviation from the nameplate
@@ -70,7 +70,7 @@ def estimate_text(estimate: Estimate) -> str:
 
 
 def quantity_with_sigma(value: float, sigma: float, unit: str) -> str:
-    """Return `value` ± `sigma` [SI] in the unit people use; without a finite sigma the value alone.
+    """Return `value` ± `sigma` [SI] in its display unit; without a finite sigma the value alone.
 
     >>> quantity_with_sigma(1.8e-5, 3e-7, "m"), quantity_with_sigma(-0.5, math.inf, "rad")
     ('18.00 ± 0.30 µm', '-28.65°')
@@ -83,7 +83,7 @@ def quantity_with_sigma(value: float, sigma: float, unit: str) -> str:
 
 
 def interval_text(estimate: Estimate, *, unit: bool = True) -> str:
-    """Return the 95 % interval, an open one as a limit; nothing where none is known or both its ends are open.
+    """Return the 95 % interval, one-sided if it reaches a bound; empty if unknown or reaching both bounds.
 
     >>> from dataclasses import replace
     >>> c = Estimate(name="cxx", value=1.0, sigma=math.inf, unit="N s/m", nameplate=math.nan, bounds=(1.0, 1e3))
@@ -105,7 +105,7 @@ def interval_text(estimate: Estimate, *, unit: bool = True) -> str:
 
 
 def is_determined(estimate: Estimate) -> bool:
-    """Return whether the data say what this is."""
+    """Return whether the data determine the estimate."""
     return estimate.determined and math.isfinite(estimate.sigma) and math.isfinite(estimate.value)
 
 
@@ -142,7 +142,7 @@ def change_in_sigmas(estimate: Estimate, reference: float) -> str:
 
 
 def long_name(name: str) -> str:
-    """Return an estimate's name with what it stands for.
+    """Return an estimate's name with its meaning.
 
     >>> long_name("spring kxx"), long_name("u disk 2")
     ('spring kxx, stiffness, horizontal', 'u disk 2, unbalance')
@@ -166,7 +166,7 @@ def unit_of(name: str) -> str:
 
 
 def bound_text(estimate: Estimate) -> str:
-    """Return "at its lower bound of 0.1 kN/m", or nothing where none stopped it."""
+    """Return "at its lower bound of 0.1 kN/m", or nothing away from the bounds."""
     for side, bound in zip(("lower", "upper"), estimate.bounds or (), strict=False):
         if math.isclose(estimate.value, bound, rel_tol=NEAR_BOUND):
             return f"at its {side} bound of {quantity_text(bound, estimate.unit)}"
@@ -174,7 +174,7 @@ def bound_text(estimate: Estimate) -> str:
 
 
 def p_value_text(p: float) -> str:
-    """Return a p-value as people quote it.
+    """Return a p-value as text.
 
     >>> p_value_text(0.0312), p_value_text(1e-20)
     ('p = 0.031', 'p < 0.0001')

@@ -1,4 +1,4 @@
-"""What `rotor track` says of a response: a line for a person, a table for a program."""
+"""Summary and remarks of a tracked response: lines for a person, plain values for a program."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from rotorrig.rig.config import RPM
 
 
 def tracking_line(response: OrderTrackedResponse) -> str:
-    """Return rows, runs, masked rows and trial masses in a line, without the file's name."""
+    """Return rows, runs, masked rows and trial masses in a line."""
     masked = int((~response.usable).any(axis=1).sum())
     loaded = ", ".join(dict.fromkeys(disk for run in response.runs for disk in run.trial_unbalance))
     return f"{len(response.omega)} rows in {len(response.runs)} runs, {masked} with masked probes" + (
@@ -19,36 +19,36 @@ def tracking_line(response: OrderTrackedResponse) -> str:
 
 
 def spacing_remark(response: OrderTrackedResponse, settings: Tracking) -> str:
-    """Return a sentence where rows stand further apart than was asked for, empty where none does."""
+    """Return a remark if rows are further apart than requested, else nothing."""
     every = settings.every
     share = crowded_share(response, every) if every else 0.0
     if every is None or not share:
         return ""
     asked = f"{every.step * RPM:g} rpm" if every.of == "speed" else f"{every.step:g} s"
     return (
-        f"{share:.0%} of the rows are further apart than {asked}: rows of {settings.turns} turns would overlap there "
-        "and their errors would not be independent, so they stand one after another; fewer --turns bring them closer"
+        f"{share:.0%} of the rows are further apart than {asked}: closer rows of {settings.turns} turns would overlap "
+        "and their errors would correlate; fewer --turns allow closer rows"
     )
 
 
 def quality_lines(response: OrderTrackedResponse) -> list[str]:
-    """Return what is wrong with its rows and worth knowing of them, each once with how often and at which speeds."""
+    """Return the reasons for masked rows and the remarks on others, each with its number of rows and speed range."""
     lines = [f"slow roll: {remark}" for remark in response.slow_roll_remarks]
     remarks = [tuple(word.partition(": ")[0] for word in row) for row in response.remarks]
     for kind, rows in (("masked", response.reasons), ("remark", remarks)):
-        found: dict[str, list[float]] = {}
+        speeds: dict[str, list[float]] = {}
         for omega, words in zip(response.omega, rows, strict=False):  # a table has no remarks
             for word in dict.fromkeys(words):
-                found.setdefault(word, []).append(float(omega) * RPM)
+                speeds.setdefault(word, []).append(float(omega) * RPM)
         lines += [
             f"{kind}: {word} ({len(rpm)} row{'s' * (len(rpm) > 1)}, {min(rpm):.0f} to {max(rpm):.0f} rpm)"
-            for word, rpm in found.items()
+            for word, rpm in speeds.items()
         ]
     return lines
 
 
 def tracking_facts(response: OrderTrackedResponse) -> dict[str, Any]:
-    """Return the same and more as plain values; speeds in rpm, jitter in s, 1 sigma."""
+    """Return the facts of a tracked response as plain values; speeds in rpm, jitter in s, 1 sigma."""
     rows = [np.flatnonzero(response.run == i) for i in range(len(response.runs))]
     return {
         "rows": len(response.omega),

@@ -91,7 +91,7 @@ def test_the_extended_config_carries_what_was_chosen_and_is_taken_by_every_comma
 ) -> None:
     code, out, _ = rotor("diagnose", file, "--out", "d.json", "--rig-out", "e.toml")
     assert code == 0
-    assert "e.toml: the config, its model extended by bow" in out
+    assert "e.toml: the config with bow in its model" in out
     extended = load(Path("e.toml"))
     assert [effect.label for effect in extended.effects] == ["bow"]
     assert set(extended.effects[0].sigmas) == {"bow re"}  # the other is not known

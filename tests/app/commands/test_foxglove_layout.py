@@ -56,5 +56,5 @@ def test_a_response_is_exported_as_a_layout_and_a_run_is_not(tmp_path: Path, res
     assert "panels for Foxglove" in said
     assert json.loads((tmp_path / "layout.json").read_text()) == foxglove_layout(response)
     recorded = Path(__file__).parents[2] / "data" / "recording-v1" / "run.mcap"
-    with pytest.raises(DataError, match="a layout is made for a response"):
+    with pytest.raises(DataError, match="a layout needs a response"):
         write_out(recorded, tmp_path / "run.json")

@@ -53,7 +53,7 @@ def test_each_becomes_a_recording(rig_config: RigConfig, tmp_path: Path, data: b
         ("x.wav", CSV, "is no WAV file"),
         ("x.uff", CSV, "is no universal file"),
         ("x.csv", b"\x89MCAP0\r\n" + b"\0" * 99, "is not UTF-8 text, want a CSV file"),
-        ("x.xlsx", b"PK\x03\x04", "is of no kind that can be imported, want one of .csv"),
+        ("x.xlsx", b"PK\x03\x04", "cannot be imported, want one of .csv"),
         ("x.csv", b"", r"has no column 'time \[unit\]'"),
     ],
 )

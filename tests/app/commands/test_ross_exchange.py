@@ -66,8 +66,8 @@ def test_export_says_what_ross_has_no_place_for(rotor: Run) -> None:
     [
         (["import", "--ross", RK4, "-o", "x.toml"], "rk4.toml: has no ross_version and parameters, want a rotor"),
         (["import", "--ross", "none.toml", "-o", "x.toml"], "none.toml: cannot be read"),
-        (["import", STEPPED, "-o", "x.toml"], "--config: is missing, want the rig's TOML file"),
-        (["import", "--ross", STEPPED, "--config", RK4, "-o", "x.toml"], "wants neither --config nor --mapping"),
+        (["import", STEPPED, "-o", "x.toml"], "--config: missing, want the rig's TOML file"),
+        (["import", "--ross", STEPPED, "--config", RK4, "-o", "x.toml"], "want neither --config nor --mapping"),
         (["import", "--ross", STEPPED, "-o", "no/x.toml"], "no/x.toml: cannot be written (No such file or directory)"),
         (["import", "--ross", STEPPED, "-o", STEPPED], "stepped.toml: is the input file"),
         (["export", "--ross", STEPPED, "-o", "x.toml"], "stepped.toml: "),

@@ -38,10 +38,10 @@ def test_steps_times_limits_size_and_critical_speeds_are_shown(
     assert (code, err) == (0, "")
     (ramp,) = [line for line in out.splitlines() if "480 → 3600" in line]
     assert " ".join(ramp.split()) == "17.0 121.0 ramp 480 → 3600 30 passes critical 2226, 2237 rpm"
-    assert "time: about 167 s, its coast-down guessed at 45 s; then the run-down to rest" in out
+    assert "time: about 167 s, coast-down assumed to take 45 s; then run-down to rest" in out
     assert "file: about 8 MB, 5 channels at 10000 Hz" in out  # 167 s x 10 kHz x 5 x 2 bytes, halved
     assert "limits: 4000 rpm, 900 um 0-peak" in out
-    assert "critical speeds of the nameplate: 2226, 2237 rpm" in out
+    assert "critical speeds of the nameplate model: 2226, 2237 rpm" in out
     assert list(tmp_path.iterdir()) == []
 
 
@@ -66,7 +66,7 @@ def test_mounting_a_mass_takes_a_time_nobody_knows(
     code, out, _ = previewed(config, monkeypatch, capsys, "--plan", "test")
     assert code == 0
     assert "ask: mount 'disk: 12 g mm at 0 deg'" in out
-    assert "2 coast-downs guessed at 45 s each, and the time of an operator asked once" in out
+    assert "2 coast-downs assumed to take 45 s each; plus operator time, asked once" in out
 
 
 @pytest.fixture(scope="module")

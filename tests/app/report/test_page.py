@@ -93,7 +93,7 @@ def test_the_evidence_comes_in_order(
     write_report(path, response=response, identification=poorly_fitted, diagnosis=named)
     assert [words for where, words in Page(path.read_text()).words if where == "h2"] == [
         "The base model does NOT describe this run; a cause is named",
-        "Where model and measurement part",
+        "Misfit between model and measurement",
         "Synchronous response (1X) against speed",
         "Causes",
         "Identified values",
@@ -102,9 +102,9 @@ def test_the_evidence_comes_in_order(
         "Orbits at 1X",
         "Shaft centreline and gap",
         "What this data cannot show",
-        "How it was tracked",
+        "Order tracking",
         "The rig",
-        "Where this comes from",
+        "Provenance",
         "Conventions",
     ]
 
@@ -141,7 +141,7 @@ def test_a_good_fit_nobody_diagnosed_is_not_called_good(
     path: Path, response: OrderTrackedResponse, identification: Identification
 ) -> None:
     write_report(path, response=response, identification=identification)
-    assert Page(path.read_text()).first("h2") == "Not judged"
+    assert Page(path.read_text()).first("h2") == "Fitted, not diagnosed"
 
 
 def test_an_unexplained_run_claims_no_more_than_was_tried(
@@ -169,7 +169,7 @@ def test_a_named_cause_comes_with_its_size_its_evidence_and_what_it_explains(
     assert "goes from 5.2 to 0.41 µm, 1.03 times the noise floor of 0.4 µm." in said
     assert "kxx, stiffness, horizontal 31.2 kN/m 33.90 ± 0.12 kN/m +22.5 σ" in said  # (33900 - 31200) / 120
     assert "internal_damping: would show from 40 N s/m on; what is missing is a run in reverse" in said
-    assert "Next: A run with a trial mass of 12 g mm" in said[: said.index("Where model and measurement part")]
+    assert "Next: A run with a trial mass of 12 g mm" in said[: said.index("Misfit between model and measurement")]
 
 
 def test_of_several_responses_each_finds_its_own_rows_in_the_diagnosis(

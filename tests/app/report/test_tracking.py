@@ -19,7 +19,7 @@ def said(response: OrderTrackedResponse) -> str:
 
 def test_method_window_and_orders_are_named(response: OrderTrackedResponse) -> None:
     words = said(dataclasses.replace(response, method="least-squares"))
-    assert "method least squares on the known shaft angle" in words
+    assert "method joint least-squares fit of all orders over shaft angle" in words
     assert "window Hann, over 8 turns per vector" in words
     assert "orders 0X (gap), 1X, 2X" in words
     assert "vectors 740 rows, 0.0% of their vectors not usable" in words
@@ -48,13 +48,13 @@ def test_rows_left_out_are_counted_by_reason(response: OrderTrackedResponse) -> 
         clipped[row] = ["1x: clipped"]
     hum[374] = ["line interference, 50 Hz"]  # the fastest row of the speed-up
     words = said(dataclasses.replace(response, reasons=tuple(map(tuple, clipped)), remarks=tuple(map(tuple, hum))))
-    assert "Rows that are not usable, and why what rows rpm 1x: clipped 5 566 to 600" in words  # 480 + 8.57 a row
+    assert "Masked rows, by reason reason rows rpm 1x: clipped 5 566 to 600" in words  # 480 + 8.57 a row
     assert "Remarks on usable rows what rows rpm line interference, 50 Hz 1 3600 to 3600" in words
 
 
 def test_the_slow_roll_comes_with_what_speaks_against_it(response: OrderTrackedResponse) -> None:
     words = said(dataclasses.replace(response, slow_roll_remarks=("the vector changes with speed",)))
     assert "Slow roll at 240 rpm" in words
-    assert "The slow roll may not be one: the vector changes with speed" in words
+    assert "The slow roll is doubtful: the vector changes with speed" in words
     bare = dataclasses.replace(response, slow_roll=response.slow_roll * np.nan, slow_roll_omega=np.nan)
     assert "There is no slow roll" in said(bare)

@@ -69,7 +69,7 @@ def test_a_rehearsal_waits_for_nobody(keys: int) -> None:
 def test_without_a_terminal_nobody_can_be_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     with open(os.devnull) as nothing:  # noqa: PTH123
         monkeypatch.setattr(sys, "stdin", nothing)
-        with pytest.raises(ConfigError, match="asks for masses to be mounted, and there is no terminal"):
+        with pytest.raises(ConfigError, match="asks for trial masses to be mounted and there is no terminal"):
             operator_for(PLAN, say=print, yes=False)
         assert operator_for(PLAN[:1], say=print, yes=False).wants_stop() is False
 
@@ -79,10 +79,10 @@ def test_a_program_in_the_background_leaves_the_keys_to_the_one_in_front(
 ) -> None:
     monkeypatch.setattr(os, "tcgetpgrp", lambda number: os.getpgrp() + 1)
     typed(keys, b"s\n")
-    assert terminal.typed_lines() == []
+    assert terminal.read_typed_lines() == []
 
 
 def test_a_terminal_that_is_gone_is_no_error(keys: int) -> None:
     os.close(os.dup(keys))
     sys.stdin.close()
-    assert terminal.typed_lines() == []
+    assert terminal.read_typed_lines() == []

@@ -1,4 +1,4 @@
-"""Orbits as small SVG pictures, a plane per line and a speed per picture, each to its own stated scale."""
+"""Orbits as small SVG pictures, a row per plane, a picture per speed, each with its own scale."""
 
 import math
 from html import escape
@@ -12,7 +12,7 @@ from rotorrig.rig.config import RPM, UM
 
 SIDE = 100.0  # half the picture's width, in drawing units
 FILL = 0.84  # of it that the largest excursion takes
-NOISY = 6.0  # sigma: an orbit smaller than this may seem to whirl either way
+NOISY = 6.0  # sigma: below this, the direction of whirl is not significant
 ARROW = 0.08  # of a turn after the keyphasor dot: where the arrow of travel sits
 
 
@@ -21,15 +21,15 @@ def orbit_pictures(response: OrderTrackedResponse) -> list[tuple[Plane, list[str
     if not sweeps(response):
         return []
     run = sweeps(response)[0]
-    found = []
+    pictures = []
     for plane in planes(response.rig):
         if not set(plane.probes) <= set(response.probes):
             continue
         columns = [response.probes.index(name) for name in plane.probes]
         z = vectors(response)[:, columns]
         rows = representative_rows(response, z, run=run)
-        found.append((plane, [_picture(response, row, orbit(plane, z[row][:, None]) * UM, columns) for row in rows]))
-    return found
+        pictures.append((plane, [_picture(response, row, orbit(plane, z[row][:, None]) * UM, columns) for row in rows]))
+    return pictures
 
 
 def _picture(response: OrderTrackedResponse, row: int, xy: NDArray[np.float64], columns: list[int]) -> str:
@@ -58,7 +58,7 @@ def _picture(response: OrderTrackedResponse, row: int, xy: NDArray[np.float64], 
 
 
 def whirl(xy: NDArray[np.float64]) -> str:
-    """Return which way a closed orbit (point, 2) goes round: from x to y, or from y to x.
+    """Return the direction of whirl of a closed orbit (point, 2).
 
     >>> whirl(np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]]))
     'whirls x to y'

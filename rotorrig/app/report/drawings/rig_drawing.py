@@ -1,4 +1,4 @@
-"""The rig as an SVG, side view to scale, and the end view with axes, probe angles and sense of rotation."""
+"""The rig as SVG: side view to scale, end view with axes, probe angles and sense of rotation."""
 
 import math
 from html import escape

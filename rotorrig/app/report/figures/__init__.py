@@ -1,4 +1,4 @@
-"""Plotly figures of the report: Bode, polar, centreline, residual maps. A new figure is one new file."""
+"""Plotly figures of the report: Bode, polar, centreline, residual maps. One figure per file."""
 
 from rotorrig.app.report.figures.amplitudes import order_amplitudes
 from rotorrig.app.report.figures.bode import bode

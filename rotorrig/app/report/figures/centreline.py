@@ -1,4 +1,4 @@
-"""Where the mean position of the shaft goes in one plane of probes, within the clearance of its bearing if known."""
+"""Shaft centreline of one plane of probes, within the bearing clearance if known."""
 
 from collections.abc import Sequence
 from html import escape
@@ -10,11 +10,11 @@ from rotorrig.app.plot_data import CentrelinePath, ClearanceCircle
 from rotorrig.app.report.figures.look import COLOURS, SHEER, apply_look
 
 MOST = 250  # points of a path
-SEEN = 0.02  # of the circle's radius: a path that goes less far would be a dot in it, and is drawn without it
+SEEN = 0.02  # of the circle's radius: a shorter path would be a dot in it, and is drawn without it
 
 
 def centreline(paths: Sequence[CentrelinePath], circle: ClearanceCircle | None = None) -> go.Figure:
-    """Return where the mean position goes in the runs of one plane, x across and y up in one scale."""
+    """Return the centreline of every run in one plane, x right and y up at one scale."""
     figure = go.Figure()
     if circle is not None and seen_in(paths, circle):
         _draw_circle(figure, circle)

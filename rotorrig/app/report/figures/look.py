@@ -1,7 +1,7 @@
-"""The look the report's figures share.
+"""Common look of the report's figures.
 
 Backgrounds are transparent and text takes its colour from the page (report.css), so that one figure serves light, dark
-and print. Blue rises, orange falls, everywhere; both stay apart for colour-blind eyes.
+and print. Blue is run-up, orange run-down; the pair is safe for colour-blind readers.
 """
 
 from typing import Any
@@ -15,7 +15,7 @@ LINE = "rgba(128,136,144,0.6)"
 
 
 def apply_look(figure: go.Figure, *, height: int) -> go.Figure:
-    """Strip Plotly's own look and give ours."""
+    """Replace Plotly's default look."""
     figure.update_layout(
         template="none",
         height=height,
@@ -43,7 +43,7 @@ def apply_look(figure: go.Figure, *, height: int) -> go.Figure:
 def dots(direction: int, *, size: float = 4.5) -> dict[str, Any]:
     """Return the look of a measurement: dots, filled where the speed rises and hollow where it falls.
 
-    Two symbols, so that two runs that agree are still seen to be two.
+    Two symbols keep coinciding runs distinguishable.
     """
     symbol = "circle-open" if direction < 0 else "circle"
     marker = {"size": size, "color": SHEER[direction], "opacity": 1.0, "symbol": symbol}

@@ -1,4 +1,4 @@
-"""Maps over speed: the residual by probe and run, in sigmas and as whirl, and the full spectrum by order."""
+"""Maps over speed: residual in sigmas and as whirl, full spectrum by order."""
 
 from html import escape
 from typing import Any
@@ -15,7 +15,7 @@ from rotorrig.rig.config import UM
 Reals = NDArray[np.float64]
 Scale = list[list[float | str]]
 
-SIGMA_CEILING = 8.0  # of the residual map's colours: 8 sigma and 80 are equally wrong
+SIGMA_CEILING = 8.0  # top of the residual colour scale: 8 sigma and 80 are equally wrong
 #: calm to about 2 sigma, then ever louder
 SIGMA_COLOURS: Scale = [
     [0.0, "rgba(128,136,144,0.10)"],

@@ -1,7 +1,6 @@
-"""The 1X vectors of one probe in the polar plane: 0° of phase lag at the probe, lag growing against the rotation.
+"""Polar plot of the 1X vectors of one probe: 0° of phase lag at the probe, lag against rotation.
 
-So drawn, a vector points to where the shaft's high spot is at the keyphasor edge, as one sees it along the axis with x
-to the right and y up.
+A vector points to the high spot at the keyphasor edge, seen along the axis with x to the right and y up.
 """
 
 import math
@@ -97,16 +96,16 @@ def _label(figure: go.Figure, curve: Curve) -> None:
 
 def rows_to_label(curve: Curve) -> list[int]:
     """Return the rows whose speed is written beside them: the peak, and others spread over the vectors' path."""
-    told = np.flatnonzero(np.isfinite(curve.amplitude))
-    if not told.size:
+    usable = np.flatnonzero(np.isfinite(curve.amplitude))
+    if not usable.size:
         return []
     z = curve.amplitude * np.exp(-1j * np.radians(curve.lag))
-    peak = int(told[np.argmax(curve.amplitude[told])])
-    wanted = np.linspace(curve.rpm[told].min(), curve.rpm[told].max(), LABELLED)
+    peak = int(usable[np.argmax(curve.amplitude[usable])])
+    wanted = np.linspace(curve.rpm[usable].min(), curve.rpm[usable].max(), LABELLED)
     near_peak = curve.rpm[peak] * np.array([0.95, 0.98, 1.02, 1.05])
     kept = [peak]
     for speed in (*near_peak, *wanted):
-        row = int(told[np.argmin(np.abs(curve.rpm[told] - speed))])
+        row = int(usable[np.argmin(np.abs(curve.rpm[usable] - speed))])
         if all(abs(z[row] - z[other]) > APART * abs(z[peak]) for other in kept):
             kept.append(row)
     return kept
