@@ -96,8 +96,8 @@ _CIRCLE = (
     "out where the path would be a dot in it."
 )
 _NOTE = (
-    "Mean shaft position relative to the slowest rows of the run. A linear rotor vibrates about one position at every "
+    "Mean shaft position relative to the slowest rows. A linear rotor vibrates about one position at every "
     "speed. A mean position that follows the speed means a one-sided support or a stiffness that turns with the shaft; "
-    "one that drifts with time means a probe warming up. Part of it may be cross-axis error: a round shaft recedes from "
-    "a probe as it moves sideways."
+    "one that drifts with time means a probe warming up. Part of it may be cross-axis error: a round shaft recedes "
+    "from a probe as it moves sideways."
 )

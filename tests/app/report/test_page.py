@@ -168,7 +168,7 @@ def test_a_named_cause_comes_with_its_size_its_evidence_and_what_it_explains(
     assert "A run with a trial mass of 12 g mm would tell bow from runout." in said
     assert "goes from 5.2 to 0.41 µm, 1.03 times the noise floor of 0.4 µm." in said
     assert "kxx, stiffness, horizontal 31.2 kN/m 33.90 ± 0.12 kN/m +22.5 σ" in said  # (33900 - 31200) / 120
-    assert "internal_damping: would show from 40 N s/m on; what is missing is a run in reverse" in said
+    assert "internal_damping: detectable from 40 N s/m; needs a run in reverse" in said
     assert "Next: A run with a trial mass of 12 g mm" in said[: said.index("Misfit between model and measurement")]
 
 

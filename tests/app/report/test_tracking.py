@@ -22,7 +22,7 @@ def test_method_window_and_orders_are_named(response: OrderTrackedResponse) -> N
     assert "method joint least-squares fit of all orders over shaft angle" in words
     assert "window Hann, over 8 turns per vector" in words
     assert "orders 0X (gap), 1X, 2X" in words
-    assert "vectors 740 rows, 0.0% of their vectors not usable" in words
+    assert "vectors 740 rows, 0.0% of their vectors masked" in words
 
 
 def test_runs_come_with_their_speeds_and_trial_masses(response: OrderTrackedResponse) -> None:
@@ -49,7 +49,7 @@ def test_rows_left_out_are_counted_by_reason(response: OrderTrackedResponse) -> 
     hum[374] = ["line interference, 50 Hz"]  # the fastest row of the speed-up
     words = said(dataclasses.replace(response, reasons=tuple(map(tuple, clipped)), remarks=tuple(map(tuple, hum))))
     assert "Masked rows, by reason reason rows rpm 1x: clipped 5 566 to 600" in words  # 480 + 8.57 a row
-    assert "Remarks on usable rows what rows rpm line interference, 50 Hz 1 3600 to 3600" in words
+    assert "Remarks on usable rows remark rows rpm line interference, 50 Hz 1 3600 to 3600" in words
 
 
 def test_the_slow_roll_comes_with_what_speaks_against_it(response: OrderTrackedResponse) -> None:
@@ -57,4 +57,4 @@ def test_the_slow_roll_comes_with_what_speaks_against_it(response: OrderTrackedR
     assert "Slow roll at 240 rpm" in words
     assert "The slow roll is doubtful: the vector changes with speed" in words
     bare = dataclasses.replace(response, slow_roll=response.slow_roll * np.nan, slow_roll_omega=np.nan)
-    assert "There is no slow roll" in said(bare)
+    assert "No slow roll" in said(bare)
