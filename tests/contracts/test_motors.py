@@ -20,13 +20,15 @@ from rotorrig.rig.motor.base import MotorDriver, Stop
 from rotorrig.sims.wire.launch import simulated_bench
 from tests.contracts.stands import MOTORS, RPM, Stand, Stream, at_rest, cleared, config, readings
 
+ALWAYS = ("powerflex400-rtu", "serial-line")  # one by registers, one by lines of text; the others in `make test-all`
 NOTICED = 2.0  # s of wall time for a driver to know that its link is lost
 AT_REST = 30.0  # s of wall time for a simulated rotor to coast down, on a busy machine
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     real = metafunc.config.getoption("--rig")
-    metafunc.parametrize("stand", [real] if real else MOTORS, indirect=True, scope="module")
+    emulated = [pytest.param(name, marks=[] if name in ALWAYS else pytest.mark.campaign) for name in MOTORS]
+    metafunc.parametrize("stand", [real] if real else emulated, indirect=True, scope="module")
 
 
 @pytest.fixture(scope="module")

@@ -5,12 +5,14 @@ import pytest
 
 from docs.effect_pictures import DRAWN, signatures
 from docs.effect_response import HIGHEST, HOLD, LOWEST, RAMP, Sweep, vectors
-from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.effects.base import find
+from rotorrig.rig.config.description import RigConfig, load
+from rotorrig.sims.effects.base import catalogue, find
 from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.steady.harmonic_response import probe_response
+from tests.conftest import CONFIGS
 
 SWEEP = Sweep.even()
+EFFECTS = sorted({effect.name for effect in catalogue(load(CONFIGS / "rk4.toml"))})
 
 
 def turns(t: np.ndarray) -> np.ndarray:
@@ -55,11 +57,15 @@ def test_what_comes_off_at_the_top_shows_on_the_way_down(rig_config: RigConfig) 
     assert seen.down[1] == pytest.approx(2 * seen.up[1], rel=1e-9)  # twice the nameplate's 15 g mm at 0 degrees
 
 
+def test_every_effect_is_drawn() -> None:
+    assert list(signatures()) == EFFECTS
+
+
 def test_what_is_drawn_otherwise_than_by_default_is_an_effect() -> None:
     assert set(DRAWN) <= set(signatures())
 
 
-@pytest.mark.parametrize("name", signatures())
+@pytest.mark.parametrize("name", EFFECTS)
 def test_a_picture_shows_its_effect(name: str) -> None:
     signature = signatures()[name]
     pairs = [(signature.without.up, signature.with_it.up), (signature.without.down, signature.with_it.down)]

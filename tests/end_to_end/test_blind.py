@@ -29,6 +29,8 @@ from rotorrig.sims.plant.truth import FaultSpec
 
 Sizes = Mapping[str, Mapping[str, float]]
 
+pytestmark = pytest.mark.campaign
+
 LARGE: Sizes = {  # lam to the base, and to the nearest rival
     "bow": {"amount": 6e-5},  # 416, 174 to runout
     "coupling": {"bore_force": 0.3, "stiffness_variation": 3000.0},  # 2.2e6, more than 200

@@ -149,6 +149,7 @@ def run(patch: pytest.MonkeyPatch, words: list[str]) -> Outcome:
     return Outcome(command=shlex.join(words), code=int(ended.value.code or 0), said=said.getvalue())
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("document", DOCUMENTS)
 def test_every_command_of_a_document_succeeds(document: str, outcomes: Outcomes) -> None:
     assert len(outcomes[document]) >= 7
@@ -162,6 +163,7 @@ def test_a_misspelt_option_of_a_command_that_is_only_parsed_is_found(
     assert run(monkeypatch, ["rotor", "sweep", "configs/rk4.toml", "--out", "run.mcap", "--view", option]).code != 0
 
 
+@pytest.mark.campaign
 def test_the_output_quoted_is_what_comes_out(outcomes: Outcomes) -> None:
     printed = " ".join(" ".join(outcome.said for outcome in outcomes["docs/your-data.md"]).split())
     quoted = [line for text in blocks("docs/your-data.md", "text") for line in text.splitlines()]
@@ -174,6 +176,7 @@ def comes_out(line: str, printed: str) -> bool:
     return re.search(NUMBER.pattern.join(map(re.escape, NUMBER.split(" ".join(line.split())))), printed) is not None
 
 
+@pytest.mark.campaign
 def test_the_report_of_the_measured_run_up_begins_as_quoted(folder: Path, outcomes: Outcomes) -> None:
     words = "The model does NOT describe this run"
     assert outcomes["docs/your-data.md"]
@@ -199,6 +202,7 @@ def test_the_channels_shown_are_a_mapping(tmp_path: Path, rig_config: RigConfig)
     assert [(c.probe, c.channel, c.unit, c.override) for c in found.channels] == [("1x", "AI0", "1 V", True)]
 
 
+@pytest.mark.campaign
 def test_a_recording_and_its_csv_give_the_same_values(folder: Path, outcomes: Outcomes) -> None:
     assert outcomes["README.md"] and outcomes["docs/your-data.md"]
     (itself,) = read_identification(folder / "README/fit.json").fits
@@ -209,6 +213,7 @@ def test_a_recording_and_its_csv_give_the_same_values(folder: Path, outcomes: Ou
         assert theirs.sigma == pytest.approx(ours.sigma, rel=0.1), ours.name
 
 
+@pytest.mark.campaign
 def test_the_tutorial_shows_what_each_of_its_commands_prints(outcomes: Outcomes) -> None:
     quoted = blocks("docs/tutorial.md", "text")
     assert len(quoted) == len(outcomes["docs/tutorial.md"]) > 7
@@ -221,6 +226,7 @@ def words_of(text: str) -> Counter[str]:
     return Counter(NUMBER.sub("0", NOISY.sub("", " ".join(text.split()))).split())
 
 
+@pytest.mark.campaign
 def test_the_tutorial_finds_what_was_hidden_and_needs_it(folder: Path, outcomes: Outcomes) -> None:
     assert outcomes["docs/tutorial.md"]
     quoted = blocks("docs/tutorial.md", "text")
@@ -240,6 +246,7 @@ def test_what_the_tutorial_hides_can_be_swept(tmp_path: Path, monkeypatch: pytes
     assert unseal(tmp_path / "hidden.json").faults[0].name == "coupling"
 
 
+@pytest.mark.campaign
 def test_every_key_of_fit_json_is_documented(folder: Path, outcomes: Outcomes) -> None:
     assert outcomes["docs/tutorial.md"]
     table = json.loads((folder / "tutorial/fit.json").read_text())

@@ -107,6 +107,7 @@ def test_replay_and_export_read_what_was_written(healthy: Path) -> None:
     assert (healthy / "vectors.csv").read_text().count("\n") > 100
 
 
+@pytest.mark.campaign
 def test_a_sealed_bow_is_named_and_the_extended_model_is_adequate(folder: Path, hurried_rig: RigConfig) -> None:
     sealed = folder / "sealed.json"
     hidden = FaultSpec(name="bow", parameters={"amount": 30e-6, "angle": 2.0})

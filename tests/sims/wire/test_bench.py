@@ -209,6 +209,7 @@ def test_what_the_client_of_the_daq_is_sent_is_kept_if_wanted(tmp_path: Path) ->
         daq.write(b"ID?\n")
         head = daq.read(6)
         sent = head + daq.read(int.from_bytes(head[4:6], "little") + 4)
+        process.communicate(timeout=60)  # closes its input: what was sent has been kept when it has ended
     assert kept.read_bytes() == sent
 
 
