@@ -1,15 +1,22 @@
 # Two commands on a fresh clone: `make demo` and `make test`. Each sets itself up in .venv.
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
+PYTEST = env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n logical --dist loadfile --no-loadscope-reorder
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: setup demo test lint types check docs tutorial pictures bench chea-tables identification-tables blind recorder tracking soak fuzz clean
+.PHONY: setup demo test test-all lint types check docs tutorial pictures bench chea-tables identification-tables blind recorder tracking soak fuzz clean
 
 demo: .venv/ready
 	$(BIN)/rotor demo --out demo
 
+# Both on every core, a file of tests at a time: what a file has set up is made once. The tests start some hundred
+# programs: they find their modules compiled, whatever the shell says of bytecode.
 test: .venv/ready
-	$(BIN)/python -m pytest
+	$(PYTEST) -m "not campaign"
+
+# What takes minutes: whole campaigns, every drive's contract, the documents' long commands, blind cases.
+test-all: .venv/ready
+	$(PYTEST) -m campaign
 
 lint: .venv/ready
 	$(BIN)/ruff check .
@@ -18,7 +25,7 @@ lint: .venv/ready
 types: .venv/ready
 	$(BIN)/mypy
 
-check: lint types test
+check: lint types test test-all
 
 setup: .venv/ready
 
@@ -72,7 +79,7 @@ fuzz: .venv/ready
 	@if command -v uv >/dev/null 2>&1; then \
 	    echo "setting up .venv with uv"; \
 	    uv venv --quiet --clear --python "$(PYTHON)" .venv && \
-	    UV_BUILD_CONSTRAINT=constraints.txt uv pip install --quiet --python .venv/bin/python -c constraints.txt -e '.[dev]'; \
+	    UV_BUILD_CONSTRAINT=constraints.txt uv pip install --quiet --compile-bytecode --python .venv/bin/python -c constraints.txt -e '.[dev]'; \
 	else \
 	    echo "setting up .venv with pip (about a minute)"; \
 	    "$(PYTHON)" -m venv --clear .venv && \
