@@ -16,7 +16,7 @@ from tests.app.headless import headless_viewer, marked, needs_vulkan, show_tab, 
 
 BLUE, ORANGE, WHITE = (74, 163, 223), (242, 142, 43), (240, 240, 240)
 
-pytestmark = [pytest.mark.viewer, needs_vulkan]
+pytestmark = [pytest.mark.viewer, pytest.mark.campaign, needs_vulkan]
 
 
 @pytest.fixture(scope="module")

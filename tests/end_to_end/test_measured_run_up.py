@@ -20,6 +20,8 @@ from rotorrig.identify.causes.candidates import candidates
 from rotorrig.rig.config.description import load
 from rotorrig.sims.effects.base import catalogue
 
+pytestmark = pytest.mark.campaign
+
 ROOT = Path(__file__).parents[2]
 DOCUMENT = ROOT / "docs/measured-run-up.md"
 CONFIG = ROOT / "configs/kfupm-rk4.toml"

@@ -99,6 +99,7 @@ def test_parallel_shafts_show_at_2x_whirling_backward_and_leave_the_fit_at_1x_al
     assert abs(unbalance - UNBALANCE) < 3 * sigma < 0.2 * abs(UNBALANCE)
 
 
+@pytest.mark.campaign
 def test_a_crack_shows_at_the_harmonics_where_they_meet_the_critical_speed_along_the_sag(imported: Imported) -> None:
     fit = joint_fit.fitted([Recording(imported("crack"))])
     second = [misfit for misfit in fit.adequacy.misfits if misfit.order == 2]
@@ -107,6 +108,7 @@ def test_a_crack_shows_at_the_harmonics_where_they_meet_the_critical_speed_along
     assert {second[0].probe, second[1].probe} == {"1y", "2y"}  # ROSS's weight acts along y, and so does its crack alone
 
 
+@pytest.mark.campaign
 def test_shafts_at_an_angle_show_at_3x_alone(imported: Imported) -> None:
     fit = joint_fit.fitted([Recording(imported("angular", "mapping-3x"))])
     loud = [misfit for misfit in fit.adequacy.misfits if misfit.sigma > ADEQUACY.focused_limit]
@@ -114,6 +116,7 @@ def test_shafts_at_an_angle_show_at_3x_alone(imported: Imported) -> None:
     assert loud[0].speed_from * RPM < 765 < loud[0].speed_to * RPM  # a third of the critical speed
 
 
+@pytest.mark.campaign
 def test_taken_as_steady_a_healthy_run_up_is_wrong_and_its_times_put_it_right(
     healthy: OrderTrackedResponse, fit: Assessed
 ) -> None:
@@ -123,6 +126,7 @@ def test_taken_as_steady_a_healthy_run_up_is_wrong_and_its_times_put_it_right(
     assert held_out(fit.problem, fit.polished.p).over_floor < 1.2
 
 
+@pytest.mark.campaign
 def test_a_bow_is_named_and_gives_the_unbalance_back_what_that_had_absorbed(imported: Imported) -> None:
     found = judged(imported("bow"), "bow", "runout")
     assert found.verdict is Verdict.NAMED, found.sentence

@@ -16,6 +16,8 @@ from rotorrig.sims.effects.base import catalogue
 from rotorrig.sims.plant.truth import FaultSpec
 from tests.conftest import CONFIGS
 
+pytestmark = pytest.mark.campaign
+
 BOW = FaultSpec(name="bow", parameters={"amount": 20e-6})
 TRIED = {"slow_roll_subtracted", "bow", "runout"}  # without force laws
 

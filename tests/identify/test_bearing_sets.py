@@ -56,6 +56,7 @@ def test_all_eight_coefficients_are_found_negative_ones_too(rig_config: RigConfi
     assert found.unknowns == (*names, "u")
 
 
+@pytest.mark.campaign
 def test_bearings_to_either_side_are_found_apart_and_their_unseen_damping_is_named(
     rig_config: RigConfig, rng: np.random.Generator
 ) -> None:
@@ -103,6 +104,7 @@ def test_a_plane_that_is_no_disk_may_carry_the_unbalance(rig_config: RigConfig, 
     assert math.isnan(found.estimate("u").nameplate)
 
 
+@pytest.mark.campaign
 def test_far_below_the_critical_speed_damping_is_said_to_be_unknown(
     rig_config: RigConfig, rng: np.random.Generator
 ) -> None:

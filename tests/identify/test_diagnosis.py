@@ -73,6 +73,7 @@ def test_the_gain_tells_the_base_before_and_after(named: Diagnosis) -> None:
         assert abs(base[name].after - value) < 4 * base[name].sigma, name
 
 
+@pytest.mark.campaign
 def test_with_the_true_cause_left_out_it_is_not_named(late: OrderTrackedResponse) -> None:
     """A control: the name above is not given to whatever comes."""
     found = judged(late, tried=QUICK - {"delay"})
@@ -283,6 +284,7 @@ def test_recordings_that_do_not_go_together_are_refused(
         judged(*given[unlike])
 
 
+@pytest.mark.campaign
 def test_a_force_twice_per_turn_is_located_where_it_meets_the_first_critical_speed(hurried_rig: RigConfig) -> None:
     hidden = FaultSpec(name="coupling", parameters={})
     response = track(record(hurried_rig, seed=12, faults=(hidden,)))
@@ -294,6 +296,7 @@ def test_a_force_twice_per_turn_is_located_where_it_meets_the_first_critical_spe
     assert half, "2X is strongest where twice the speed meets the first critical, 2226 / 2 rpm"
 
 
+@pytest.mark.campaign
 def test_runs_of_both_senses_of_rotation_are_diagnosed_together(one_plane: RigConfig) -> None:
     """A late probe and a turned one look alike below the critical speed while the rotor turns one way alone."""
     late, below = [(find(one_plane, "delay, probe 1y"), {"delay": 1.5e-3})], {"speeds": (480, 2000)}

@@ -77,6 +77,7 @@ def test_a_response_from_the_file_is_that_from_memory_to_the_last_bit(short: Pat
     assert (tmp_path / "file.mcap").read_bytes() == (tmp_path / "memory.mcap").read_bytes()
 
 
+@pytest.mark.campaign
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="asks Linux how much memory it had at the most")
 def test_memory_is_flat_with_the_length_of_the_recording(
     short: Path, record: Callable[..., RawRecording], tmp_path: Path

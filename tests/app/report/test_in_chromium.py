@@ -220,6 +220,7 @@ def test_without_javascript_words_tables_and_drawings_are_there(tab: Tab, report
     assert tab.run("document.querySelectorAll('svg.drawing').length") == 2
 
 
+@pytest.mark.campaign
 def test_a_response_of_twenty_thousand_rows_makes_no_heavier_page(
     tab: Tab, tmp_path: Path, rig: RigConfig, response: OrderTrackedResponse
 ) -> None:

@@ -71,6 +71,7 @@ def test_a_healthy_rig_calls_for_nothing(
     assert len(found.stages) == 1
 
 
+@pytest.mark.campaign
 def test_two_causes_are_both_found(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
     both = ("skew_stiffness", "coupling")
     made = [effect_of(rig, label, 2.0) for label in both]
@@ -123,6 +124,7 @@ def test_an_unbalance_is_named_by_where_it_is_not_by_where_its_fit_began(
         assert abs(value - theta[name]) < 0.3 * sigma[name], name
 
 
+@pytest.mark.campaign
 def test_without_the_hidden_effect_the_fit_does_not_get_as_good(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
     """A control: what is named above is named for its own sake."""
     response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "delay, probe 2y", 1.5)])
@@ -145,6 +147,7 @@ def test_evidence_is_the_fall_of_chi2_less_the_same_for_every_unknown(
         assert called_for(tried) == (tried.evidence > SELECTION.enough and tried.lam > SELECTION.detected)
 
 
+@pytest.mark.campaign
 def test_a_rival_far_behind_is_given_up_and_the_named_cause_is_not(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
     response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "delay, probe 2y", 1.5)])
     (stage, *_) = selected(response, hidden).stages
@@ -158,6 +161,7 @@ def test_a_rival_far_behind_is_given_up_and_the_named_cause_is_not(rig: RigConfi
         assert best.evidence - candidate.evidence > SELECTION.near
 
 
+@pytest.mark.campaign
 def test_a_cause_of_a_size_no_rig_has_is_not_plausible(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
     effect, theta = effect_of(rig, "unbalance_plane, at 160 mm")
     q = effect.parameters[0]

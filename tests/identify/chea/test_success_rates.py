@@ -12,6 +12,8 @@ import pytest
 from rotorrig.identify.chea.chapter.settings import SEED
 from rotorrig.identify.chea.chea import chea
 
+pytestmark = pytest.mark.campaign
+
 PEAKS = np.array([[a * 0.43880, b * 0.30585] for a in (1, -1) for b in (1, -1)])  # chapter, Table 3
 RK4 = np.array([33.9e3, 34.6e3, 15.0, 15.0, 15e-6])  # kxx, kyy, cxx, cyy, u
 RK4_BOUNDS = [(1e2, 1e6), (1e2, 1e6), (1e0, 1e3), (1e0, 1e3), (1e-7, 1e-3)]  # chapter, section 8.2

@@ -89,6 +89,7 @@ def test_a_row_at_a_resonance_is_the_mean_under_the_window_that_the_record_names
     assert smear.worst_percent > 5 * error.worst_percent
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("faults", [{}, {"jitter": 50e-6, "missed": 0.01}], ids=["ideal", "jitter"])
 def test_95_percent_intervals_hold_the_truth_in_93_to_97_percent(tracked: Track, faults: dict[str, float]) -> None:
     counted = Coverage()

@@ -16,6 +16,8 @@ from rotorrig.rig.ross.writing import ross_text
 from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.modes.modes import whirl_modes
 
+pytestmark = pytest.mark.campaign
+
 Answers = tuple[dict[str, Any], Path]
 
 
