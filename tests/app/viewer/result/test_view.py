@@ -193,9 +193,19 @@ def test_results_of_different_layouts_go_by_different_names(response: OrderTrack
                 "Residual 1X, sigmas of the noise: after": (WORDS, 20),
             },
         ),
-        pytest.param("Bode", {f"Bode 1X, probe {probe}": (VIOLET, 30) for probe in ("1x", "1y", "2x", "2y")}, marks=pytest.mark.campaign),
-        pytest.param("Polar", {f"Polar 1X, probe {probe}": (WHITE, 8) for probe in ("1x", "1y", "2x", "2y")}, marks=pytest.mark.campaign),
-        pytest.param("Centreline", {"Shaft centreline: 1x": (WHITE, 5), "Shaft centreline: 2x": (WHITE, 5), "Gap": (ORANGE, 100)}, marks=pytest.mark.campaign),
+        pytest.param(
+            "Bode", {f"Bode 1X, probe {probe}": (VIOLET, 30) for probe in ("1x", "1y", "2x", "2y")},
+            marks=pytest.mark.campaign,
+        ),
+        pytest.param(
+            "Polar", {f"Polar 1X, probe {probe}": (WHITE, 8) for probe in ("1x", "1y", "2x", "2y")},
+            marks=pytest.mark.campaign,
+        ),
+        pytest.param(
+            "Centreline",
+            {"Shaft centreline: 1x": (WHITE, 5), "Shaft centreline: 2x": (WHITE, 5), "Gap": (ORANGE, 100)},
+            marks=pytest.mark.campaign,
+        ),
         (
             "Spectrum",
             {
