@@ -1,4 +1,4 @@
-"""The tangent of the march, turn by turn, against central differences of the march itself."""
+"""The tangent of time stepping under force laws, turn by turn, against central differences of the stepping itself."""
 
 from dataclasses import replace
 
@@ -8,11 +8,11 @@ import pytest
 from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.model.loads import unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
-from rotorrig.sims.rotor.nonlinear.changes import LawChange
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import phasor, slopes
-from rotorrig.sims.rotor.nonlinear.march_tangent import tangent
-from rotorrig.sims.rotor.nonlinear.swept_forcing import forcing
-from rotorrig.sims.rotor.nonlinear.swept_motion import LawPassage, Marched
+from rotorrig.sims.rotor.nonlinear.law_changes import LawChange
+from rotorrig.sims.rotor.nonlinear.law_stepping_tangent import step_tangent
+from rotorrig.sims.rotor.nonlinear.swept_motion import LawMotion, LawSweep
+from rotorrig.sims.rotor.nonlinear.tangent_forcing import compute_forcing
 from tests.sims.rotor import jeffcott
 from tests.sims.rotor.nonlinear.test_swept_response import U, at_disk, cubic, error, friction, laid_out
 
@@ -27,17 +27,15 @@ def test_modes_and_forces_of_every_turn_follow_amounts_and_laws(law):
     law = at_disk(model, *law, static=CENTRE)
     stiff = law.constants * (1 + H * (np.arange(len(law.constants)) == 0))
 
-    def passage(amount=U, **of_law) -> LawPassage:
-        return LawPassage(model, rows, unbalance_loads(model, ["disk"]), np.array([amount]), [replace(law, **of_law)])
+    def sweep(amount=U, **of_law) -> LawSweep:
+        return LawSweep(model, rows, unbalance_loads(model, ["disk"]), np.array([amount]), [replace(law, **of_law)])
 
-    def difference(ahead: Marched, behind: Marched, by: float) -> tuple[np.ndarray, np.ndarray]:
+    def difference(ahead: LawMotion, behind: LawMotion, by: float) -> tuple[np.ndarray, np.ndarray]:
         return (ahead.a - behind.a) / (2 * by), (phasor(ahead.F, 2) - phasor(behind.F, 2)) / (2 * by)
 
     want = {
-        "amount": difference(passage(U * (1 + H)).marched(), passage(U * (1 - H)).marched(), H),
-        "constant": difference(
-            passage(constants=stiff).marched(), passage(constants=2 * law.constants - stiff).marched(), H
-        ),
+        "amount": difference(sweep(U * (1 + H)).solve(), sweep(U * (1 - H)).solve(), H),
+        "constant": difference(sweep(constants=stiff).solve(), sweep(constants=2 * law.constants - stiff).solve(), H),
     }
     changes = [
         LawChange(amounts=np.array([U])),
@@ -45,22 +43,21 @@ def test_modes_and_forces_of_every_turn_follow_amounts_and_laws(law):
     ]
     if law.force is cubic:  # friction does not know where the place rests
         aside = np.array([MOVED, 0.0])
-        ahead, behind = (passage(static=CENTRE + by).marched() for by in (aside, -aside))
+        ahead, behind = (sweep(static=CENTRE + by).solve() for by in (aside, -aside))
         want["rest"] = difference(ahead, behind, MOVED)
         changes.append(LawChange(laws=(replace(law, static=CENTRE + aside),), step=MOVED))
-    for name, da, dF in zip(want, *of_tangent(passage(), changes), strict=True):
+    for name, da, dF in zip(want, *of_tangent(sweep(), changes), strict=True):
         assert error(da, want[name][0]) < 2e-3, name
         assert error(dF, want[name][1]) < 2e-3, name
 
 
-def of_tangent(places: LawPassage, changes: list[LawChange]) -> tuple[np.ndarray, np.ndarray]:
+def of_tangent(sweep: LawSweep, changes: list[LawChange]) -> tuple[np.ndarray, np.ndarray]:
     """Return the derivatives of the modes and of the force's first harmonic, (change, turn, mode or place)."""
-    found = places.marched()
-    driving = forcing(places, found, changes)
-    envelope = places.envelope
-    a, _, dF, _ = tangent(
-        *(envelope.operator, envelope.steps, envelope.turned, places.push, places.seen, places.flexibility),
-        *(places.mean, found.above, found.u, found.F, slopes(places.laws, places.rows.turns.omega, found.u)),
-        *(driving.force, driving.force_mid, driving.motion, driving.reaction, driving.lawful),
+    motion, envelope = sweep.solve(), sweep.envelope
+    forcing = compute_forcing(sweep, motion, changes)
+    a, _, dF, _ = step_tangent(
+        *(envelope.operator, envelope.steps, envelope.phases, sweep.participation, sweep.shapes, sweep.flexibility),
+        *(sweep.mean, motion.overtones, motion.u, motion.F, slopes(sweep.laws, sweep.rows.turns.omega, motion.u)),
+        *(forcing.force, forcing.force_mid, forcing.motion, forcing.law_force, forcing.law_columns),
     )
     return np.moveaxis(a, -1, 0), np.moveaxis(dF, -1, 0)

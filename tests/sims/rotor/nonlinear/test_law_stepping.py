@@ -1,4 +1,4 @@
-"""The march under a force law, turn by turn: where it rests, and against integration of the vibration in time."""
+"""Time stepping under a force law, turn by turn: where it rests, and against integration of the vibration in time."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
 from rotorrig.sims.rotor.model.loads import unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.nonlinear.steady_response import steady_with_law
-from rotorrig.sims.rotor.nonlinear.swept_motion import LawPassage
+from rotorrig.sims.rotor.nonlinear.swept_motion import LawSweep
 from rotorrig.sims.rotor.swept.timeline import TURN, Timeline
 from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 from tests.sims.rotor import jeffcott
@@ -24,22 +24,22 @@ def model() -> RotorModel:
     return reduce(assemble(jeffcott.rig(), max_element=0.1))
 
 
-def passage(model: RotorModel, timeline: Timeline, t: np.ndarray, law) -> LawPassage:
+def sweep(model: RotorModel, timeline: Timeline, t: np.ndarray, law) -> LawSweep:
     rows = tracked_rows(timeline, t=t, revolutions=10, window="hann")
-    return LawPassage(model, rows, unbalance_loads(model, ["disk"]), np.array([U]), [law])
+    return LawSweep(model, rows, unbalance_loads(model, ["disk"]), np.array([U]), [law])
 
 
 def test_at_a_constant_speed_it_stays_in_the_steady_state(model):
     omega = 205.0
     law = at_disk(model, cubic, 2e10, static=CENTRE)
     timeline = Timeline(np.arange(121) * TURN / omega)
-    marched = passage(model, timeline, timeline.t[[20, 60, 100]], law).marched()
+    stepped = sweep(model, timeline, timeline.t[[20, 60, 100]], law).solve()
     whole = assemble(jeffcott.rig(), max_element=0.1)
     of_whole = at_disk(whole, cubic, 2e10, static=CENTRE)
     (want,) = steady_with_law(whole, [omega], unbalance_loads(whole, ["disk"]), [U], [of_whole], orders=(1,))
-    first = marched.u[:, 2:4] + 1j * marched.u[:, 4:6]
+    first = stepped.u[:, 2:4] + 1j * stepped.u[:, 4:6]
     np.testing.assert_allclose(first, np.broadcast_to(want[:, 0], first.shape), atol=1e-6 * np.abs(want).max())
-    np.testing.assert_allclose(marched.u, np.broadcast_to(marched.u[0], marched.u.shape), atol=1e-11)
+    np.testing.assert_allclose(stepped.u, np.broadcast_to(stepped.u[0], stepped.u.shape), atol=1e-11)
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_every_turn_it_is_where_integration_in_time_is(model, force, constants, 
     """At the keyphasor's mark x = mean + Re(Q1 + Q2 + Q3); the equations of motion are written out here once more."""
     ramp = Ramp(1700 * RPM, 60 * RPM, 12.0)
     law = at_disk(model, force, *constants)
-    marched = passage(model, ramp.timeline, ramp.rows[(ramp.rows > 2) & (ramp.rows < 10)], law).marched()
+    stepped = sweep(model, ramp.timeline, ramp.rows[(ramp.rows > 2) & (ramp.rows < 10)], law).solve()
     turns = np.flatnonzero((ramp.timeline.t > 6) & (ramp.timeline.t < 10))
     stiffness, angle = np.array([jeffcott.KX, jeffcott.KY]), np.angle(U)
 
@@ -65,5 +65,5 @@ def test_every_turn_it_is_where_integration_in_time_is(model, force, constants, 
     want = (
         solve_ivp(motion, (0, 10), np.zeros(4), "DOP853", t_eval=ramp.timeline.t[turns], rtol=1e-8, atol=1e-12).y[:2].T
     )
-    got = marched.u[turns].reshape(-1, 7, 2)[:, [0, 1, 3, 5]].sum(axis=1)
+    got = stepped.u[turns].reshape(-1, 7, 2)[:, [0, 1, 3, 5]].sum(axis=1)
     assert np.abs(got - want).max() < tolerance * np.abs(want).max()
