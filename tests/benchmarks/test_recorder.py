@@ -1,5 +1,9 @@
 """The recorder's benchmark in small: real processes, ports, sweeps and kills; its figures are for the long one."""
 
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +13,8 @@ from benchmarks import recorder
 from benchmarks.parts.recorder import page as recorder_page
 from benchmarks.parts.recorder.report import Report
 from benchmarks.recorder import Bench, measure_kills, measure_long_run, measure_trips
+
+PROCESSES = 3  # one after another a sample goes through: the board, the recording process, this one that kills it
 
 
 @pytest.fixture(scope="module")
@@ -31,10 +37,31 @@ def test_whatever_moment_it_is_killed_at_the_last_quarter_second_is_all_that_is_
 ) -> None:
     monkeypatch.setattr(recorder, "KILL_AFTER", (0.3, 0.8))
     report = Report()
-    measure_kills(bench, report, kills=3)
+    with held_up() as worst:
+        measure_kills(bench, report, kills=3)
     assert report.kills_bad == 0
     assert len(report.kills_lost_s) == 3
-    assert max(report.kills_lost_s) < 0.25
+    assert max(report.kills_lost_s) < 0.25 + PROCESSES * max(worst)
+
+
+@contextmanager
+def held_up() -> Iterator[list[float]]:
+    """Measure by how much a busy machine is late to wake who has slept for 10 ms [s]."""
+    late, done = [0.0], threading.Event()
+
+    def sleep() -> None:
+        while not done.is_set():
+            began = time.monotonic()
+            time.sleep(0.01)
+            late.append(time.monotonic() - began - 0.01)
+
+    sleeper = threading.Thread(target=sleep)
+    sleeper.start()
+    try:
+        yield late
+    finally:
+        done.set()
+        sleeper.join()
 
 
 @pytest.mark.campaign

@@ -25,6 +25,7 @@ from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.importers.channel_mapping import load_channels
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app import cli
+from rotorrig.app.terminal.console import err, out
 from rotorrig.identify.result_files import read_identification
 from rotorrig.processing.files.bode_table import read_table
 from rotorrig.rig.config.description import RigConfig, parse
@@ -131,6 +132,8 @@ class Outcomes(dict[str, list[Outcome]]):
         with pytest.MonkeyPatch.context() as patch:
             patch.chdir(self._folder / Path(document).stem)
             patch.setenv("COLUMNS", str(COLUMNS))
+            for console in (out, err):  # which took the width they found when they were first imported
+                patch.setattr(console, "_width", COLUMNS)
             self[document] = [run(patch, words) for words in commands(document)]
         return self[document]
 
