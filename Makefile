@@ -1,7 +1,8 @@
 # Two commands on a fresh clone: `make demo` and `make test`. Each sets itself up in .venv.
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
-PYTEST = env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n logical --dist loadfile --no-loadscope-reorder
+JOBS ?= $(shell expr $$(getconf _NPROCESSORS_ONLN) + 1)
+PYTEST = env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .PHONY: setup demo test test-all lint types check docs tutorial pictures bench chea-tables identification-tables blind recorder tracking soak fuzz clean
@@ -9,8 +10,8 @@ export PIP_DISABLE_PIP_VERSION_CHECK = 1
 demo: .venv/ready
 	$(BIN)/rotor demo --out demo
 
-# Both on every core, a file of tests at a time: what a file has set up is made once. The tests start some hundred
-# programs: they find their modules compiled, whatever the shell says of bytecode.
+# Both on every core and one job more, as many tests wait for programs they have started; a file of tests at a time, so
+# that what a file has set up is made once. The programs find their modules compiled, whatever the shell says of bytecode.
 test: .venv/ready
 	$(PYTEST) -m "not campaign"
 

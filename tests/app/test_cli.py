@@ -110,6 +110,7 @@ def test_the_version_is_the_one_that_files_carry(
     assert run(monkeypatch, capsys, "--version")[:2] == (0, f"rotorrig {code_version()}\n")
 
 
+@pytest.mark.campaign
 def test_the_measured_run_up_is_imported_fitted_and_shown_to_fit_poorly(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

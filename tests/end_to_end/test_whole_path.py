@@ -127,6 +127,7 @@ def test_a_sealed_bow_is_named_and_the_extended_model_is_adequate(folder: Path, 
     assert json.loads(again.read_text())["verdict"] == "adequate"
 
 
+@pytest.mark.campaign
 def test_ctrl_c_stops_the_rotor_and_keeps_what_was_recorded(folder: Path) -> None:
     command = [sys.executable, "-m", "rotorrig.app.cli", "sweep", str(folder / "rig.toml"), "--simulate", "--rate", "5"]
     process = subprocess.Popen(

@@ -91,6 +91,7 @@ def test_a_served_viewer_listens_on_this_machine_alone_and_ends_with_its_sink(tm
     assert sink.viewer.poll() is not None
 
 
+@pytest.mark.campaign
 @pytest.mark.viewer
 @needs_vulkan
 def test_a_recording_is_drawn_whole_with_the_orbit_of_the_time(

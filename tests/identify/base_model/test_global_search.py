@@ -36,6 +36,7 @@ def test_every_objective_finds_what_made_the_data(clean: OrderTrackedResponse, o
     assert found.stop in ("converged", "target reached")
 
 
+@pytest.mark.campaign
 def test_the_blind_plants_values_are_found_near_enough_to_be_refined(blind_response: OrderTrackedResponse) -> None:
     truth = expected_estimates(blind_response.rig, draw(blind_response.rig, seed=BLIND_SEED))
     found = found_in(blind_response)

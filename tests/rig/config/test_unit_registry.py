@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ASK = "from rotorrig.rig.config.units import to_si; print(to_si('2 mil', 'length'))"
 
 
@@ -24,6 +26,7 @@ def caches(home: Path) -> list[Path]:
     return list((home / ".cache" / "rotorrig").iterdir())
 
 
+@pytest.mark.campaign
 def test_programs_that_start_at_once_on_a_fresh_account_all_read_units(tmp_path: Path) -> None:
     assert answers(*[started(tmp_path) for _ in range(12)]) == ["5.08e-05"] * 12
     assert len(caches(tmp_path)) == 1, "what the slower ones wrote was left behind"

@@ -52,6 +52,7 @@ def off(base: joint_fit.Assessed, fault: FaultSpec, label: str, theta: Mapping[s
     return np.nan_to_num(np.abs(predicted - z) / np.nanmax(np.abs(z)))
 
 
+@pytest.mark.campaign
 def test_friction_is_the_plants_sticking_and_sliding(base: joint_fit.Assessed) -> None:
     fault = FaultSpec(name="friction", parameters={"limit": 0.03, "stuck_stiffness": 1e5})
     error = off(base, fault, "friction", {"force": 0.03, "give": 0.03 / 1e5, "creep": 1e-5})
