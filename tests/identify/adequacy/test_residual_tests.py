@@ -11,10 +11,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy import stats
 
-from rotorrig.identify.adequacy.residual_tests import FOCUSED_LIMIT, STRETCH, Adequacy, assess, residual_maps
+from rotorrig.identify.adequacy.residual_tests import Adequacy, assess, residual_maps
+from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.processing.response import OrderTrackedResponse, Run
 
-ROWS = 6000 * STRETCH
+ROWS = 6000 * ADEQUACY.stretch
 SIGMA = 0.3e-6  # m, of re or im
 ONCE = 1e-4  # how seldom one of these tests may fail on another seed
 Complex = NDArray[np.complex128]
@@ -61,7 +62,7 @@ def white(rng: np.random.Generator, rows: int = ROWS, probes: int = 1) -> Comple
 
 
 def loud_stretches(found: Adequacy) -> int:
-    return sum(misfit.sigma > FOCUSED_LIMIT for misfit in found.misfits)
+    return sum(misfit.sigma > ADEQUACY.focused_limit for misfit in found.misfits)
 
 
 def test_white_residuals_have_sigma_one_and_their_worst_stretch_is_that_of_chi2(judged, rng) -> None:
@@ -69,8 +70,8 @@ def test_white_residuals_have_sigma_one_and_their_worst_stretch_is_that_of_chi2(
     scatter = found.sigmas[np.isfinite(found.sigmas)] ** 2
     assert len(scatter) == ROWS
     assert scatter.mean() == pytest.approx(1.0, abs=4 / np.sqrt(ROWS))
-    low, high = (share ** (STRETCH / ROWS) for share in (ONCE, 1 - ONCE))  # of the largest of so many
-    worst = stats.chi2.cdf(found.worst_sigma**2 * 2 * STRETCH, 2 * STRETCH)
+    low, high = (share ** (ADEQUACY.stretch / ROWS) for share in (ONCE, 1 - ONCE))  # of the largest of so many
+    worst = stats.chi2.cdf(found.worst_sigma**2 * 2 * ADEQUACY.stretch, 2 * ADEQUACY.stretch)
     assert low < worst < high
     assert found.adequate
     assert loud_stretches(found) == 0
@@ -78,26 +79,28 @@ def test_white_residuals_have_sigma_one_and_their_worst_stretch_is_that_of_chi2(
 
 def test_an_alarm_on_white_residuals_is_out_of_the_question() -> None:
     """The limit stands where errors of a scale factor, not noise, put it: docs/adequacy.md."""
-    assert stats.chi2.sf(FOCUSED_LIMIT**2 * 2 * STRETCH, 2 * STRETCH) < 1e-12
+    assert stats.chi2.sf(ADEQUACY.focused_limit**2 * 2 * ADEQUACY.stretch, 2 * ADEQUACY.stretch) < 1e-12
 
 
 @pytest.mark.parametrize("size", [2.9, 3.2, 3.5], ids="{} sigma".format)
 def test_an_offset_of_a_stretch_is_found_as_often_as_noncentral_chi2_says(judged, rng, size: float) -> None:
     """Every fourth stretch is off, so that none is joined with another."""
     residual = white(rng)
-    off = np.arange(ROWS) // STRETCH % 4 == 0
+    off = np.arange(ROWS) // ADEQUACY.stretch % 4 == 0
     residual[off] += size * SIGMA * np.exp(0.7j)
-    power = stats.ncx2.sf(FOCUSED_LIMIT**2 * 2 * STRETCH, 2 * STRETCH, STRETCH * size**2)
-    low, high = stats.binom.interval(1 - ONCE, ROWS // STRETCH // 4, power)
+    power = stats.ncx2.sf(
+        ADEQUACY.focused_limit**2 * 2 * ADEQUACY.stretch, 2 * ADEQUACY.stretch, ADEQUACY.stretch * size**2
+    )
+    low, high = stats.binom.interval(1 - ONCE, ROWS // ADEQUACY.stretch // 4, power)
     assert low <= loud_stretches(judged(residual)) <= high
 
 
 def test_residuals_that_stay_through_a_stretch_are_found_as_often_as_one_row_is(judged, rng) -> None:
     """Neighbours off together leave chi2 of two degrees of freedom: exp(-limit^2) of the stretches are loud."""
-    residual = np.repeat(white(rng, ROWS // STRETCH), STRETCH, axis=0)
-    alone = np.arange(ROWS) // STRETCH % 4 == 0
+    residual = np.repeat(white(rng, ROWS // ADEQUACY.stretch), ADEQUACY.stretch, axis=0)
+    alone = np.arange(ROWS) // ADEQUACY.stretch % 4 == 0
     residual[~alone] = 0
-    low, high = stats.binom.interval(1 - ONCE, ROWS // STRETCH // 4, np.exp(-(FOCUSED_LIMIT**2)))
+    low, high = stats.binom.interval(1 - ONCE, ROWS // ADEQUACY.stretch // 4, np.exp(-(ADEQUACY.focused_limit**2)))
     assert low <= loud_stretches(judged(residual)) <= high
 
 
