@@ -15,7 +15,7 @@ from docs.svg_plot import COLOURS, INK, Figure
 from rotorrig.identify import Diagnosis, diagnose, joint_fit
 from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.joint_fit import Assessed
-from rotorrig.identify.verdict.cross_validation import Prediction, held_out
+from rotorrig.identify.verdict.cross_validation import Prediction, cross_validate
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import read_table
 from rotorrig.rig.config import RPM, load
@@ -53,7 +53,7 @@ def measured() -> OrderTrackedResponse:
 def models(response: OrderTrackedResponse) -> tuple[Model, Model]:
     """Return the quasi-static and the swept base model."""
     fits = [joint_fit.fitted([Recording(response, swept=swept)]) for swept in (False, True)]
-    still, swept = (held_out(fit.problem, fit.polished.p) for fit in fits)
+    still, swept = (cross_validate(fit.problem, fit.polished.p) for fit in fits)
     return (
         Model(name="quasi-static", fit=fits[0], unseen=still),
         Model(name="swept", fit=fits[1], unseen=swept),

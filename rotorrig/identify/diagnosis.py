@@ -30,7 +30,7 @@ from rotorrig.identify.verdict import (
     next_run,
     sentences,
 )
-from rotorrig.identify.verdict import verdict as naming
+from rotorrig.identify.verdict.verdict import conclude, hidden_effects, ranked_causes, tied_labels, visible_share
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import ConfigError, DataError, Provenance, code_version
 from rotorrig.sims.effects import Effect, find
@@ -109,11 +109,11 @@ def diagnose(
         progress("held-out data", 0.7)
         unseen = _recordings([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
         predictions = gain.predictions(selection, holdout=unseen)
-        verdict = naming.verdict(
+        verdict = conclude(
             selection,
             adequate_before=base.adequacy.adequate,
             adequate_after=extended.adequacy.adequate,
-            visible=naming.visible_share(selection),
+            visible=visible_share(selection),
             predictions=predictions,
         )
         progress("next run", 0.9)
@@ -203,8 +203,8 @@ def _report(
     predictions: gain.Predictions,
 ) -> Diagnosis:
     adequacy: Adequacy = base.adequacy
-    causes = naming.causes(selection, predictions.by_label)
-    tied = naming.ties(selection)
+    causes = ranked_causes(selection, predictions.by_label)
+    tied = tied_labels(selection)
     source = responses[0].source
     was_extended = selection.problem.effects != base.problem.effects
     concluded = sentences.sentence(verdict, adequacy, extended.adequacy, causes, tied, predictions)
@@ -222,7 +222,7 @@ def _report(
         causes=causes,
         tied=tied,
         gain=gain.measure_gain(base, selection, predictions) if was_extended else None,
-        hidden=naming.hidden_effects(selection),
+        hidden=hidden_effects(selection),
         character=sentences.character(extended.adequacy) if verdict is Verdict.UNEXPLAINED else "",
         extended_residual=extended.adequacy.residual if extended is not base else None,
         responses=tuple((r.source.source_hash, len(r.omega)) for r in responses),

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.adequacy import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
-from rotorrig.identify.verdict import Cause, Figure, Gain, HiddenEffect, NextRun, Shift
+from rotorrig.identify.verdict import Cause, Gain, HiddenEffect, NextRun, ParameterValue, Shift
 from rotorrig.rig import DataError, Provenance
 
 _FIT = "rotorrig fit"
@@ -163,7 +163,7 @@ def _cause_out(cause: Cause) -> dict[str, Any]:
 
 def _cause(table: dict[str, Any]) -> Cause:
     parameters = {
-        name: Figure(value=_number(f["value"]), unit=f["unit"], sigma=_infinite(f["sigma"]))
+        name: ParameterValue(value=_number(f["value"]), unit=f["unit"], sigma=_infinite(f["sigma"]))
         for name, f in table["parameters"].items()
     }
     return Cause(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
-from rotorrig.identify.verdict.cause import Cause, Figure
+from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
 from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
@@ -133,8 +133,8 @@ def make_cause(label: str, title: str, *, chosen: bool = False, evidence: float,
         heldout_before=5.2e-6,
         heldout_after=after,
         parameters={
-            "bow": Figure(value=size, unit="m", sigma=3e-7),
-            "bow angle": Figure(value=angle, unit="rad", sigma=np.radians(1.0)),
+            "bow": ParameterValue(value=size, unit="m", sigma=3e-7),
+            "bow angle": ParameterValue(value=angle, unit="rad", sigma=np.radians(1.0)),
         },
         theta={"bow re": size * np.cos(angle), "bow im": size * np.sin(angle)},
         sigmas={"bow re": 3e-7, "bow im": np.inf},

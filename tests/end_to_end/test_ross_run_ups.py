@@ -16,7 +16,7 @@ from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.identify.diagnosis import Diagnosis, diagnose
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.joint_fit import Assessed
-from rotorrig.identify.verdict.cross_validation import held_out
+from rotorrig.identify.verdict.cross_validation import cross_validate
 from rotorrig.identify.verdict.verdict import Verdict
 from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
@@ -123,7 +123,7 @@ def test_taken_as_steady_a_healthy_run_up_is_wrong_and_its_times_put_it_right(
     still = joint_fit.fitted([Recording(healthy, swept=False)])
     assert not still.adequacy.adequate
     assert still.polished.chi2 > 5 * fit.polished.chi2
-    assert held_out(fit.problem, fit.polished.p).over_floor < 1.2
+    assert cross_validate(fit.problem, fit.polished.p).over_floor < 1.2
 
 
 @pytest.mark.campaign

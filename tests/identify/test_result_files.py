@@ -12,7 +12,7 @@ from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
-from rotorrig.identify.verdict.cause import Cause, Figure
+from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
 from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
@@ -97,7 +97,7 @@ VERDICT = Diagnosis(
             lam=135.0,
             heldout_before=5e-6,
             heldout_after=math.nan,
-            parameters={"runout": Figure(value=3e-6, unit="m", sigma=math.inf)},
+            parameters={"runout": ParameterValue(value=3e-6, unit="m", sigma=math.inf)},
             theta={"runout re": 3e-6, "runout im": 0.0},
             sigmas={"runout re": math.inf, "runout im": 1e-8},
         ),

@@ -30,7 +30,7 @@ from rotorrig.identify.causes import background, candidates
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording
 from rotorrig.identify.verdict import VERDICT
-from rotorrig.identify.verdict.separability import fitted, separation
+from rotorrig.identify.verdict.separability import fitted, separability
 from rotorrig.identify.verdict.verdict import another
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
@@ -141,7 +141,7 @@ def _promising(scored: Sequence[Score], left: float, *, enough: float, bent: boo
 def _to(problem: ExtendedProblem, p: Reals, rival: Effect, *, enough: float) -> float:
     """Return lam to a rival, beside the nuisances; infinite where under its force law there is no motion."""
     try:
-        return separation(problem, p, (*problem.effects[:-1], rival), enough=enough)
+        return separability(problem, p, (*problem.effects[:-1], rival), enough=enough)
     except DataError:
         return math.inf
 

@@ -2,18 +2,18 @@
 
 from rotorrig.identify.causes.candidate_fit import Candidate, plausible
 from rotorrig.identify.causes.candidates import background, candidates
-from rotorrig.identify.causes.selection_step import Stage
+from rotorrig.identify.causes.selection_step import SelectionStep
 from rotorrig.identify.causes.settings import SELECTION
-from rotorrig.identify.causes.stepwise_selection import Selection, called_for, select
+from rotorrig.identify.causes.stepwise_selection import Selection, is_significant, select
 
 __all__ = [
     "SELECTION",
     "Candidate",
     "Selection",
-    "Stage",
+    "SelectionStep",
     "background",
-    "called_for",
     "candidates",
+    "is_significant",
     "plausible",
     "select",
 ]

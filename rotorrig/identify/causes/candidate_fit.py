@@ -10,7 +10,7 @@ import numpy as np
 
 from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_nuisances
+from rotorrig.identify.causes.pinned_nuisances import nuisances_biased, pinned_nuisances
 from rotorrig.identify.causes.score_test import Score, relocated
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
@@ -48,7 +48,7 @@ def plausible(candidate: Candidate) -> bool:
     )
 
 
-def on_trial(
+def fit_candidate(
     problem: ExtendedProblem, polished: Solution, plain: Solution | None, score: Score, *, leader: float
 ) -> Candidate | None:
     """Fit the effect of a score beside those of `problem`, fitted as `polished`; None where it has no solution.
@@ -128,7 +128,7 @@ def _first(
         return _refined(problem, score.begin, worth=worth)
     nothing = np.array([q.at_zero / q.size for q in score.effect.parameters])
     if plain is not None:
-        start, held = np.append(plain.p, nothing), held_nuisances(problem)
+        start, held = np.append(plain.p, nothing), pinned_nuisances(problem)
         near = problem.solve(start, fixed=held, tolerance=SELECTION.roughly * plain.chi2, max_steps=SELECTION.steps)
         fit = _refined(problem, near.p, worth=worth)
         if fit.stop in (Stop.CONVERGED, Stop.GIVEN_UP) or not worth(polished.chi2, score.lam):
@@ -142,9 +142,9 @@ def _refined(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Solutio
     start = np.clip(start, *problem.bounds)
     if not problem.curved:
         return problem.solve(start, tolerance=SELECTION.settled, max_steps=SELECTION.steps, worth=worth)
-    if drawn_off(problem, start):
+    if nuisances_biased(problem, start):
         near = problem.solve(
-            start, fixed=held_nuisances(problem), tolerance=1.0, max_steps=SELECTION.steps, worth=worth
+            start, fixed=pinned_nuisances(problem), tolerance=1.0, max_steps=SELECTION.steps, worth=worth
         )
         if near.stop is Stop.GIVEN_UP:
             return near

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.causes.pinned_nuisances import held_nuisances
+from rotorrig.identify.causes.pinned_nuisances import pinned_nuisances
 from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
@@ -22,7 +22,7 @@ from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect, Parameter
 
 
-def held_scores(
+def score_force_laws(
     problem: ExtendedProblem, polished: Solution, plain: Solution, candidates: Sequence[Effect]
 ) -> list[Score]:
     """Return the scores of effects that are begun at their starts, beside those of `problem`; best first.
@@ -30,7 +30,7 @@ def held_scores(
     `plain` is its `held_fit`. The score is by how much chi2 is below that of `polished`, the nuisances at their priors,
     and what a full step with all of them promises beyond. Of one that was given up it is the first part alone.
     """
-    held = held_nuisances(problem)
+    held = pinned_nuisances(problem)
     looks = [
         look for effect in candidates if effect.needs_starts and (look := _look(problem, plain.p, effect)) is not None
     ]

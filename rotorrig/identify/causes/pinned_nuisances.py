@@ -12,21 +12,21 @@ from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution
 
 
-def drawn_off(problem: ExtendedProblem, p: Reals) -> bool:
+def nuisances_biased(problem: ExtendedProblem, p: Reals) -> bool:
     """Say whether a nuisance of `p` is further off than its prior allows."""
     return bool(np.abs(problem.parameters.prior_residual(p)).max(initial=0.0) > SELECTION.biased)
 
 
-def held_nuisances(problem: ExtendedProblem) -> dict[int, float]:
+def pinned_nuisances(problem: ExtendedProblem) -> dict[int, float]:
     """Return the nuisances that are not solved for anyway, at their priors: parameter -> value."""
     names = problem.parameters
     at_priors = names.start(np.zeros(0))
     return {int(i): float(at_priors[i]) for i in names.priors if i not in names.linear_nuisances}
 
 
-def held_fit(problem: ExtendedProblem, p: Reals) -> Solution:
+def fit_with_pinned_nuisances(problem: ExtendedProblem, p: Reals) -> Solution:
     """Fit `problem` from `p` with its nuisances held at their priors."""
-    held = held_nuisances(problem)
+    held = pinned_nuisances(problem)
     return problem.solve(_at_priors(p, held), fixed=held, tolerance=SELECTION.pinned_settled, max_steps=SELECTION.steps)
 
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.identify.adequacy import ADEQUACY
-from rotorrig.identify.causes.candidate_fit import Candidate, on_trial, plausible
-from rotorrig.identify.causes.force_law_starts import held_scores
-from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit
+from rotorrig.identify.causes.candidate_fit import Candidate, fit_candidate, plausible
+from rotorrig.identify.causes.force_law_starts import score_force_laws
+from rotorrig.identify.causes.pinned_nuisances import fit_with_pinned_nuisances, nuisances_biased
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
@@ -21,7 +21,7 @@ from rotorrig.sims.effects import Effect
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stage:
+class SelectionStep:
     """One step forward: what was tried beside the effects that were in already."""
 
     before: Solution
@@ -34,7 +34,7 @@ class Stage:
         return best is not None and best.effect is effect and _labels(best.problem.effects[:-1]) == _labels(beside)
 
 
-def step(
+def try_candidates(
     problem: ExtendedProblem,
     polished: Solution,
     candidates: Sequence[Effect],
@@ -42,28 +42,28 @@ def step(
     *,
     wrong: bool,
     first: bool,
-) -> Stage:
+) -> SelectionStep:
     """Try what scores high; force laws that have drawn the base off are kept for where nothing else explains it."""
     scored = scores(problem, polished.p, candidates)
     excess = _excess(problem, polished)
-    plain = held_fit(problem, polished.p) if drawn_off(problem, polished.p) else None
+    plain = fit_with_pinned_nuisances(problem, polished.p) if nuisances_biased(problem, polished.p) else None
     laws: list[Score] = []
     later = False  # whether force laws wait for the others
     if first and wrong and excess > 0 and plain:
         later = bool(scored) and excess - scored[0].lam < SELECTION.reached * excess
-        laws = [] if later else held_scores(problem, polished, plain, candidates)
+        laws = [] if later else score_force_laws(problem, polished, plain, candidates)
     elif first and (wrong or (scored and scored[0].lam > SELECTION.detected)):
         laws = curved_scores(problem, polished.p, candidates)
     promising = _promising(sorted((*scored, *laws), key=lambda s: -s.lam))
     progress(0.3)
     tried = _all_tried(problem, polished, plain, promising, (), progress=lambda share: progress(0.3 + 0.5 * share))
     if first and not any(_explained(candidate, excess) for candidate in tried):
-        laws = held_scores(problem, polished, plain, candidates) if later and plain else laws
+        laws = score_force_laws(problem, polished, plain, candidates) if later and plain else laws
         late = _unpromising(laws, promising)
         tried = _all_tried(problem, polished, plain, late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
     progress(1.0)
     ranked = sorted(tried, key=lambda c: (not plausible(c), -c.evidence))
-    return Stage(before=polished, scores=(*scored, *laws), tried=tuple(ranked))
+    return SelectionStep(before=polished, scores=(*scored, *laws), tried=tuple(ranked))
 
 
 def _excess(problem: ExtendedProblem, polished: Solution) -> float:
@@ -85,7 +85,7 @@ def _all_tried(
     tried = list(before)
     for i, score in enumerate(scored):
         leader = max((c.evidence for c in tried if plausible(c)), default=-np.inf)
-        if (candidate := on_trial(problem, polished, plain, score, leader=leader)) is not None:
+        if (candidate := fit_candidate(problem, polished, plain, score, leader=leader)) is not None:
             _keep_better(tried, candidate)
         progress((i + 1) / len(scored))
     return tried

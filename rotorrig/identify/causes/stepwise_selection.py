@@ -15,7 +15,7 @@ import numpy as np
 
 from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.causes.candidate_fit import Candidate, named_by_place, price, refit
-from rotorrig.identify.causes.selection_step import Stage, step
+from rotorrig.identify.causes.selection_step import SelectionStep, try_candidates
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution
@@ -30,7 +30,7 @@ class Selection:
 
     start: ExtendedProblem  # the base model, effects of the config included
     base: Solution
-    stages: tuple[Stage, ...]
+    steps: tuple[SelectionStep, ...]
     problem: ExtendedProblem
     polished: Solution
 
@@ -44,32 +44,32 @@ def select(
     progress: Progress = lambda stage, share: None,
 ) -> Selection:
     """Extend the model of `problem`, fitted as `base`, by what its residual calls for; `wrong`: its test failed."""
-    stages: list[Stage] = []
+    steps: list[SelectionStep] = []
     current, polished = problem, base
 
-    def search(what: str, problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> Stage:
+    def search(what: str, problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> SelectionStep:
         taken = {own.label for own in problem.effects if not own.is_nuisance}
         rest = [e for e in among if e.label not in taken]
-        return step(problem, polished, rest, partial(progress, what), wrong=wrong, first=not stages)
+        return try_candidates(problem, polished, rest, partial(progress, what), wrong=wrong, first=not steps)
 
     for number in range(SELECTION.most):
-        stage = search(f"cause {number + 1}", current, polished, candidates)
-        stages.append(stage)
-        if not stage.tried or not called_for(stage.tried[0], explained=base.chi2 - polished.chi2):
+        step = search(f"cause {number + 1}", current, polished, candidates)
+        steps.append(step)
+        if not step.tried or not is_significant(step.tried[0], explained=base.chi2 - polished.chi2):
             break
-        current, polished = _settled(stages)
+        current, polished = _settled(steps)
         if current.curved:
             break  # what a force law leaves is its own harmonics as much as another cause
     kept = len(problem.effects)
     if len(current.effects) > kept + 1:
         current, polished = _without_idle(current, polished, kept=kept)
-    if len(stages) > 1 and not current.curved and len(current.effects) > kept:
-        current, polished = _again(current, polished, partial(search, "causes again"), candidates, stages, kept=kept)
+    if len(steps) > 1 and not current.curved and len(current.effects) > kept:
+        current, polished = _again(current, polished, partial(search, "causes again"), candidates, steps, kept=kept)
         current, polished = _without_idle(current, polished, kept=kept)
-    return Selection(start=problem, base=base, stages=tuple(stages), problem=current, polished=polished)
+    return Selection(start=problem, base=base, steps=tuple(steps), problem=current, polished=polished)
 
 
-def called_for(candidate: Candidate, *, explained: float = 0.0) -> bool:
+def is_significant(candidate: Candidate, *, explained: float = 0.0) -> bool:
     """Say whether the data call for the effect on trial beside causes that have explained so much of chi2."""
     needed = SELECTION.detected + _looked_for(candidate) + SELECTION.model_error**2 * explained
     return candidate.evidence > SELECTION.enough and candidate.lam > needed
@@ -88,41 +88,41 @@ def _looked_for(candidate: Candidate) -> float:
 def _again(
     problem: ExtendedProblem,
     polished: Solution,
-    search: Callable[[ExtendedProblem, Solution, Sequence[Effect]], Stage],
+    search: Callable[[ExtendedProblem, Solution, Sequence[Effect]], SelectionStep],
     candidates: Sequence[Effect],
-    stages: list[Stage],
+    steps: list[SelectionStep],
     *,
     kept: int,
 ) -> tuple[ExtendedProblem, Solution]:
     """Look once more for causes that were found beside others than those they have now, and for one in place of two.
 
     Two of one kind may be parts of a third, as the delays of both planes are of one of all probes. What BIC likes
-    better stays; what was tried is added to `stages`.
+    better stays; what was tried is added to `steps`.
     """
     for leaving in _in_question(problem.effects[kept:]):
         others = [e for e in problem.effects if e not in leaving]
         if len(others) + len(leaving) > len(problem.effects):
             continue  # one of them has been replaced
-        if len(leaving) == 1 and any(stage.chose(leaving[0], beside=others) for stage in stages):
+        if len(leaving) == 1 and any(step.chose(leaving[0], beside=others) for step in steps):
             continue
         of_kind = [e for e in candidates if len(leaving) == 1 or e.name == leaving[0].name]
-        stage = search(*_without(problem, polished, leaving), of_kind)
-        best = stage.tried[0] if stage.tried else None
+        step = search(*_without(problem, polished, leaving), of_kind)
+        best = step.tried[0] if step.tried else None
         now = polished.chi2 + sum(price(problem, effect) for effect in leaving)
         if best is None or best.polished.chi2 + price(problem, best.effect) > now + SELECTION.as_good:
             continue
-        stages.append(stage)
-        problem, polished = _settled(stages)
+        steps.append(step)
+        problem, polished = _settled(steps)
     return problem, polished
 
 
-def _settled(stages: list[Stage]) -> tuple[ExtendedProblem, Solution]:
-    """Return the best of the last stage, fitted to the end; where that takes it to another place, the stage says so."""
-    best, *others = stages[-1].tried
+def _settled(steps: list[SelectionStep]) -> tuple[ExtendedProblem, Solution]:
+    """Return the best of the last step, fitted to the end; where that takes it to another place, the step says so."""
+    best, *others = steps[-1].tried
     problem, fit = named_by_place(best.problem, refit(best.problem, best.polished.p))
     if problem is not best.problem:
         rest = (c for c in others if c.effect.label != problem.effects[-1].label)
-        stages[-1] = replace(stages[-1], tried=(replace(best, problem=problem), *rest))
+        steps[-1] = replace(steps[-1], tried=(replace(best, problem=problem), *rest))
     return problem, fit
 
 

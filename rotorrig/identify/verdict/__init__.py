@@ -1,6 +1,6 @@
 """What the diagnosis says: causes named, tied or unexplained, cross-validated gain, separability, the next run."""
 
-from rotorrig.identify.verdict.cause import Cause, Figure
+from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
 from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.settings import VERDICT
@@ -10,10 +10,10 @@ from rotorrig.identify.verdict.verdict import HiddenEffect, Verdict
 __all__ = [
     "VERDICT",
     "Cause",
-    "Figure",
     "Gain",
     "HiddenEffect",
     "NextRun",
+    "ParameterValue",
     "Shift",
     "Verdict",
     "moving_speed",

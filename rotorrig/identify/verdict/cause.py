@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Figure:
+class ParameterValue:
     """One unknown of an effect as found, SI; a phasor is two: its magnitude, and "<name> angle" [rad]."""
 
     value: float
@@ -27,7 +27,7 @@ class Cause:
     lam: float  # chi2 of the base less chi2 with it
     heldout_before: float  # m, rms prediction error on held-out data, base; NaN: not measured
     heldout_after: float  # m, with it
-    parameters: dict[str, Figure]
+    parameters: dict[str, ParameterValue]
     theta: dict[str, float]  # the effect's own unknowns, as a config carries them
     sigmas: dict[str, float]  # of those
     given_up: bool = False  # its fit was left before its end, far behind the best: evidence and lam are the least

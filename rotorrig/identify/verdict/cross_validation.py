@@ -29,7 +29,7 @@ class Prediction:
         return self.error / self.floor
 
 
-def held_out(problem: ExtendedProblem, p: Reals) -> Prediction:
+def cross_validate(problem: ExtendedProblem, p: Reals) -> Prediction:
     """Return how well the model, fitted to one half of the blocks, predicts the other, both ways round.
 
     `p` is its fit to all rows. Half of them moves that by little, so the derivatives there serve both halves; it is

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.identify.causes import Candidate, Selection, called_for
+from rotorrig.identify.causes import Candidate, Selection, is_significant
 from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.least_squares import Stop
-from rotorrig.identify.verdict.cross_validation import Prediction, held_out, predicted
+from rotorrig.identify.verdict.cross_validation import Prediction, cross_validate, predicted
 from rotorrig.identify.verdict.settings import VERDICT
 
 
@@ -55,16 +55,16 @@ class Predictions:
 
 def predictions(selection: Selection, *, holdout: Recording | None = None) -> Predictions:
     """Predict `holdout`, or the recordings or blocks of speeds that a fit is not shown in turn."""
-    stages = selection.stages
-    base = stages[0].before if stages else selection.base
+    steps = selection.steps
+    base = steps[0].before if steps else selection.base
     problem = selection.start
 
     def of(candidate: Candidate | None) -> Prediction:
         p, where = (base.p, problem) if candidate is None else (candidate.polished.p, candidate.problem)
-        return predicted(where.on([holdout]), p) if holdout else held_out(where, p)
+        return predicted(where.on([holdout]), p) if holdout else cross_validate(where, p)
 
     before = of(None)
-    able = [c for c in (stages[0].tried if stages else ()) if _fitted_to_the_end(c) and called_for(c)]
+    able = [c for c in (steps[0].tried if steps else ()) if _fitted_to_the_end(c) and is_significant(c)]
     tried = able[: VERDICT.measured]
     by_label = {candidate.effect.label: (before, of(candidate)) for candidate in tried}
     after = before
@@ -72,7 +72,7 @@ def predictions(selection: Selection, *, holdout: Recording | None = None) -> Pr
         after = by_label[tried[0].effect.label][1]
     elif selection.problem.effects != problem.effects:
         p, where = selection.polished.p, selection.problem
-        after = predicted(where.on([holdout]), p) if holdout else held_out(where, p)
+        after = predicted(where.on([holdout]), p) if holdout else cross_validate(where, p)
     on = "the recording held out" if holdout else "blocks of speeds in turn"
     return Predictions(before=before, after=after, by_label=by_label, on=on)
 

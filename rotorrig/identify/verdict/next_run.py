@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from rotorrig.identify.causes import Candidate, Selection
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem
 from rotorrig.identify.verdict.planned_runs import Plan, plans, recorded
-from rotorrig.identify.verdict.separability import separation
+from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.verdict import tied_candidates
 from rotorrig.rig import DataError
@@ -36,7 +36,7 @@ def find_next_run(selection: Selection) -> NextRun | None:
     for plan in plans(measured[0].response):
         if plan.backward and any(recording.backward for recording in measured):
             continue
-        lam = min(_separated(best, rival, plan) for rival in rivals)
+        lam = min(_separability(best, rival, plan) for rival in rivals)
         found.append((lam, plan))
         if lam >= VERDICT.nameable:
             break
@@ -48,7 +48,7 @@ def find_next_run(selection: Selection) -> NextRun | None:
     return NextRun(kind=plan.kind, words=plan.words + enough, lam=lam, separates=labels)
 
 
-def _separated(best: Candidate, rival: Candidate, plan: Plan) -> float:
+def _separability(best: Candidate, rival: Candidate, plan: Plan) -> float:
     """Return lambda of a rival in the recordings of a plan; none where nobody knows what these would show."""
     recordings = recorded(best.problem.recordings[0].response, plan)
     truth = ExtendedProblem(ExtendedModel(recordings, (*plan.unknown, *best.problem.effects)))
@@ -57,6 +57,6 @@ def _separated(best: Candidate, rival: Candidate, plan: Plan) -> float:
     for i, name in enumerate(truth.parameters.names):
         p[i] = named.get(name, p[i])
     try:
-        return separation(truth, p, (*plan.unknown, *rival.problem.effects))
+        return separability(truth, p, (*plan.unknown, *rival.problem.effects))
     except DataError:  # a force law, in a rotor that turns backwards
         return 0.0

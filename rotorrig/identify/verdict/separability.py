@@ -18,7 +18,7 @@ from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect
 
 
-def separation(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect], *, enough: float = math.inf) -> float:
+def separability(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect], *, enough: float = math.inf) -> float:
     """Return lambda of the prediction of `truth` at `p` when it is fitted by the effects in `rival`.
 
     A fit that could not come below `enough` is given up: what is returned is then some figure above it.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.causes import SELECTION
 from rotorrig.identify.joint_fit import Assessed
 from rotorrig.identify.verdict.cause import Cause
-from rotorrig.identify.verdict.cross_validation import held_out
+from rotorrig.identify.verdict.cross_validation import cross_validate
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import RPM
 
@@ -40,8 +40,8 @@ def moving_speed(still: Assessed, swept: Assessed, responses: Sequence[OrderTrac
         plausible=True,
         evidence=lam,
         lam=lam,
-        heldout_before=held_out(still.problem, still.polished.p).error,
-        heldout_after=held_out(swept.problem, swept.polished.p).error,
+        heldout_before=cross_validate(still.problem, still.polished.p).error,
+        heldout_after=cross_validate(swept.problem, swept.polished.p).error,
         parameters={},
         theta={},
         sigmas={},

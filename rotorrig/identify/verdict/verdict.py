@@ -7,9 +7,9 @@ from enum import StrEnum
 
 import numpy as np
 
-from rotorrig.identify.causes import Candidate, Selection, Stage, called_for, plausible
+from rotorrig.identify.causes import Candidate, Selection, SelectionStep, is_significant, plausible
 from rotorrig.identify.least_squares import Stop
-from rotorrig.identify.verdict.cause import Cause, Figure
+from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.cross_validation import Prediction
 from rotorrig.identify.verdict.gain import Predictions
 from rotorrig.identify.verdict.settings import VERDICT
@@ -36,7 +36,7 @@ class HiddenEffect:
     missing: str  # the measurements that would show it, in words
 
 
-def verdict(
+def conclude(
     selection: Selection, *, adequate_before: bool, adequate_after: bool, visible: float, predictions: Predictions
 ) -> Verdict:
     """Conclude; `visible` is the share of the known effects that this data could show.
@@ -49,10 +49,10 @@ def verdict(
         return Verdict.ADEQUATE if visible >= VERDICT.enough_visible else Verdict.CANNOT_TELL
     if predictions.worse or not (adequate_after or _nearly_all(selection, predictions)):
         return Verdict.UNEXPLAINED
-    return Verdict.TIED if ties(selection) else Verdict.NAMED
+    return Verdict.TIED if tied_labels(selection) else Verdict.NAMED
 
 
-def ties(selection: Selection) -> tuple[tuple[str, ...], ...]:
+def tied_labels(selection: Selection) -> tuple[tuple[str, ...], ...]:
     """Return the sets of labels that fit alike, one for every chosen effect with a rival that is another cause."""
     return tuple(tuple(candidate.effect.label for candidate in group) for group in tied_candidates(selection))
 
@@ -61,10 +61,10 @@ def tied_candidates(selection: Selection) -> list[list[Candidate]]:
     """Return these sets as candidates, the chosen one first."""
     found = []
     for effect in selection.problem.effects:
-        if (stage := _stage_of(selection, effect)) is None:
+        if (step := _step_of(selection, effect)) is None:
             continue
-        best = stage.tried[0]
-        rivals = _rivals(stage, best)
+        best = step.tried[0]
+        rivals = _rivals(step, best)
         if any(another(rival.effect, best.effect) for rival in rivals):
             found.append([best, *rivals])
     return found
@@ -75,13 +75,13 @@ def another(effect: Effect, best: Effect) -> bool:
     return effect.name != best.name or "probes" in effect.acts_on
 
 
-def _stage_of(selection: Selection, effect: Effect) -> Stage | None:
+def _step_of(selection: Selection, effect: Effect) -> SelectionStep | None:
     """Return the last step in which an effect was the best; None of one that the config brings."""
-    return next((s for s in reversed(selection.stages) if s.tried and s.tried[0].effect is effect), None)
+    return next((s for s in reversed(selection.steps) if s.tried and s.tried[0].effect is effect), None)
 
 
-def _rivals(stage: Stage, best: Candidate) -> list[Candidate]:
-    return [c for c in stage.tried[1:] if called_for(c) and best.evidence - c.evidence < VERDICT.nameable]
+def _rivals(step: SelectionStep, best: Candidate) -> list[Candidate]:
+    return [c for c in step.tried[1:] if is_significant(c) and best.evidence - c.evidence < VERDICT.nameable]
 
 
 def _nearly_all(selection: Selection, predictions: Predictions) -> bool:
@@ -117,7 +117,7 @@ def hidden_effects(selection: Selection) -> tuple[HiddenEffect, ...]:
 def _visible(selection: Selection) -> dict[str, tuple[Effect, float]]:
     """Return by effect's name the place where it would show best, and lambda there at its typical size."""
     best: dict[str, tuple[Effect, float]] = {}
-    for score in selection.stages[0].scores if selection.stages else ():
+    for score in selection.steps[0].scores if selection.steps else ():
         if score.effect.needs_starts:
             continue  # no first order: what it would show depends on the motion
         name = score.effect.name
@@ -143,22 +143,22 @@ def _missing(selection: Selection, effect: Effect) -> str:
     return ", ".join(wanted)
 
 
-def causes(selection: Selection, predictions: dict[str, tuple[Prediction, Prediction]]) -> tuple[Cause, ...]:
+def ranked_causes(selection: Selection, predictions: dict[str, tuple[Prediction, Prediction]]) -> tuple[Cause, ...]:
     """Return the chosen effects, as the final fit has them, then every other one that was fitted, by its evidence.
 
     `predictions` holds held-out errors before and after, by label, of those they were measured for.
     """
     final = selection.problem
     chosen = [
-        _cause(stage.tried[0], selection, i, predictions, chosen=True)
+        _cause(step.tried[0], selection, i, predictions, chosen=True)
         for i, effect in enumerate(final.effects)
-        if (stage := _stage_of(selection, effect)) is not None
+        if (step := _step_of(selection, effect)) is not None
     ]
     chosen.sort(key=lambda cause: -cause.evidence)
     names = {cause.label for cause in chosen}
     others: dict[str, Cause] = {}
-    for stage in selection.stages:
-        for candidate in stage.tried:
+    for step in selection.steps:
+        for candidate in step.tried:
             if candidate.effect.label not in names:
                 others.setdefault(candidate.effect.label, _cause(candidate, None, -1, predictions, chosen=False))
     return (*chosen, *sorted(others.values(), key=lambda cause: (not cause.plausible, -cause.evidence)))
@@ -192,14 +192,16 @@ def _cause(
         lam=candidate.lam,
         heldout_before=before.error if before else float("nan"),
         heldout_after=after.error if after else float("nan"),
-        parameters=figures(effect.parameters, theta, sigmas),
+        parameters=parameter_values(effect.parameters, theta, sigmas),
         theta=theta,
         sigmas=sigmas,
         given_up=candidate.polished.stop is Stop.GIVEN_UP,
     )
 
 
-def figures(parameters: Sequence[Parameter], theta: dict[str, float], sigmas: dict[str, float]) -> dict[str, Figure]:
+def parameter_values(
+    parameters: Sequence[Parameter], theta: dict[str, float], sigmas: dict[str, float]
+) -> dict[str, ParameterValue]:
     """Return what a person reads: phasors as magnitude and angle, each with its standard deviation."""
     found = {}
     for name, value, unit in magnitudes(tuple(parameters), theta):
@@ -210,5 +212,5 @@ def figures(parameters: Sequence[Parameter], theta: dict[str, float], sigmas: di
             sigma = spread if name == stem else spread / max(size, 1e-300)
         else:
             sigma = sigmas[name]
-        found[name] = Figure(value=value, unit=unit, sigma=sigma)
+        found[name] = ParameterValue(value=value, unit=unit, sigma=sigma)
     return found

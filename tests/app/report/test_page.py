@@ -12,7 +12,7 @@ from rotorrig.app.plot_data.diagnosis_of_response import part_of
 from rotorrig.app.report.page import write_report
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
-from rotorrig.identify.verdict.cause import Figure
+from rotorrig.identify.verdict.cause import ParameterValue
 from rotorrig.identify.verdict.gain import Shift
 from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
@@ -226,7 +226,7 @@ def test_quoted_text_cannot_become_markup(
     cause = dataclasses.replace(
         make_cause(evil, evil, chosen=True, evidence=1.0, after=1e-6),
         words=evil,
-        parameters={evil: Figure(value=1.0, unit=evil, sigma=0.1)},
+        parameters={evil: ParameterValue(value=1.0, unit=evil, sigma=0.1)},
     )
     diagnosis = dataclasses.replace(
         poor,

@@ -18,7 +18,7 @@ from rotorrig.app.text.causes import (
     parameter_shifts,
 )
 from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.verdict.cause import Figure
+from rotorrig.identify.verdict.cause import ParameterValue
 from rotorrig.identify.verdict.gain import Shift
 from rotorrig.identify.verdict.verdict import HiddenEffect
 from tests.app.conftest import make_cause, make_gain
@@ -31,8 +31,11 @@ def test_a_single_phasor_needs_no_name() -> None:
 
 
 def test_several_figures_are_told_apart_by_their_names() -> None:
-    several = {"force 1X": Figure(value=0.3, unit="N", sigma=0.01), "force 2X": Figure(value=0.1, unit="N", sigma=0.02)}
-    angle = {"force 1X angle": Figure(value=math.pi, unit="rad", sigma=math.inf)}
+    several = {
+        "force 1X": ParameterValue(value=0.3, unit="N", sigma=0.01),
+        "force 2X": ParameterValue(value=0.1, unit="N", sigma=0.02),
+    }
+    angle = {"force 1X angle": ParameterValue(value=math.pi, unit="rad", sigma=math.inf)}
     assert (
         cause_size(dataclasses.replace(BOW, parameters=several | angle))
         == "force 1X 0.300 ± 0.010 N at 180°, force 2X 0.100 ± 0.020 N"

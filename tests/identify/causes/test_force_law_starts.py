@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.identify.causes.force_law_starts import held_scores
-from rotorrig.identify.causes.pinned_nuisances import drawn_off, held_fit, held_nuisances
+from rotorrig.identify.causes.force_law_starts import score_force_laws
+from rotorrig.identify.causes.pinned_nuisances import fit_with_pinned_nuisances, nuisances_biased, pinned_nuisances
 from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
@@ -37,7 +37,9 @@ def raced(problem: ExtendedProblem, hidden: NDArray[np.float64], *labels: str) -
     """Return the base as a strong law draws it off, and the scores of the laws."""
     rig = problem.recordings[0].response.rig
     base = problem.solve(problem.parameters.start(hidden), tolerance=0.1, max_steps=15)
-    return base, held_scores(problem, base, held_fit(problem, base.p), [find(rig, label) for label in labels])
+    return base, score_force_laws(
+        problem, base, fit_with_pinned_nuisances(problem, base.p), [find(rig, label) for label in labels]
+    )
 
 
 @pytest.mark.parametrize(
@@ -68,10 +70,10 @@ def test_where_a_law_begins_the_nuisances_are_at_their_priors(
 ) -> None:
     problem = under(passed, hidden, "cubic_spring", k3=3e10)
     _, found = raced(problem, hidden, "cubic_spring", "friction")
-    held = held_nuisances(problem)
+    held = pinned_nuisances(problem)
     for score in found:
         assert score.begin is not None
-        assert not drawn_off(problem.extended([score.effect]), score.begin)
+        assert not nuisances_biased(problem.extended([score.effect]), score.begin)
         assert all(score.begin[i] == value for i, value in held.items())
 
 
@@ -89,7 +91,7 @@ def test_what_is_solved_for_in_every_step_is_not_held(
     passed: OrderTrackedResponse, hidden: NDArray[np.float64]
 ) -> None:
     names = ExtendedProblem(ExtendedModel([Recording(passed)])).parameters
-    held = {names.names[i] for i in held_nuisances(ExtendedProblem(ExtendedModel([Recording(passed)])))}
+    held = {names.names[i] for i in pinned_nuisances(ExtendedProblem(ExtendedModel([Recording(passed)])))}
     assert any(name.startswith("gain") for name in held)
     assert not any(name.startswith(("runout", "hum", "kxx", "unbalance")) for name in held)
 

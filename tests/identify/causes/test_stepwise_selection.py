@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.causes.candidate_fit import Candidate, plausible
-from rotorrig.identify.causes.selection_step import Stage, step
+from rotorrig.identify.causes.selection_step import SelectionStep, try_candidates
 from rotorrig.identify.causes.settings import SELECTION
-from rotorrig.identify.causes.stepwise_selection import Selection, _again, called_for, select
+from rotorrig.identify.causes.stepwise_selection import Selection, _again, is_significant, select
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -68,7 +68,7 @@ def test_a_healthy_rig_calls_for_nothing(
     found = selected(healthy, hidden, wrong=wrong)
     assert found.problem is found.start
     assert found.polished is found.base
-    assert len(found.stages) == 1
+    assert len(found.steps) == 1
 
 
 @pytest.mark.campaign
@@ -88,24 +88,24 @@ def test_parts_of_one_cause_are_replaced_by_the_whole(rig: RigConfig, hidden: ND
     problem = ExtendedProblem(ExtendedModel([Recording(response)], parts))
     polished = problem.solve(problem.parameters.start(hidden))
 
-    def search(problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> Stage:
-        return step(problem, polished, among, lambda share: None, wrong=False, first=False)
+    def search(problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> SelectionStep:
+        return try_candidates(problem, polished, among, lambda share: None, wrong=False, first=False)
 
-    stages: list[Stage] = []
-    found, fit = _again(problem, polished, search, [whole[0], *parts], stages, kept=0)
+    steps: list[SelectionStep] = []
+    found, fit = _again(problem, polished, search, [whole[0], *parts], steps, kept=0)
     assert [e.label for e in found.effects] == ["probe_angle, plane 1"]
     assert fit.chi2 == pytest.approx(polished.chi2, abs=10)
-    assert stages[-1].tried[0].effect is found.effects[0]
+    assert steps[-1].tried[0].effect is found.effects[0]
 
 
 def test_a_second_cause_has_to_explain_more_than_an_error_of_the_first_ones_model(
     rig: RigConfig, hidden: NDArray[np.float64]
 ) -> None:
     response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "skew_stiffness", 1.5)])
-    best = selected(response, hidden, ("skew_stiffness",)).stages[0].tried[0]
+    best = selected(response, hidden, ("skew_stiffness",)).steps[0].tried[0]
     just = (best.lam - SELECTION.detected) / SELECTION.model_error**2
-    assert called_for(best, explained=0.99 * just)
-    assert not called_for(best, explained=1.01 * just)
+    assert is_significant(best, explained=0.99 * just)
+    assert not is_significant(best, explained=1.01 * just)
 
 
 @pytest.mark.parametrize("begun", ["at 440 mm", "at 520 mm"])
@@ -117,7 +117,7 @@ def test_an_unbalance_is_named_by_where_it_is_not_by_where_its_fit_began(
     response = swept_response(rig, hidden=[(effect, theta)])
     found = selected(response, hidden, (f"unbalance_plane, {begun}",))
     assert [e.label for e in found.problem.effects] == ["unbalance_plane, at 400 mm"]
-    assert found.stages[0].tried[0].effect is found.problem.effects[0]
+    assert found.steps[0].tried[0].effect is found.problem.effects[0]
     names = found.problem.parameters
     sigma = names.of_effect(found.polished.sigma, 0)
     for name, value in names.of_effect(found.polished.p, 0).items():
@@ -138,26 +138,26 @@ def test_evidence_is_the_fall_of_chi2_less_the_same_for_every_unknown(
     rig: RigConfig, hidden: NDArray[np.float64]
 ) -> None:
     response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "coupling")])
-    (first, *_) = selected(response, hidden).stages
+    (first, *_) = selected(response, hidden).steps
     costs = [(tried.lam - tried.evidence) / len(tried.effect.parameters) for tried in first.tried]
     assert costs == pytest.approx([costs[0]] * len(costs))
     assert 2 < costs[0] <= np.log(first.tried[0].problem.size)
     for tried in first.tried:
         assert tried.lam == pytest.approx(first.before.chi2 - tried.polished.chi2)
-        assert called_for(tried) == (tried.evidence > SELECTION.enough and tried.lam > SELECTION.detected)
+        assert is_significant(tried) == (tried.evidence > SELECTION.enough and tried.lam > SELECTION.detected)
 
 
 @pytest.mark.campaign
 def test_a_rival_far_behind_is_given_up_and_the_named_cause_is_not(rig: RigConfig, hidden: NDArray[np.float64]) -> None:
     response = swept_response(rig, rng=np.random.default_rng(11), hidden=[effect_of(rig, "delay, probe 2y", 1.5)])
-    (stage, *_) = selected(response, hidden).stages
-    best, *others = stage.tried
+    (step, *_) = selected(response, hidden).steps
+    best, *others = step.tried
     assert best.polished.stop is Stop.CONVERGED
     behind = [c for c in others if c.polished.stop is Stop.GIVEN_UP]
     assert behind
     for candidate in behind:
         to_the_end = candidate.problem.solve(candidate.polished.p, tolerance=0.1)
-        assert candidate.lam <= stage.before.chi2 - to_the_end.chi2
+        assert candidate.lam <= step.before.chi2 - to_the_end.chi2
         assert best.evidence - candidate.evidence > SELECTION.near
 
 
@@ -168,7 +168,7 @@ def test_a_cause_of_a_size_no_rig_has_is_not_plausible(rig: RigConfig, hidden: N
     for share, expected in ((0.9, True), (4.0, False)):  # its place is not known well, so its size is not
         made = [(effect, dict.fromkeys(theta, share * q.high / np.sqrt(2)))]  # of a phasor, by its magnitude
         response = swept_response(rig, rng=np.random.default_rng(13), hidden=made)
-        tried = selected(response, hidden, (effect.label,)).stages[0].tried
+        tried = selected(response, hidden, (effect.label,)).steps[0].tried
         assert [plausible(candidate) for candidate in tried] == [expected]
 
 
@@ -181,13 +181,13 @@ def test_what_was_looked_for_at_many_moments_has_to_explain_more(
     recording = SimpleNamespace(rows=np.arange(8 * 50))  # 2 ln 50 = 7.8
     problem, effect = SimpleNamespace(recordings=[recording]), SimpleNamespace(grid=scan)
     candidate = SimpleNamespace(evidence=10.0, lam=lam, problem=problem, effect=effect)
-    assert called_for(cast(Candidate, candidate)) is expected
+    assert is_significant(cast(Candidate, candidate)) is expected
 
 
 def test_nothing_to_try_selects_nothing(healthy: OrderTrackedResponse, hidden: NDArray[np.float64]) -> None:
     found = selected(healthy, hidden, ())
     assert found.problem is found.start
-    assert found.stages[0].tried == ()
+    assert found.steps[0].tried == ()
 
 
 def test_progress_only_grows_within_each_cause(rig: RigConfig, hidden: NDArray[np.float64]) -> None:

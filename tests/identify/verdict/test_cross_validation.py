@@ -8,7 +8,7 @@ import pytest
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.cross_validation import held_out, predicted
+from rotorrig.identify.verdict.cross_validation import cross_validate, predicted
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
@@ -44,7 +44,7 @@ def test_what_is_predicted_was_not_fitted_and_all_is_predicted_once(
     healthy: OrderTrackedResponse, hidden: np.ndarray, count: int
 ) -> None:
     problem = watched([Recording(healthy, number=i) for i in range(count)])
-    held_out(problem, problem.parameters.start(hidden))
+    cross_validate(problem, problem.parameters.start(hidden))
     fitted, told = problem.shown[::2], problem.shown[1::2]
     assert len(fitted) == len(told) > 1
     for number in range(count):
@@ -57,7 +57,7 @@ def test_neighbours_which_a_fit_could_copy_are_left_out_together(
     healthy: OrderTrackedResponse, hidden: np.ndarray
 ) -> None:
     problem = watched([Recording(healthy)])
-    held_out(problem, problem.parameters.start(hidden))
+    cross_validate(problem, problem.parameters.start(hidden))
     changes = np.flatnonzero(np.diff(rows(problem.shown[0], 0).astype(int)))
     assert len(changes)
     assert (np.diff(changes) >= VERDICT.block // 2).all()
@@ -67,7 +67,7 @@ def test_the_right_model_predicts_a_healthy_rig_as_well_as_the_noise_allows(
     healthy: OrderTrackedResponse, hidden: np.ndarray
 ) -> None:
     problem = ExtendedProblem(ExtendedModel([Recording(healthy)]))
-    found = held_out(problem, problem.parameters.start(hidden))
+    found = cross_validate(problem, problem.parameters.start(hidden))
     assert 0.9 * DRAWN * SIGMA * np.sqrt(2) < found.error < 1.2 * found.floor
 
 
@@ -76,7 +76,7 @@ def test_a_step_to_where_the_rotor_has_no_motion_is_not_taken(
 ) -> None:
     problem = ExtendedProblem(ExtendedModel([Recording(healthy)]))
     p = problem.parameters.start(hidden)
-    fitted, not_fitted = held_out(problem, p).error, predicted(problem, p).error
+    fitted, not_fitted = cross_validate(problem, p).error, predicted(problem, p).error
     residual = ExtendedProblem.residual
 
     def at_one_vector_only(self: ExtendedProblem, moved: np.ndarray) -> np.ndarray:
@@ -85,7 +85,7 @@ def test_a_step_to_where_the_rotor_has_no_motion_is_not_taken(
         return residual(self, moved)
 
     monkeypatch.setattr(ExtendedProblem, "residual", at_one_vector_only)
-    assert held_out(problem, p).error == pytest.approx(not_fitted, rel=1e-9, abs=0)
+    assert cross_validate(problem, p).error == pytest.approx(not_fitted, rel=1e-9, abs=0)
     assert not_fitted != pytest.approx(fitted, rel=1e-3, abs=0)
 
 
@@ -120,7 +120,7 @@ def test_the_halves_are_fitted_as_well_as_if_carried_to_the_end(
         error = predicted(unseen, end.p).error
         rows = np.sum(unseen.recordings[0].measured[1].usable[:-1])
         square, count = square + rows * error**2, count + rows
-    assert held_out(problem, fit.p).error == pytest.approx(np.sqrt(square / count), rel=0.02)
+    assert cross_validate(problem, fit.p).error == pytest.approx(np.sqrt(square / count), rel=0.02)
 
 
 def test_rows_that_are_not_usable_do_not_count(healthy: OrderTrackedResponse, hidden: np.ndarray) -> None:
@@ -129,7 +129,7 @@ def test_rows_that_are_not_usable_do_not_count(healthy: OrderTrackedResponse, hi
     z[30, 1] = 1e-2
     usable[10:20, 2] = usable[30, 1] = False
     problem = ExtendedProblem(ExtendedModel([Recording(replace(healthy, z=z, usable=usable))]))
-    found = held_out(problem, problem.parameters.start(hidden))
+    found = cross_validate(problem, problem.parameters.start(hidden))
     assert 0.9 * DRAWN * SIGMA * np.sqrt(2) < found.error < 1.2 * found.floor
 
 
@@ -142,5 +142,5 @@ def test_the_true_effect_predicts_better_than_none(rig: RigConfig, hidden: np.nd
     for effects in ([], [effect]):
         problem = ExtendedProblem(ExtendedModel([Recording(response)], effects))
         fit = problem.solve(problem.parameters.start(hidden))
-        errors.append(held_out(problem, fit.p).error)
+        errors.append(cross_validate(problem, fit.p).error)
     assert errors[1] < 0.7 * errors[0]

@@ -12,7 +12,7 @@ from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.next_run import find_next_run
 from rotorrig.identify.verdict.planned_runs import plans
-from rotorrig.identify.verdict.separability import separation
+from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
@@ -62,15 +62,15 @@ def test_the_causes_are_told_apart_by_the_run_that_is_proposed(tied: Selection, 
         speeds=(plan.low * RPM, plan.high * RPM),
         ramp=plan.ramp * RPM,
     )
-    (first, *_) = selected(made, hidden).stages
+    (first, *_) = selected(made, hidden).steps
     by_label = {candidate.effect.label: candidate.evidence for candidate in first.tried}
     assert by_label["bow"] > by_label.get("runout, plane 1", -np.inf) + VERDICT.nameable / 2
 
 
 def test_before_that_run_they_were_not(tied: Selection) -> None:
-    best, rival = tied.stages[0].tried
+    best, rival = tied.steps[0].tried
     assert best.evidence - rival.evidence < VERDICT.nameable
-    assert separation(best.problem, best.polished.p, rival.problem.effects) < VERDICT.nameable
+    assert separability(best.problem, best.polished.p, rival.problem.effects) < VERDICT.nameable
 
 
 def test_nothing_is_proposed_where_nothing_is_tied(healthy: OrderTrackedResponse, hidden: NDArray[np.float64]) -> None:
@@ -105,7 +105,7 @@ def test_a_late_probe_and_a_turned_one_are_told_apart_by_turning_the_other_way(
     made = swept_response(other_way, rng=np.random.default_rng(6), hidden=late, unbalance=np.conj(U), **BELOW)
     reverse = Recording(made, number=1, backward=True)
     plan = next(plan for plan in plans(forward) if plan.kind == "reverse rotation")
-    best, *rivals = selected(forward, hidden, LATE_OR_TURNED, more=[reverse], nuisances=plan.unknown).stages[0].tried
+    best, *rivals = selected(forward, hidden, LATE_OR_TURNED, more=[reverse], nuisances=plan.unknown).steps[0].tried
     assert best.effect.label == "delay, probe 1y"
     assert all(best.evidence > rival.evidence + VERDICT.nameable for rival in rivals)
     assert best.polished.chi2 < best.polished.dof, "the reversed rotor is the one of the config that turns from y to x"

@@ -6,7 +6,7 @@ import pytest
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.separability import fitted, separation
+from rotorrig.identify.verdict.separability import fitted, separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
@@ -35,7 +35,7 @@ def with_cause(
 @pytest.mark.parametrize("label", ["unbalance_plane, at 160 mm", "delay", "skew_stiffness"])
 def test_a_cause_is_no_distance_from_itself(fast: OrderTrackedResponse, hidden: np.ndarray, label: str) -> None:
     problem, p = with_cause(fast, hidden, label, 1.0)
-    assert separation(problem, p, problem.effects) < 0.1
+    assert separability(problem, p, problem.effects) < 0.1
 
 
 @pytest.mark.parametrize("label", ["unbalance_plane, at 160 mm", "delay, probe 2y", "skew_stiffness"])
@@ -48,7 +48,7 @@ def test_a_small_cause_is_as_far_from_none_as_its_column_is_from_those_of_the_ba
     J = problem.jacobian(p)
     base, change = J[:, : names.own.start], amount * J[:, names.own.start]
     left = change - base @ np.linalg.lstsq(base, change, rcond=None)[0]
-    assert separation(problem, p, []) == pytest.approx(left @ left, rel=0.05, abs=0.3)
+    assert separability(problem, p, []) == pytest.approx(left @ left, rel=0.05, abs=0.3)
 
 
 def test_a_bow_shows_more_when_a_second_plane_sees_it(rig: RigConfig, one_plane: RigConfig, hidden: np.ndarray) -> None:
@@ -57,7 +57,7 @@ def test_a_bow_shows_more_when_a_second_plane_sees_it(rig: RigConfig, one_plane:
     for seen in (one_plane, rig):
         problem, p = with_cause(swept_response(seen, speeds=(480, 1500), ramp=400), np.zeros(0), "bow", 3.0)
         p[problem.parameters.base.sought] = hidden[problem.parameters.base.sought]
-        lam.append(separation(problem, p, [find(seen, "runout, plane 1")]))
+        lam.append(separability(problem, p, [find(seen, "runout, plane 1")]))
     assert lam[0] < VERDICT.nameable
     assert lam[1] > 2 * lam[0]
 
@@ -67,7 +67,7 @@ def test_nothing_measured_has_a_say(rig: RigConfig, fast: OrderTrackedResponse, 
     lam = []
     for response in (fast, noisy):
         problem, p = with_cause(response, hidden, "unbalance_plane, at 160 mm", 0.5)
-        lam.append(separation(problem, p, []))
+        lam.append(separability(problem, p, []))
     # but through the share of the readings that the covariance holds
     assert lam[0] == pytest.approx(lam[1], rel=0.02)
 
@@ -89,6 +89,6 @@ def test_of_several_starts_the_best_is_taken(fast: OrderTrackedResponse, hidden:
 def test_how_far_beyond_enough_a_cause_is_is_not_found_out(fast: OrderTrackedResponse, hidden: np.ndarray) -> None:
     problem, p = with_cause(fast, hidden, "skew_stiffness", 1.0)
     rival = [find(fast.rig, "delay")]
-    whole = separation(problem, p, rival)
-    assert separation(problem, p, rival, enough=2 * whole) == pytest.approx(whole, rel=0.01)
-    assert separation(problem, p, rival, enough=whole / 10) > whole / 10
+    whole = separability(problem, p, rival)
+    assert separability(problem, p, rival, enough=2 * whole) == pytest.approx(whole, rel=0.01)
+    assert separability(problem, p, rival, enough=whole / 10) > whole / 10

@@ -11,7 +11,14 @@ from rotorrig.identify.causes.candidate_fit import Candidate, plausible
 from rotorrig.identify.causes.stepwise_selection import Selection
 from rotorrig.identify.verdict.cross_validation import Prediction
 from rotorrig.identify.verdict.gain import Predictions
-from rotorrig.identify.verdict.verdict import Verdict, figures, hidden_effects, ties, verdict, visible_share
+from rotorrig.identify.verdict.verdict import (
+    Verdict,
+    conclude,
+    hidden_effects,
+    parameter_values,
+    tied_labels,
+    visible_share,
+)
 from rotorrig.sims.effects.base import Effect, Parameter, pair
 
 PLAUSIBLE = 0.5
@@ -56,9 +63,9 @@ class Tried:
         return SimpleNamespace(parameters=names, effects=(self.effect,))
 
 
-def selection(*stages: list[Tried], taken: bool = True, seen: Any = ()) -> Selection:
-    """Stages of what was tried, best first; the first of each was taken up, or none was."""
-    kept = tuple(stage[0].effect for stage in stages) if taken else ()
+def selection(*steps: list[Tried], taken: bool = True, seen: Any = ()) -> Selection:
+    """Selection steps of what was tried, best first; the first of each was taken up, or none was."""
+    kept = tuple(step[0].effect for step in steps) if taken else ()
     recording = SimpleNamespace(
         response=SimpleNamespace(probes=(), rig=None), orders=(1,), trial={}, swept=True, number=0
     )
@@ -69,8 +76,8 @@ def selection(*stages: list[Tried], taken: bool = True, seen: Any = ()) -> Selec
             problem=SimpleNamespace(effects=kept, recordings=[recording], curved=False),
             base=SimpleNamespace(chi2=1e4, dof=100),
             polished=SimpleNamespace(chi2=1e3, dof=100),
-            stages=tuple(
-                SimpleNamespace(tried=tuple(cast(list[Candidate], stage)), scores=tuple(seen)) for stage in stages
+            steps=tuple(
+                SimpleNamespace(tried=tuple(cast(list[Candidate], step)), scores=tuple(seen)) for step in steps
             ),
         ),
     )
@@ -105,12 +112,12 @@ NONE = selection([Tried(BEND, 1.0)], taken=False)
 def test_the_verdict_follows_from_the_tests_and_the_causes(
     found: Selection, before: bool, after: bool, visible: float, expected: Verdict
 ) -> None:
-    concluded = verdict(found, adequate_before=before, adequate_after=after, visible=visible, predictions=predicts())
+    concluded = conclude(found, adequate_before=before, adequate_after=after, visible=visible, predictions=predicts())
     assert concluded is expected
 
 
 def test_what_predicts_worse_is_no_explanation() -> None:
-    found = verdict(
+    found = conclude(
         ALONE, adequate_before=False, adequate_after=True, visible=0.9, predictions=predicts(before=5.0, after=6.0)
     )
     assert found is Verdict.UNEXPLAINED
@@ -131,12 +138,12 @@ def test_a_force_law_may_leave_a_little_if_it_predicts_what_was_not_seen(
     law.problem.curved = True
     law.polished.chi2 = left
     told = predicts(before=50.0, after=after)
-    found = verdict(law, adequate_before=False, adequate_after=False, visible=0.9, predictions=told)
+    found = conclude(law, adequate_before=False, adequate_after=False, visible=0.9, predictions=told)
     assert found is expected
 
 
 def test_causes_that_fit_alike_are_tied_the_chosen_one_first() -> None:
-    assert ties(CLOSE) == (("bend", "lump"),)
+    assert tied_labels(CLOSE) == (("bend", "lump"),)
 
 
 @pytest.mark.parametrize(
@@ -148,16 +155,16 @@ def test_causes_that_fit_alike_are_tied_the_chosen_one_first() -> None:
     ],
 )
 def test_a_rival_is_none_if(rival: Tried, why: str) -> None:
-    assert ties(selection([Tried(BEND, 100.0), rival])) == (), why
+    assert tied_labels(selection([Tried(BEND, 100.0), rival])) == (), why
 
 
 def test_a_rival_of_a_size_no_rig_has_is_one_all_the_same() -> None:
-    assert ties(selection([Tried(BEND, 100.0), Tried(LUMP, 95.0, value=3.0)])) == (("bend", "lump"),)
+    assert tied_labels(selection([Tried(BEND, 100.0), Tried(LUMP, 95.0, value=3.0)])) == (("bend", "lump"),)
 
 
 def test_the_same_cause_at_another_probe_is_a_rival() -> None:
     one, other = effect(Seen, "probe 1x"), effect(Seen, "probe 1y")
-    assert ties(selection([Tried(one, 100.0), Tried(other, 95.0)])) == (("seen, probe 1x", "seen, probe 1y"),)
+    assert tied_labels(selection([Tried(one, 100.0), Tried(other, 95.0)])) == (("seen, probe 1x", "seen, probe 1y"),)
 
 
 @pytest.mark.parametrize(
@@ -169,7 +176,7 @@ def test_a_size_is_plausible_within_two_sigmas_of_its_range(value: float, expect
 
 def test_every_cause_has_its_own_ties() -> None:
     two = selection([Tried(BEND, 100.0)], [Tried(LUMP, 60.0), Tried(effect(Bend, "far"), 58.0)])
-    assert ties(two) == (("lump", "bend, far"),)
+    assert tied_labels(two) == (("lump", "bend, far"),)
 
 
 def shown(effect: Effect, visible: float) -> Any:
@@ -191,7 +198,7 @@ def test_what_would_stay_hidden_is_told_with_the_size_that_would_show(monkeypatc
 
 
 def test_a_phasor_is_told_by_magnitude_and_angle_with_their_sigmas() -> None:
-    found = figures(
+    found = parameter_values(
         (*pair("bow", "m", most=1.0, size=1.0), Parameter(name="delay", unit="s", low=0, high=1, size=1)),
         {"bow re": 0.0, "bow im": 2e-5, "delay": 1e-4},
         {"bow re": 1e-6, "bow im": 1e-6, "delay": 3e-6},
