@@ -25,12 +25,16 @@ from rotorrig.identify.verdict import (
     HiddenEffect,
     NextRun,
     Verdict,
+    conclude,
     gain,
+    hidden_effects,
     moving_speed,
     next_run,
+    ranked_causes,
     sentences,
+    tied_labels,
+    visible_share,
 )
-from rotorrig.identify.verdict.verdict import conclude, hidden_effects, ranked_causes, tied_labels, visible_share
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import ConfigError, DataError, Provenance, code_version
 from rotorrig.sims.effects import Effect, find

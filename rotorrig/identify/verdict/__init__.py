@@ -5,7 +5,15 @@ from rotorrig.identify.verdict.gain import Gain, Shift
 from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.sweep_lag import moving_speed
-from rotorrig.identify.verdict.verdict import HiddenEffect, Verdict
+from rotorrig.identify.verdict.verdict import (
+    HiddenEffect,
+    Verdict,
+    conclude,
+    hidden_effects,
+    ranked_causes,
+    tied_labels,
+    visible_share,
+)
 
 __all__ = [
     "VERDICT",
@@ -16,5 +24,10 @@ __all__ = [
     "ParameterValue",
     "Shift",
     "Verdict",
+    "conclude",
+    "hidden_effects",
     "moving_speed",
+    "ranked_causes",
+    "tied_labels",
+    "visible_share",
 ]
