@@ -7,8 +7,7 @@ from typing import Any
 from benchmarks.parts.identification.coverage_groups import GROUPS, NAMES
 from benchmarks.parts.identification.matched_run import LOOKS
 from benchmarks.parts.tables import markdown
-from rotorrig.identify.uncertainty.bootstrap import FEWEST
-from rotorrig.identify.uncertainty.intervals import CURVED, NEAR
+from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
 _METHODS = (
     (
@@ -22,15 +21,15 @@ _METHODS = (
         "profile likelihood",
         "all values with which the fit, everything else fitted again, is worse by no more than 3.84 (95 % of chi2 with "
         "one degree of freedom, scaled as above)",
-        f"for all estimates of a fit if one is nearer than {NEAR:g} standard deviations to a bound of the search or "
-        f"known to no better than {100 * CURVED:g} %; always with `--profile`",
+        f"for all estimates of a fit if one is nearer than {UNCERTAINTY.near:g} standard deviations to a bound of the "
+        f"search or known to no better than {100 * UNCERTAINTY.curved:g} %; always with `--profile`",
         "2 to 8 Jacobians an end",
     ),
     (
         "bootstrap",
         "the percentiles of refits to simulated measurements: the fitted rig, nuisances from their priors, noise from "
         "the stated covariance",
-        f"with `--bootstrap N`, {FEWEST} or more, for the whole sweep",
+        f"with `--bootstrap N`, {UNCERTAINTY.fewest_draws} or more, for the whole sweep",
         "N refits, on `--workers` processes",
     ),
 )

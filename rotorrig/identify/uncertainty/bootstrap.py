@@ -19,10 +19,9 @@ from threadpoolctl import threadpool_limits
 from rotorrig.identify.base_model import Problem, Reals
 from rotorrig.identify.identification import Estimate, Fit
 from rotorrig.identify.least_squares import Solution
-from rotorrig.identify.uncertainty.intervals import LEVEL
 from rotorrig.identify.uncertainty.quantities import quantities
+from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
-FEWEST = 40  # draws, of which one is beyond either end of a 95 % interval
 Progress = Callable[[int], None]  # is told how many draws are done
 Refit = Callable[[Problem, Reals], Solution]  # of a drawn problem, given the parameters it was drawn with
 
@@ -46,12 +45,12 @@ class Bootstrap:
     asked: int
     seed: int
 
-    def interval(self, name: str, *, level: float = LEVEL) -> tuple[float, float] | None:
-        """Return the percentile interval of an estimate [SI], None of fewer than `FEWEST` draws.
+    def interval(self, name: str, *, level: float = UNCERTAINTY.level) -> tuple[float, float] | None:
+        """Return the percentile interval of an estimate [SI], None of fewer than `fewest_draws` draws.
 
         One more draw would fall into it with probability `level`.
         """
-        if len(self.draws) < FEWEST:
+        if len(self.draws) < UNCERTAINTY.fewest_draws:
             return None
         tail = (1 - level) / 2
         low, high = np.quantile(self.draws[:, self.names.index(name)], [tail, 1 - tail], method="weibull")
@@ -132,8 +131,9 @@ def _words(found: Bootstrap) -> Iterator[str]:
     done = len(found.draws)
     if done < found.asked:
         yield f"The bootstrap was interrupted after {done} of {found.asked} draws."
-    if done < FEWEST:
-        yield f"A bootstrap of {done} draws gives no 95 % interval, want at least {FEWEST}: the others stand."
+    fewest = UNCERTAINTY.fewest_draws
+    if done < fewest:
+        yield f"A bootstrap of {done} draws gives no 95 % interval, want at least {fewest}: the others stand."
 
 
 @dataclass(frozen=True)

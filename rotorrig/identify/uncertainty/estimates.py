@@ -7,7 +7,7 @@ import numpy as np
 from rotorrig.identify.base_model import Problem, Unknown
 from rotorrig.identify.identification import Estimate
 from rotorrig.identify.least_squares import Solution
-from rotorrig.identify.uncertainty.identifiability import DETERMINED
+from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 from rotorrig.rig.config import RigConfig
 
 _NUISANCE_UNITS = {"angle": "rad", "runout": "m"}  # the others are ratios
@@ -24,7 +24,7 @@ def estimate_unknowns(best: Solution, problem: Problem, rig: RigConfig, *, unsee
     found = []
     for i, unknown in enumerate(space.unknowns):
         hidden = any(axis in unseen for axis in unknown.axes)
-        certain = sigma[i] < DETERMINED * space.references(values)[i]
+        certain = sigma[i] < UNCERTAINTY.determined * space.references(values)[i]
         determined = bool(certain and not hidden and not problem.at_bound(best.p, i))
         found.append(
             Estimate(
@@ -71,7 +71,7 @@ def _unbalance(
     along = np.array([u.real, u.imag]) / abs(u)
     radial = math.sqrt(along @ covariance @ along)
     tangential = math.sqrt(max(np.trace(covariance) - radial**2, 0.0))
-    determined = bool(max(radial, tangential) < DETERMINED * abs(u))
+    determined = bool(max(radial, tangential) < UNCERTAINTY.determined * abs(u))
     expected = {disk.name: disk.unbalance for disk in rig.disks}.get(plane)
     return (
         Estimate(

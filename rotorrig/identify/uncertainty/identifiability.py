@@ -21,9 +21,7 @@ from scipy import linalg
 from rotorrig.identify.base_model import Parameters, Reals
 from rotorrig.identify.identification import Direction
 from rotorrig.identify.least_squares import Solution, inverse_information
-
-DETERMINED = 0.5  # relative standard deviation from which on the data do not determine something
-_TAKES_PART = 0.1  # of the largest weight: less is not worth a word
+from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,7 +97,9 @@ class Identifiability:
     def undetermined(self, root: Reals) -> list[str]:
         """Return what would not be determined even if all else were known."""
         return [
-            name for name, column in zip(self.names, root.T, strict=True) if np.linalg.norm(column) < 1 / DETERMINED
+            name
+            for name, column in zip(self.names, root.T, strict=True)
+            if np.linalg.norm(column) < 1 / UNCERTAINTY.determined
         ]
 
     def weaknesses(self, root: Reals, *, known: Collection[str] = ()) -> list[Weakness]:
@@ -112,12 +112,12 @@ class Identifiability:
             return []
         root = root[:, [self.names.index(name) for name in names]]
         sigma, vectors = _directions(root)
-        return [_weakness(names, change, root) for change in _sparse(vectors[sigma > DETERMINED])]
+        return [_weakness(names, change, root) for change in _sparse(vectors[sigma > UNCERTAINTY.determined])]
 
 
 def _weakness(names: list[str], change: Reals, root: Reals) -> Weakness:
     largest = _largest(change)
-    taking = np.flatnonzero(np.abs(change) >= _TAKES_PART * abs(largest))
+    taking = np.flatnonzero(np.abs(change) >= UNCERTAINTY.takes_part * abs(largest))
     known, known_sigma = _best_known(root, taking)
     return Weakness(
         names=tuple(names[i] for i in taking),

@@ -5,12 +5,8 @@ from collections.abc import Collection, Iterator
 
 from rotorrig.identify.base_model import Problem, Reals
 from rotorrig.identify.least_squares import Solution
-from rotorrig.identify.uncertainty.identifiability import DETERMINED, Coordinate, Identifiability, Weakness
-
-_INSEPARABLE = 0.99  # correlation from which two determined quantities are better known together
-_LIMITED = 0.9  # share of a variance that is the nameplate's, from which on less noise would not help
-_KNOWN = 0.1  # relative standard deviation up to which a combination is worth naming
-_SHOWN = 0.1  # relative change in an example
+from rotorrig.identify.uncertainty.identifiability import Coordinate, Identifiability, Weakness
+from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
 
 def describe_identifiability(
@@ -62,26 +58,26 @@ def _weak(
     for names in weak:
         way = _either_way(coordinates[names[0]], able.sigma(names[0], root))
         yield names, f"{names[0]} is not determined {by_what} ({way})."
-    led = [name for name in able.names if name not in open_ and able.sigma(name, root) > DETERMINED]
+    led = [name for name in able.names if name not in open_ and able.sigma(name, root) > UNCERTAINTY.determined]
     if led:
         yield tuple(led), f"While these are open, {_list(led)} {_are(led)} not determined {by_what} either."
 
 
 def _inseparable(coordinates: list[Coordinate], weakness: Weakness, by_what: str) -> str:
-    moves = [_moved(c, _SHOWN * change) for c, change in zip(coordinates, weakness.changes, strict=True)]
+    moves = [_moved(c, UNCERTAINTY.shown * change) for c, change in zip(coordinates, weakness.changes, strict=True)]
     said = f"{_list(weakness.names)} cannot be separated {by_what}: {_list(moves)} at once would hardly show"
-    if weakness.known_sigma < _KNOWN:
+    if weakness.known_sigma < UNCERTAINTY.known:
         said += f"; {_combination(coordinates, weakness.known)} is known to {_percent(weakness.known_sigma)}"
     return f"{said}."
 
 
 def _tied(able: Identifiability) -> Iterator[str]:
     """Name pairs that are each determined, but far better together."""
-    weak = {name for name in able.names if able.sigma(name, able.fitted) > DETERMINED}
+    weak = {name for name in able.names if able.sigma(name, able.fitted) > UNCERTAINTY.determined}
     correlation = able.correlation()
     for i, first in enumerate(able.coordinates):
         for k, second in enumerate(able.coordinates[:i]):
-            if abs(correlation[i, k]) > _INSEPARABLE and not weak & {first.name, second.name}:
+            if abs(correlation[i, k]) > UNCERTAINTY.inseparable and not weak & {first.name, second.name}:
                 weights, sigma = able.combination((second.name, first.name), able.fitted)
                 yield (
                     f"{second.name} and {first.name} are {abs(correlation[i, k]):.3f} correlated: "
@@ -93,7 +89,7 @@ def _limited(able: Identifiability) -> str:
     """Say which estimates the nameplate's tolerances limit, not the noise."""
     said = []
     for name, shares in able.budget().items():
-        if shares["noise"] < 1 - _LIMITED:
+        if shares["noise"] < 1 - UNCERTAINTY.limited:
             cause = max((kind for kind in shares if kind != "noise"), key=lambda kind: shares[kind])
             said.append(f"{name} ({cause})")
     return f"The tolerances in [prior] limit {_list(said)}, not the noise: more data would not help." if said else ""

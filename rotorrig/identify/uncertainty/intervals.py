@@ -15,12 +15,7 @@ from rotorrig.identify.identification import Estimate
 from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty.profile_likelihood import profile_interval
 from rotorrig.identify.uncertainty.quantities import Coefficient, Quantity, quantities
-
-LEVEL = 0.95
-HALF_WIDTH = 1.959964  # standard deviations: the normal distribution's for LEVEL
-RISE = HALF_WIDTH**2  # of chi2
-CURVED = 0.2  # of a quantity's scale: a larger sigma wants the profile
-NEAR = 3.0  # sigma from a bound, likewise
+from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
 
 def with_intervals(
@@ -39,7 +34,7 @@ def with_intervals(
         if out:
             found.append(estimate)
         elif profile:
-            within = profile_interval(problem, best, quantity, rise=RISE)
+            within = profile_interval(problem, best, quantity, rise=UNCERTAINTY.rise)
             found.append(replace(estimate, interval=within, interval_by="profile likelihood" if within else ""))
         else:
             found.append(replace(estimate, interval=normal_interval(best, quantity), interval_by="covariance"))
@@ -49,7 +44,7 @@ def with_intervals(
 def normal_interval(best: Solution, quantity: Quantity) -> tuple[float, float]:
     """Return the interval [SI] that is symmetric in the coordinate of `quantity`: in the logarithm of a stiffness."""
     middle, sigma = quantity.read(best.p), standard_deviation(best, quantity)
-    return quantity.si(middle - HALF_WIDTH * sigma), quantity.si(middle + HALF_WIDTH * sigma)
+    return quantity.si(middle - UNCERTAINTY.half_width * sigma), quantity.si(middle + UNCERTAINTY.half_width * sigma)
 
 
 def standard_deviation(best: Solution, quantity: Quantity) -> float:
@@ -62,4 +57,4 @@ def _wants_profile(best: Solution, quantity: Quantity) -> bool:
     sigma = standard_deviation(best, quantity)
     middle = quantity.read(best.p)
     room = min(middle - quantity.low, quantity.high - middle)
-    return bool(sigma > CURVED * quantity.scale(best.p) or room < NEAR * sigma)
+    return bool(sigma > UNCERTAINTY.curved * quantity.scale(best.p) or room < UNCERTAINTY.near * sigma)

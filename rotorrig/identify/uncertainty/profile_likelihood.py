@@ -15,26 +15,9 @@ import numpy as np
 from rotorrig.identify.base_model import Problem, Reals
 from rotorrig.identify.least_squares import Solution, inverse_information
 from rotorrig.identify.uncertainty.quantities import Amount, Phase, Quantity
+from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
-    """How an end is looked for."""
-
-    close: float = 0.01  # of the rise: half a per cent of an interval's half width
-    settled: float = 0.003  # of the rise: what a trial may still promise
-    trials: int = 20  # an end takes two to eight
-    steps: int = 6  # in a trial
-    halvings: int = 5  # of a step that raises chi2
-    longest: float = 0.7  # of a quantity's scale, from one trial to the next
-    inside: float = 0.1  # of a bracket: the next trial is that far from its ends
-    narrow: float = 0.005  # of the way from the optimum: narrow enough, even where chi2 jumps between valleys
-    none: float = 4.0  # standard deviations: an unbalance smaller than that may be none at all
-    nothing: float = 1e-3  # of an unbalance: stands for none, for which nothing could be derived
-    at_bound: float = 1e-9  # of a quantity's scale; parameters with bounds are of the order of one
-
-
-PROFILE = Settings()
+_SETTINGS = UNCERTAINTY.profile
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,14 +56,14 @@ def find_end(problem: Problem, best: Solution, quantity: Quantity, *, side: int,
     bound = quantity.high if side > 0 else quantity.low
     here = _Point(problem, quantity, best.p, J=best.jacobian)
     bracket = _Bracket(here, side=side, rise=rise)
-    for _ in range(PROFILE.trials):
+    for _ in range(_SETTINGS.trials):
         bracket.take(here)
-        at_bound = abs(here.coordinate - bound) <= PROFILE.at_bound * here.scale and here.chi2 <= limit
-        if at_bound or abs(here.chi2 - limit) <= PROFILE.close * rise or bracket.narrow:
+        at_bound = abs(here.coordinate - bound) <= _SETTINGS.at_bound * here.scale and here.chi2 <= limit
+        if at_bound or abs(here.chi2 - limit) <= _SETTINGS.close * rise or bracket.narrow:
             end = bound if at_bound else here.coordinate
             return End(coordinate=end, bound=at_bound, converged=True)
         target = min(side * bracket.next(), side * bound) * side
-        here = _settled(bracket.inside, target, tolerance=PROFILE.settled * rise, limit=limit)
+        here = _settled(bracket.inside, target, tolerance=_SETTINGS.settled * rise, limit=limit)
     return End(coordinate=bracket.inside.coordinate, bound=False, converged=False)
 
 
@@ -139,20 +122,20 @@ class _Bracket:
         if self._outside is None:
             return False
         width = abs(self._outside.coordinate - self.inside.coordinate)
-        return width <= PROFILE.narrow * abs(self.inside.coordinate - self._optimum.coordinate)
+        return width <= _SETTINGS.narrow * abs(self.inside.coordinate - self._optimum.coordinate)
 
     def next(self) -> float:
         """Return where the root of the rise would be the goal if it were straight; halfway if that failed twice."""
         inside, outside = self.inside, self._outside
         if outside is not None:
             low, high = self._root(inside), self._root(outside)
-            part = np.clip((self._goal - low) / (high - low), PROFILE.inside, 1 - PROFILE.inside)
+            part = np.clip((self._goal - low) / (high - low), _SETTINGS.inside, 1 - _SETTINGS.inside)
             if len(self._taken) > 2 and self._taken[-1] == self._taken[-2]:  # the other end is a bad guide
                 part = 0.5
             return inside.coordinate + part * (outside.coordinate - inside.coordinate)
         variance = inside.gradient @ inverse_information(inside.J) @ inside.gradient
         ahead = (self._goal - self._root(inside)) * np.sqrt(variance)
-        return inside.coordinate + self._side * min(ahead, PROFILE.longest * inside.scale)
+        return inside.coordinate + self._side * min(ahead, _SETTINGS.longest * inside.scale)
 
     def _root(self, point: _Point) -> float:
         return float(np.sqrt(max(point.chi2 - self._optimum.chi2, 0.0)))
@@ -161,11 +144,11 @@ class _Bracket:
 def _settled(start: _Point, target: float, *, tolerance: float, limit: float) -> _Point:
     """Return the point with the least chi2 at the coordinate `target`, or any there if none is below the limit."""
     here = start.moved(_step(start, ahead=target - start.coordinate)[0])
-    for _ in range(PROFILE.steps):
+    for _ in range(_SETTINGS.steps):
         step, promise = _step(here, ahead=target - here.coordinate)
         if promise <= tolerance or here.chi2 - promise > limit:
             break
-        shorter = (here.moved(step / 2**halvings) for halvings in range(PROFILE.halvings))
+        shorter = (here.moved(step / 2**halvings) for halvings in range(_SETTINGS.halvings))
         better = next((point for point in shorter if point.chi2 < here.chi2), None)
         if better is None:
             break
@@ -191,7 +174,7 @@ def _step(here: _Point, *, ahead: float) -> tuple[Reals, float]:
             missing = ahead - here.gradient @ step
             step[free] += missing / (here.gradient[free] @ toward) * toward
         held = np.clip(step, *here.room)
-        out = free & (np.abs(held - step) > PROFILE.at_bound)
+        out = free & (np.abs(held - step) > _SETTINGS.at_bound)
         if not out.any():
             return held, float(along @ along - np.sum((along + R @ held) ** 2))
         step[out] = held[out]
@@ -201,7 +184,7 @@ def _step(here: _Point, *, ahead: float) -> tuple[Reals, float]:
 def _may_be_none(problem: Problem, best: Solution, at: slice, limit: float) -> bool:
     """Say whether chi2 is within the limit without the unbalance whose re and im are at `at`."""
     widest = np.sqrt(np.linalg.eigvalsh(best.covariance[at, at])[-1])
-    if np.linalg.norm(best.p[at]) > PROFILE.none * widest:
+    if np.linalg.norm(best.p[at]) > _SETTINGS.none * widest:
         return False
-    nothing = dict(zip(range(at.start, at.stop), PROFILE.nothing * best.p[at], strict=True))
+    nothing = dict(zip(range(at.start, at.stop), _SETTINGS.nothing * best.p[at], strict=True))
     return problem.solve(best.p, fixed=nothing).chi2 <= limit

@@ -9,9 +9,10 @@ from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.fit import identify
 from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.uncertainty.bootstrap import FEWEST, Bootstrap, Resampling, bootstrap, simulate_draw
+from rotorrig.identify.uncertainty.bootstrap import Bootstrap, Resampling, bootstrap, simulate_draw
 from rotorrig.identify.uncertainty.intervals import standard_deviation
 from rotorrig.identify.uncertainty.quantities import quantities
+from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from tests.identify.matched import matched_response, sought
@@ -94,14 +95,16 @@ def test_the_interval_leaves_out_a_fortieth_of_the_draws_at_either_end() -> None
     draws = np.arange(1.0, 80.0)[:, None]  # 79 of them leave 80 gaps, two of which are a fortieth
     found = Bootstrap(names=("kxx",), draws=draws, asked=79, seed=0)
     assert found.interval("kxx") == pytest.approx((2.0, 78.0))
-    assert Bootstrap(names=("kxx",), draws=draws[: FEWEST - 1], asked=79, seed=0).interval("kxx") is None
+    assert (
+        Bootstrap(names=("kxx",), draws=draws[: UNCERTAINTY.fewest_draws - 1], asked=79, seed=0).interval("kxx") is None
+    )
 
 
 def test_a_fit_takes_its_intervals_from_the_bootstrap(response: OrderTrackedResponse, found: Bootstrap) -> None:
     counted: list[int] = []
-    asked = Resampling(draws=FEWEST, progress=counted.append)
+    asked = Resampling(draws=UNCERTAINTY.fewest_draws, progress=counted.append)
     with_bootstrap_intervals = identify(response, seed=5, resampling=asked).fits[0]
-    assert counted == list(range(1, FEWEST + 1))
+    assert counted == list(range(1, UNCERTAINTY.fewest_draws + 1))
     assert {e.interval_by for e in with_bootstrap_intervals.estimates} == {"bootstrap"}
     few = identify(response, seed=5, resampling=Resampling(draws=2, search=True)).fits[0]
     assert {e.interval_by for e in few.estimates} == {"covariance"}

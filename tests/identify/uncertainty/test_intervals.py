@@ -9,8 +9,8 @@ from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.fit import identify
 from rotorrig.identify.identification import Estimate, Fit
 from rotorrig.identify.measurement import measure
-from rotorrig.identify.uncertainty.intervals import HALF_WIDTH, RISE
 from rotorrig.identify.uncertainty.quantities import quantities
+from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from tests.identify.matched import matched_response, sought
@@ -46,9 +46,10 @@ def test_what_is_well_determined_has_the_interval_of_its_covariance(ordinary: Or
     kxx, phase = found.estimate("kxx"), found.estimate("phase")
     low, high = interval(found, "kxx")
     assert np.sqrt(low * high) == pytest.approx(kxx.value)  # stiffness is a ratio: a factor either way
-    assert np.log(high / low) / 2 == pytest.approx(HALF_WIDTH * kxx.sigma / kxx.value)
+    assert np.log(high / low) / 2 == pytest.approx(UNCERTAINTY.half_width * kxx.sigma / kxx.value)
     assert interval(found, "phase") == pytest.approx(
-        (phase.value - HALF_WIDTH * phase.sigma, phase.value + HALF_WIDTH * phase.sigma), abs=2e-4
+        (phase.value - UNCERTAINTY.half_width * phase.sigma, phase.value + UNCERTAINTY.half_width * phase.sigma),
+        abs=2e-4,
     )
 
 
@@ -66,7 +67,7 @@ def test_at_the_ends_of_a_profile_interval_a_refit_is_worse_by_the_rise(bounded:
     problem = Problem(bounded, measure(bounded))
     found = identify(bounded, profile=True).fits[0]
     best = problem.refine(np.array([33e3, 36e3, 14.5, 16.0]))
-    rise = RISE * max(1.0, best.chi2 / best.dof)
+    rise = UNCERTAINTY.rise * max(1.0, best.chi2 / best.dof)
     for i, name in enumerate(("kxx", "kyy")):
         for end in interval(found, name):
             held = problem.solve(best.p, fixed={i: np.log(end)})
