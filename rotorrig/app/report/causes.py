@@ -74,8 +74,8 @@ def _gain(found: Diagnosis) -> str:
 
 _LEGEND = (
     "Evidence is the gain in the Bayesian information criterion (BIC), above 0 in favour. The error on unseen data is "
-    "the RMS prediction error in cross-validation, without → with the cause. ≥: the fit was stopped early, far behind "
-    "the best."
+    "the RMS prediction error of data the fit did not use, without → with the cause. ≥: the fit was stopped early, far "
+    "behind the best."
 )
 
 
