@@ -28,7 +28,7 @@ Refit = Callable[[Problem, Reals], Solution]  # of a drawn problem, given the pa
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Resampling:
-    """How a fit is to be bootstrapped."""
+    """Options of a bootstrap."""
 
     draws: int
     workers: int = 1
@@ -61,7 +61,7 @@ def with_bootstrap_intervals(
     fit: Fit, problem: Problem, best: Solution, resampling: Resampling, *, seed: int, search: Refit
 ) -> Fit:
     """Return the fit with the intervals of a bootstrap; `search` refits by the whole search, if that is wanted."""
-    found = bootstrap(
+    resampled = bootstrap(
         problem,
         best,
         draws=resampling.draws,
@@ -72,8 +72,8 @@ def with_bootstrap_intervals(
     )
     return replace(
         fit,
-        estimates=tuple(_resampled(estimate, found) for estimate in fit.estimates),
-        words=(*fit.words, *_words(found)),
+        estimates=tuple(_resampled(estimate, resampled) for estimate in fit.estimates),
+        words=(*fit.words, *_words(resampled)),
     )
 
 
@@ -138,7 +138,7 @@ def _words(found: Bootstrap) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class _Job:
-    """What a draw needs; called with its number, it returns the estimates (estimate,)."""
+    """Task of a worker: called with the number of a draw, it returns the estimates (estimate,)."""
 
     problem: Problem
     best: Solution

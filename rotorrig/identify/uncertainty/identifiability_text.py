@@ -1,4 +1,4 @@
-"""What a response cannot tell, in sentences."""
+"""Sentences on what a response cannot determine."""
 
 import math
 from collections.abc import Collection, Iterator
@@ -18,20 +18,22 @@ def describe_identifiability(
     """
     unknowns = problem.parameters.space.unknowns
     settled = {u.name for u in unknowns if any(axis in unseen for axis in u.axes)}
-    said = [_unseen(axis, [u.name for u in unknowns if axis in u.axes]) for axis in unseen]
+    sentences = [_unseen(axis, [u.name for u in unknowns if axis in u.axes]) for axis in unseen]
     for i, unknown in enumerate(unknowns):
         if problem.at_bound(best.p, i):
             value = problem.parameters.values(best.p)[i]
             settled.add(unknown.name)
-            said.append(f"{unknown.name} ran into its bound of {value:.3g} {unknown.unit}: this data does not give it.")
+            sentences.append(
+                f"{unknown.name} ran into its bound of {value:.3g} {unknown.unit}: this data does not give it."
+            )
     for root, by_what in ((able.noise, "by this data"), (able.fitted, "within the tolerances of the nameplate")):
         for names, sentence in _weak(able, root, by_what, settled):
             settled.update(names)
-            said.append(sentence)
-    said += _tied(able)
+            sentences.append(sentence)
+    sentences += _tied(able)
     if limited := _limited(able):
-        said.append(limited)
-    return tuple(said)
+        sentences.append(limited)
+    return tuple(sentences)
 
 
 def _unseen(axis: str, names: list[str]) -> str:
@@ -65,10 +67,10 @@ def _weak(
 
 def _inseparable(coordinates: list[Coordinate], weakness: Weakness, by_what: str) -> str:
     moves = [_moved(c, UNCERTAINTY.shown * change) for c, change in zip(coordinates, weakness.changes, strict=True)]
-    said = f"{_list(weakness.names)} cannot be separated {by_what}: {_list(moves)} at once would hardly show"
+    sentence = f"{_list(weakness.names)} cannot be separated {by_what}: {_list(moves)} at once would hardly show"
     if weakness.known_sigma < UNCERTAINTY.known:
-        said += f"; {_combination(coordinates, weakness.known)} is known to {_percent(weakness.known_sigma)}"
-    return f"{said}."
+        sentence += f"; {_combination(coordinates, weakness.known)} is known to {_percent(weakness.known_sigma)}"
+    return f"{sentence}."
 
 
 def _tied(able: Identifiability) -> Iterator[str]:
@@ -87,12 +89,14 @@ def _tied(able: Identifiability) -> Iterator[str]:
 
 def _limited(able: Identifiability) -> str:
     """Say which estimates the nameplate's tolerances limit, not the noise."""
-    said = []
+    limited = []
     for name, shares in able.budget().items():
         if shares["noise"] < 1 - UNCERTAINTY.limited:
             cause = max((kind for kind in shares if kind != "noise"), key=lambda kind: shares[kind])
-            said.append(f"{name} ({cause})")
-    return f"The tolerances in [prior] limit {_list(said)}, not the noise: more data would not help." if said else ""
+            limited.append(f"{name} ({cause})")
+    return (
+        f"The tolerances in [prior] limit {_list(limited)}, not the noise: more data would not help." if limited else ""
+    )
 
 
 def _either_way(coordinate: Coordinate, sigma: float) -> str:

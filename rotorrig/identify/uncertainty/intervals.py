@@ -29,16 +29,16 @@ def with_intervals(
     sought = quantities(problem.parameters, best.p)
     hidden = [isinstance(q, Coefficient) and any(axis in unseen for axis in q.axes) for q in sought]
     profile = profile or any(_wants_profile(best, q) for q, out in zip(sought, hidden, strict=True) if not out)
-    found = []
+    with_interval = []
     for estimate, quantity, out in zip(estimates, sought, hidden, strict=True):
         if out:
-            found.append(estimate)
+            with_interval.append(estimate)
         elif profile:
             within = profile_interval(problem, best, quantity, rise=UNCERTAINTY.rise)
-            found.append(replace(estimate, interval=within, interval_by="profile likelihood" if within else ""))
+            with_interval.append(replace(estimate, interval=within, interval_by="profile likelihood" if within else ""))
         else:
-            found.append(replace(estimate, interval=normal_interval(best, quantity), interval_by="covariance"))
-    return tuple(found)
+            with_interval.append(replace(estimate, interval=normal_interval(best, quantity), interval_by="covariance"))
+    return tuple(with_interval)
 
 
 def normal_interval(best: Solution, quantity: Quantity) -> tuple[float, float]:

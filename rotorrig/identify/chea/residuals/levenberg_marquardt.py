@@ -51,7 +51,7 @@ _TINY = np.finfo(float).tiny
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """How steps are chosen."""
+    """Choice of steps."""
 
     full_steps: bool = True  # tried before damped ones; not where a residual takes as long as its Jacobian
     damping: float = 1e-5  # of the first damped step, in units of the columns' lengths
@@ -133,7 +133,7 @@ class Counted:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Progress:
-    """Where a descent is, shown to `watch` after every step."""
+    """State of a descent, shown to `watch` after every step."""
 
     point: Point  # the lowest
     costs: Sequence[float]  # the lowest until every call
@@ -142,7 +142,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Minimum:
-    """Where a descent ended."""
+    """End of a descent."""
 
     point: Point
     steps: int  # Jacobians taken
