@@ -1,4 +1,4 @@
-"""Which causes the residual calls for: candidates, score test, fits of single candidates, stepwise selection."""
+"""Search for the causes of a misfit: candidates, score test, fits of single candidates, stepwise selection."""
 
 from rotorrig.identify.causes.candidate_fit import Candidate, plausible
 from rotorrig.identify.causes.candidates import background, candidates

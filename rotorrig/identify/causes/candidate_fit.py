@@ -1,7 +1,7 @@
-"""One effect on trial beside those a model has: fitted together with them, and raced against the best so far.
+"""Fit of one candidate effect beside those a model has, given up once it falls far behind the best so far.
 
 Evidence is the Bayesian information criterion, BIC = chi2 + k ln n (Schwarz, Annals of Statistics 6 (1978) 461), n the
-figures at 1X that are independent: those of neighbouring rows, `ADEQUACY.stretch` of them, are off together.
+values at 1X that are independent: those of neighbouring rows, `ADEQUACY.stretch` of them, are off together.
 """
 
 from dataclasses import dataclass, replace
@@ -11,7 +11,7 @@ import numpy as np
 from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.pinned_nuisances import nuisances_biased, pinned_nuisances
-from rotorrig.identify.causes.score_test import Score, relocated
+from rotorrig.identify.causes.score_test import Score, relocate
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution, Stop, Worth
@@ -21,7 +21,7 @@ from rotorrig.sims.effects import Effect, magnitudes
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Candidate:
-    """A set of effects, the last of them on trial, and its fit."""
+    """Fit of a model with one more effect, the candidate: the last of its effects."""
 
     problem: ExtendedProblem
     polished: Solution
@@ -30,12 +30,12 @@ class Candidate:
 
     @property
     def effect(self) -> Effect:
-        """The one on trial."""
+        """The candidate effect."""
         return self.problem.effects[-1]
 
 
 def plausible(candidate: Candidate) -> bool:
-    """Say whether the effect on trial may be of a size such rigs have; phasors by their magnitude."""
+    """Say whether the candidate effect may be of a size such rigs have; phasors by their magnitude."""
     names, effect, fit = candidate.problem.parameters, candidate.effect, candidate.polished
     theta, sigma = (names.of_effect(part, len(names.effects) - 1) for part in (fit.p, fit.sigma))
     sizes = {name: value for name, value, _ in magnitudes(effect.parameters, theta)}
@@ -53,8 +53,8 @@ def fit_candidate(
 ) -> Candidate | None:
     """Fit the effect of a score beside those of `problem`, fitted as `polished`; None where it has no solution.
 
-    `plain` is the fit with the nuisances at their priors, where a wrong base has drawn them off: from there they find
-    back only slowly, as in their valley every other unknown has to move with them; so the effect is begun beside it.
+    `plain` is the fit with the nuisances at their priors, where an unmodelled cause has biased them: from there a
+    fit returns only slowly, as every other unknown has to move along; so the candidate is started from `plain`.
 
     It is given up once it could not come near `leader`, the evidence of the best so far, with twice the fall of chi2
     that a full step promises, or ten times under a force law, which bends more.
@@ -67,18 +67,18 @@ def fit_candidate(
 
     larger = problem.extended((*problem.effects, score.effect))
     try:
-        best = _first(larger, polished, plain, score, worth=worth)
+        best = _fit_first(larger, polished, plain, score, worth=worth)
         for _ in range(SELECTION.relocations if score.effect.grid and best.stop is not Stop.GIVEN_UP else 0):
-            moved = relocated(problem, best.p[: len(polished.p)], score.effect)
+            moved = relocate(problem, best.p[: len(polished.p)], score.effect)
             if _same_place(moved, larger.effects[-1]):
                 break
             larger = problem.extended((*problem.effects, moved))
-            best = _refined(larger, best.p, worth=worth)
+            best = _refine(larger, best.p, worth=worth)
         if score.effect.initial_guesses and best.stop is not Stop.GIVEN_UP:
-            best = _from_elsewhere(larger, best, worth=worth)
+            best = _fit_from_better_guess(larger, best, worth=worth)
     except (DataError, np.linalg.LinAlgError):
         return None  # no motion is found, or none that is finite
-    larger, best = named_by_place(larger, best)
+    larger, best = relocate_last_effect(larger, best)
     lam = polished.chi2 - best.chi2
     best = replace(best, jacobian=np.zeros((0, len(best.p))))  # some 15 MB that nobody asks for again
     return Candidate(problem=larger, polished=best, lam=lam, evidence=lam - cost)
@@ -90,8 +90,8 @@ def price(problem: ExtendedProblem, effect: Effect) -> float:
     return sum(q.low < q.high for q in effect.parameters) * float(np.log(independent))
 
 
-def named_by_place(problem: ExtendedProblem, fit: Solution) -> tuple[ExtendedProblem, Solution]:
-    """Return a fit whose last effect is told from the place nearest to where the fit took it."""
+def relocate_last_effect(problem: ExtendedProblem, fit: Solution) -> tuple[ExtendedProblem, Solution]:
+    """Describe the last effect of a fit from the place nearest to where the fit took it."""
     names, effect = problem.parameters, problem.effects[-1]
     moved, theta = effect.relocate(names.of_effect(fit.p, len(names.effects) - 1))
     p = fit.p.copy()
@@ -100,10 +100,10 @@ def named_by_place(problem: ExtendedProblem, fit: Solution) -> tuple[ExtendedPro
     return problem if same else problem.extended((*problem.effects[:-1], moved)), replace(fit, p=p)
 
 
-def _from_elsewhere(problem: ExtendedProblem, fit: Solution, *, worth: Worth) -> Solution:
-    """Return the better of a fit and that from another beginning of its effect, if one promises to be better."""
-    begin = elsewhere(problem, fit)
-    return fit if begin is None else min(_refined(problem, begin, worth=worth), fit, key=_chi2)
+def _fit_from_better_guess(problem: ExtendedProblem, fit: Solution, *, worth: Worth) -> Solution:
+    """Return the better of a fit and that from another initial guess of its effect, if one promises to be better."""
+    begin = better_guess(problem, fit)
+    return fit if begin is None else min(_refine(problem, begin, worth=worth), fit, key=_chi2)
 
 
 def _chi2(fit: Solution) -> float:
@@ -111,34 +111,34 @@ def _chi2(fit: Solution) -> float:
 
 
 def _same_place(effect: Effect, other: Effect) -> bool:
-    """Say whether two of a scanned effect stand within a standard deviation of the place: within 1 of chi2."""
+    """Say whether two locations of a grid-searched effect are within a standard deviation: within 1 of chi2."""
     pairs = zip(effect.parameters, other.parameters, strict=True)
     return all(abs(a.at_zero - b.at_zero) <= a.spread for a, b in pairs if a.grid_searched)
 
 
-def _first(
+def _fit_first(
     problem: ExtendedProblem, polished: Solution, plain: Solution | None, score: Score, *, worth: Worth
 ) -> Solution:
-    """Fit from where the score says, or else from where the effect does nothing: beside `plain`, if there is one.
+    """Fit from the start of the score, or else from the effect at zero amplitude: beside `plain`, if there is one.
 
     A first full step from there goes as far as the score says. What does not end beside `plain` may do so beside
     `polished`, if its score is worth it.
     """
     if score.begin is not None:
-        return _refined(problem, score.begin, worth=worth)
-    nothing = np.array([q.at_zero / q.size for q in score.effect.parameters])
+        return _refine(problem, score.begin, worth=worth)
+    at_zero = np.array([q.at_zero / q.size for q in score.effect.parameters])
     if plain is not None:
-        start, held = np.append(plain.p, nothing), pinned_nuisances(problem)
-        near = problem.solve(start, fixed=held, tolerance=SELECTION.roughly * plain.chi2, max_steps=SELECTION.steps)
-        fit = _refined(problem, near.p, worth=worth)
+        start, pinned = np.append(plain.p, at_zero), pinned_nuisances(problem)
+        near = problem.solve(start, fixed=pinned, tolerance=SELECTION.roughly * plain.chi2, max_steps=SELECTION.steps)
+        fit = _refine(problem, near.p, worth=worth)
         if fit.stop in (Stop.CONVERGED, Stop.GIVEN_UP) or not worth(polished.chi2, score.lam):
             return fit
-    direct = _refined(problem, np.append(polished.p, nothing), worth=worth)
+    direct = _refine(problem, np.append(polished.p, at_zero), worth=worth)
     return direct if plain is None else min(direct, fit, key=_chi2)
 
 
-def _refined(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Solution:
-    """Fit from `start`; a force law, where the nuisances are drawn off, from their priors."""
+def _refine(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Solution:
+    """Fit from `start`; a force law first with pinned nuisances where they are biased."""
     start = np.clip(start, *problem.bounds)
     if not problem.curved:
         return problem.solve(start, tolerance=SELECTION.settled, max_steps=SELECTION.steps, worth=worth)
@@ -153,13 +153,13 @@ def _refined(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Solutio
 
 
 def refit(problem: ExtendedProblem, start: Reals) -> Solution:
-    """Fit a problem from next to where it ends, to the end."""
+    """Fit to convergence from a start close to the minimum."""
     steps = SELECTION.steps_of_law if problem.curved else SELECTION.steps
     return problem.solve(start, tolerance=SELECTION.settled, max_steps=steps)
 
 
-def elsewhere(problem: ExtendedProblem, fit: Solution) -> Reals | None:
-    """Return where to begin anew, one unknown of the last effect moved to that of a beginning; None: nowhere better.
+def better_guess(problem: ExtendedProblem, fit: Solution) -> Reals | None:
+    """Return a start with one unknown of the last effect moved to an initial guess; None: no guess promises more.
 
     `fit` is that of `problem`, its Jacobian included.
     """
@@ -174,7 +174,7 @@ def elsewhere(problem: ExtendedProblem, fit: Solution) -> Reals | None:
             try:
                 r = problem.residual(moved)
             except DataError:
-                continue  # no motion that is bounded: nowhere to begin
+                continue  # no bounded motion there
             left = float(r @ r - np.sum((basis.T @ r) ** 2))
             if left < lowest:
                 best, lowest = moved, left

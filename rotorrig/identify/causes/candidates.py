@@ -1,4 +1,4 @@
-"""The causes worth a try for a set of recordings: the catalogue, made to fit what was recorded."""
+"""Candidate effects for a set of recordings: the catalogue, adapted to the orders and times recorded."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
@@ -17,10 +17,10 @@ from rotorrig.sims.rotor.model import ONE_RECORDING, between_recordings
 def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()) -> list[Effect]:
     """Return every effect at every place and recording it could act in, less those named in `without`.
 
-    Force laws are left out where a recording is of a rotor turning backwards: they are followed forwards alone.
+    Force laws are left out where a recording is of a rotor turning backwards: they are solved forwards alone.
     """
     lawful = not any(recording.backward for recording in recordings)
-    found: list[Effect] = []
+    effects: list[Effect] = []
     for effect in catalogue(recordings[0].response.rig):
         if effect.name in without or ("force laws" in effect.acts_on and not lawful):
             continue
@@ -28,20 +28,20 @@ def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()
         if not able.parameters:
             continue
         if isinstance(able, UnbalanceStep):
-            if (step := _scanned(able, recordings)).grid:
-                found.append(step)
+            if (step := _with_grid(able, recordings)).grid:
+                effects.append(step)
         elif able.per_recording and len(recordings) > 1:
-            found += [
-                replace(able, recording=r.number, where=_joined(able.where, f"recording {r.number + 1}"))
+            effects += [
+                replace(able, recording=r.number, where=_join(able.where, f"recording {r.number + 1}"))
                 for r in recordings
             ]
         else:
-            found.append(able)
-    return found
+            effects.append(able)
+    return effects
 
 
 def background(rig: RigConfig) -> list[Effect]:
-    """Return the effects that every rig has a little of, nuisances of the base with priors: damping in the shaft."""
+    """Return the nuisance effects of every rig, with priors: internal damping of the shaft."""
     return [
         replace(effect, parameters=tuple(replace(q, prior=rig.prior.rotating_damping) for q in effect.parameters))
         for effect in catalogue(rig)
@@ -49,8 +49,8 @@ def background(rig: RigConfig) -> list[Effect]:
     ]
 
 
-def _scanned(effect: UnbalanceStep, recordings: Sequence[Recording]) -> UnbalanceStep:
-    """Return a step to be looked for before every recording but the first, and within each whose times are known."""
+def _with_grid(effect: UnbalanceStep, recordings: Sequence[Recording]) -> UnbalanceStep:
+    """Return a step with its grid of times: before each recording but the first, within each whose times are known."""
     stretches: list[tuple[float, ...]] = []
     runs: list[Stretch] = []
     for r in recordings:
@@ -78,5 +78,5 @@ def _timed_runs(recording: Recording) -> Iterator[tuple[str, NDArray[np.float64]
             yield run.name, t[order], response.omega[mine][order]
 
 
-def _joined(*parts: str) -> str:
+def _join(*parts: str) -> str:
     return ", ".join(part for part in parts if part)

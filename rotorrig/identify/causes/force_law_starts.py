@@ -1,9 +1,9 @@
-"""Where to begin a force law: where a fit of it ends while the nuisances stay at their priors.
+"""Start values of force laws: their fits with pinned nuisances.
 
-A strong force law draws the base off, gains and masses and all, by many of their standard deviations, and from there
-its own fit does not find back. Without those nuisances the base cannot follow what the law does, and stays near the
-rotor that it is: bearings, damping and unbalance alone then lead to the law's size from nearly any start, the better
-the weaker it is there. Laws are raced: the one that the first look favours is fitted first, and those that do not
+A strong force law biases the base, gains and masses included, by many of their standard deviations, and from there
+its own fit does not converge to the truth. With those nuisances pinned the base cannot absorb the law, and stays near
+the true rotor: bearings, damping and unbalance alone then lead to the law's size from nearly any start, the better
+the weaker it is there. Laws compete: the one that the first look favours is fitted first, and those that do not
 come near are given up.
 """
 
@@ -25,24 +25,24 @@ from rotorrig.sims.effects import Effect, Parameter
 def score_force_laws(
     problem: ExtendedProblem, polished: Solution, plain: Solution, candidates: Sequence[Effect]
 ) -> list[Score]:
-    """Return the scores of effects that are begun at their starts, beside those of `problem`; best first.
+    """Score effects that need starts, beside those of `problem`; best first.
 
     `plain` is its `held_fit`. The score is by how much chi2 is below that of `polished`, the nuisances at their priors,
     and what a full step with all of them promises beyond. Of one that was given up it is the first part alone.
     """
-    held = pinned_nuisances(problem)
+    pinned = pinned_nuisances(problem)
     looks = [
         look for effect in candidates if effect.needs_starts and (look := _look(problem, plain.p, effect)) is not None
     ]
-    found: list[Score] = []
+    scores: list[Score] = []
     best = plain.chi2
     for look in sorted(looks, key=lambda look: look.chi2):
-        fit = _raced(look, held, limit=plain.chi2 - SELECTION.behind * (plain.chi2 - best))
+        fit = _fit(look, pinned, limit=plain.chi2 - SELECTION.behind * (plain.chi2 - best))
         best = min(best, fit.chi2)
         more = 0.0 if fit.stop is Stop.GIVEN_UP else _promise(look.problem, fit)
         lam = polished.chi2 - fit.chi2 + more
-        found.append(Score(effect=look.effect, lam=lam, step=np.zeros(0), visible=0.0, begin=fit.p))
-    return sorted(found, key=lambda score: -score.lam)
+        scores.append(Score(effect=look.effect, lam=lam, step=np.zeros(0), visible=0.0, begin=fit.p))
+    return sorted(scores, key=lambda score: -score.lam)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +74,7 @@ def _look(problem: ExtendedProblem, p: Reals, effect: Effect) -> _Look | None:
 def _starts(parameters: Sequence[Parameter]) -> Iterator[Reals]:
     """Yield the starts of an effect in sizes, (parameter,), weak ones first, none of them twice.
 
-    Its strength is the first of the unknowns with starts that are nothing at zero.
+    Its strength is the first unknown with starts whose value at zero amplitude is 0.
     """
     strength = next(q.name for q in parameters if q.starts and q.at_zero == 0)
     count = max(len(q.starts) for q in parameters)
@@ -89,15 +89,15 @@ def _starts(parameters: Sequence[Parameter]) -> Iterator[Reals]:
                 yield np.array(start)
 
 
-def _raced(look: _Look, held: dict[int, float], *, limit: float) -> Solution:
-    """Fit a law from its first look, the nuisances held, as long as chi2 may come below `limit`."""
+def _fit(look: _Look, pinned: dict[int, float], *, limit: float) -> Solution:
+    """Fit a law from its first look, the nuisances pinned, as long as chi2 may come below `limit`."""
 
     def worth(chi2: float, promise: float) -> bool:
         return chi2 - SELECTION.hoped * promise < limit
 
     begin = np.clip(look.begin, *look.problem.bounds)
     return look.problem.solve(
-        begin, fixed=held, tolerance=SELECTION.pinned_settled, max_steps=SELECTION.steps, worth=worth
+        begin, fixed=pinned, tolerance=SELECTION.pinned_settled, max_steps=SELECTION.steps, worth=worth
     )
 
 

@@ -1,4 +1,4 @@
-"""Where an unknown that no fit could find suits best: a coarse look over its range, then closer ones about the best.
+"""Grid search for the location of an effect: a coarse grid over its range, then finer ones about the best.
 
 The moment at which something broke is one: a fit sees no further than a few rows beside where it stands, but what is
 left of the misfit falls steadily towards the true moment from far off.
@@ -16,7 +16,7 @@ Promise = Callable[[Sequence[Effect]], Sequence[float]]  # by how much chi2 woul
 
 
 def best_place(effect: Effect, promise: Promise) -> Effect:
-    """Return the effect with its scanned unknown where it promises most, and how well that tells it as its spread.
+    """Return the effect at the location that promises most, with the standard deviation of that as its spread.
 
     The spread is half the width over which chi2 is within 1 of the best; 0 where a stretch is but one place.
     """

@@ -1,7 +1,7 @@
-"""The base with its nuisances held at their priors: what a fit is begun from where they are drawn off.
+"""Base fit with nuisances pinned at their priors: the starting point when an unmodelled cause has biased them.
 
-A cause that the model lacks may draw gains and masses by many of their standard deviations, and from there a fit with
-that cause does not find back. Held, they leave the rotor what it is.
+A cause that the model lacks may bias gains and masses by many of their standard deviations, and from there a fit with
+that cause does not converge to the truth. Pinned, they leave the rotor as it is.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from rotorrig.identify.least_squares import Solution
 
 
 def nuisances_biased(problem: ExtendedProblem, p: Reals) -> bool:
-    """Say whether a nuisance of `p` is further off than its prior allows."""
+    """Say whether a nuisance of `p` is further off than its prior allows, as under an unmodelled cause."""
     return bool(np.abs(problem.parameters.prior_residual(p)).max(initial=0.0) > SELECTION.biased)
 
 
@@ -25,12 +25,14 @@ def pinned_nuisances(problem: ExtendedProblem) -> dict[int, float]:
 
 
 def fit_with_pinned_nuisances(problem: ExtendedProblem, p: Reals) -> Solution:
-    """Fit `problem` from `p` with its nuisances held at their priors."""
-    held = pinned_nuisances(problem)
-    return problem.solve(_at_priors(p, held), fixed=held, tolerance=SELECTION.pinned_settled, max_steps=SELECTION.steps)
+    """Fit `problem` from `p` with its nuisances pinned at their priors."""
+    pinned = pinned_nuisances(problem)
+    return problem.solve(
+        _at_priors(p, pinned), fixed=pinned, tolerance=SELECTION.pinned_settled, max_steps=SELECTION.steps
+    )
 
 
-def _at_priors(p: Reals, held: dict[int, float]) -> Reals:
+def _at_priors(p: Reals, pinned: dict[int, float]) -> Reals:
     out = p.copy()
-    out[list(held)] = list(held.values())
+    out[list(pinned)] = list(pinned.values())
     return out

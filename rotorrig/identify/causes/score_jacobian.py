@@ -1,6 +1,6 @@
-"""What a little of each cause would do to the vectors of all recordings: one linearisation for a whole catalogue.
+"""Jacobian of the vectors with respect to every candidate effect, at zero amplitude.
 
-Every candidate stands at nothing, so each is told by its own verb alone, and those of one kind share one sweep: forces
+At zero amplitude each candidate acts alone, by one of its methods, and those of one kind share one sweep: forces
 are columns of it, changes of matrices are directions, and what happens at the probes needs none.
 """
 
@@ -23,7 +23,7 @@ SPANNED = 1e-12  # of the loads' greatest singular value: less is rounding
 
 
 def score_columns(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> list[Reals]:
-    """Return for each candidate d whitened residual / d its unknowns, in their sizes, (figure + prior, unknown).
+    """Return for each candidate d whitened residual / d its unknowns, in their sizes, (value + prior, unknown).
 
     Beside the effects of `problem`, at its fit `p`.
     """
@@ -56,7 +56,7 @@ class _Step:
 def _steps(effect: Effect, model: RotorModel) -> Iterator[_Step]:
     """Yield the step of each unknown; those that change the number of coordinates have no direction."""
     for q in effect.parameters:
-        theta = _stepped(effect, q) if q.low < q.high else effect.at_zero | {q.name: q.at_zero + STEP * q.size}
+        theta = _at_small_step(effect, q) if q.low < q.high else effect.at_zero | {q.name: q.at_zero + STEP * q.size}
         h = (theta[q.name] - q.at_zero) / q.size
         there = effect.change_matrices(model, theta) if "matrices" in effect.acts_on else model
         yield _Step(
@@ -68,8 +68,8 @@ def _steps(effect: Effect, model: RotorModel) -> Iterator[_Step]:
         )
 
 
-def _stepped(effect: Effect, q: Parameter) -> dict[str, float]:
-    """Return the effect's unknowns at nothing but for a step of one, towards where it may go."""
+def _at_small_step(effect: Effect, q: Parameter) -> dict[str, float]:
+    """Return the effect's unknowns at zero amplitude but for a small step of one, within its bounds."""
     step = STEP * q.size if q.at_zero + STEP * q.size <= q.high else -STEP * q.size
     return effect.at_zero | {q.name: q.at_zero + step}
 
@@ -77,7 +77,7 @@ def _stepped(effect: Effect, q: Parameter) -> dict[str, float]:
 def _of_recording(
     model: ExtendedModel, recording: Recording, p: Reals, moving: Moving, steps: Sequence[_Step]
 ) -> Reals:
-    """Return the columns of all steps in one recording, (figure, step)."""
+    """Return the columns of all steps in one recording, (value, step)."""
     stacked: list[Reals] = []
     for order, measured in recording.measured.items():
         motion = model.motions(recording, p, moving)[order] if order == 1 else None

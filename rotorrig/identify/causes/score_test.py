@@ -1,7 +1,7 @@
-"""The first look at every cause: how much of the residual its columns could take, the base model refitted.
+"""Score test of every candidate: how much chi2 its columns could explain, the base model refitted.
 
 Rao's score test: chi2 falls by |Q^T r|^2, Q an orthonormal basis of the cause's columns less what the base parameters
-can follow. One linearisation for all, at the fit of the model so far.
+can absorb. One linearisation for all, at the fit of the model so far.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ _OPEN = 1e-6  # of a column that the base cannot follow: less is rounding
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Score:
-    """What one cause promises."""
+    """Score of one candidate: the fall of chi2 it promises."""
 
     effect: Effect
     lam: float  # by how much chi2 would fall
@@ -34,53 +34,53 @@ class Score:
 def scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> list[Score]:
     """Return the scores of `candidates` beside the effects `problem` has, at its fit `p`; best first.
 
-    One that is scanned, or has several beginnings, stands where its score is best. Those that have no first order, as
+    One with a grid, or with several initial guesses, stands where its score is best. Those that have no first order, as
     a clearance, are left to `curved_scores`.
     """
     Q, r = _projection(problem, p)
     able = [effect for effect in candidates if not effect.needs_starts]
-    placed = [_placed(problem, p, effect, Q, r) if effect.grid else effect for effect in able]
+    placed = [_place(problem, p, effect, Q, r) if effect.grid else effect for effect in able]
     begun = [effect for several in placed for effect in several.at_initial_guesses()]
-    found = sorted(_scores(problem, p, begun, Q, r), key=lambda score: -score.lam)
-    first = {score.effect.label: score for score in reversed(found)}
-    return [score for score in found if score is first[score.effect.label]]
+    ranked = sorted(_scores(problem, p, begun, Q, r), key=lambda score: -score.lam)
+    first = {score.effect.label: score for score in reversed(ranked)}
+    return [score for score in ranked if score is first[score.effect.label]]
 
 
-def relocated(problem: ExtendedProblem, p: Reals, effect: Effect) -> Effect:
-    """Return a scanned effect placed where its score is best beside the effects `problem` has, at `p`."""
-    return _placed(problem, p, effect, *_projection(problem, p))
+def relocate(problem: ExtendedProblem, p: Reals, effect: Effect) -> Effect:
+    """Return a grid-searched effect placed where its score is best beside the effects `problem` has, at `p`."""
+    return _place(problem, p, effect, *_projection(problem, p))
 
 
 def curved_scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> list[Score]:
-    """Return the scores of the others: by the whole change at 1X that the best of its starts makes."""
+    """Return the scores of the others: by the whole change at 1X at the best of their starts."""
     Q, r = _projection(problem, p)
     at = problem.residual(p, orders=(1,))
-    found = [_curved(problem, p, effect, Q, r, at) for effect in candidates if effect.needs_starts]
-    return sorted(found, key=lambda score: -score.lam)
+    curved = [_curved_score(problem, p, effect, Q, r, at) for effect in candidates if effect.needs_starts]
+    return sorted(curved, key=lambda score: -score.lam)
 
 
 def _scores(problem: ExtendedProblem, p: Reals, able: Sequence[Effect], Q: Reals, r: Reals) -> list[Score]:
     columns = score_columns(problem, p, able)
-    found: list[Score] = []
+    scored: list[Score] = []
     for i in range(0, len(able), _TOGETHER):
         some = columns[i : i + _TOGETHER]
         left = np.split(_beyond(np.hstack(some), Q), np.cumsum([own.shape[1] for own in some])[:-1], axis=1)
-        found += [_score(*each, r) for each in zip(able[i : i + _TOGETHER], some, left, strict=True)]
-    return found
+        scored += [_score(*each, r) for each in zip(able[i : i + _TOGETHER], some, left, strict=True)]
+    return scored
 
 
-def _placed(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Reals) -> Effect:
+def _place(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Reals) -> Effect:
     return best_place(effect, lambda tries: [score.lam for score in _scores(problem, p, tries, Q, r)])
 
 
 def _projection(problem: ExtendedProblem, p: Reals) -> tuple[Reals, Reals]:
     """Return an orthonormal basis of what the unknowns can do, and the residual beyond that."""
     r = problem.residual(p)
-    Q = np.linalg.qr(_scaled(problem.jacobian(p)))[0]
+    Q = np.linalg.qr(_normalise(problem.jacobian(p)))[0]
     return Q, r - Q @ (Q.T @ r)
 
 
-def _curved(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Reals, at: Reals) -> Score:
+def _curved_score(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Reals, at: Reals) -> Score:
     """Score an effect by the whole change that each of its starts makes, as much of it as suits the residual best."""
     larger = problem.extended((*problem.effects, effect))
     own = larger.parameters.own
@@ -134,7 +134,7 @@ def _score(effect: Effect, columns: Reals, left: Reals, r: Reals) -> Score:
     return Score(effect=effect, lam=lam, step=step, visible=visible)
 
 
-def _scaled(J: Reals) -> Reals:
+def _normalise(J: Reals) -> Reals:
     length = _lengths(J)
     return J[:, length > 0] / length[length > 0]
 

@@ -1,7 +1,7 @@
-"""One step forward: which causes promise something beside those a model has, and how well each of them fits.
+"""One step of forward selection: score all candidates beside those a model has, and fit the promising ones.
 
 What scores high is fitted, one by one. Force laws have no score of the first order: they are tried by their starts, and
-where they have drawn the base off, only if nothing else explains it, or first if nothing else promises to.
+where an unmodelled cause has biased the base, only if nothing else explains it, or first if nothing else promises to.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,14 +22,14 @@ from rotorrig.sims.effects import Effect
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SelectionStep:
-    """One step forward: what was tried beside the effects that were in already."""
+    """One step of forward selection: the candidates fitted beside the effects of the model so far."""
 
     before: Solution
     scores: tuple[Score, ...]
     tried: tuple[Candidate, ...]  # best first
 
     def chose(self, effect: Effect, *, beside: Sequence[Effect]) -> bool:
-        """Say whether `effect` was the best here, and the effects that were in already are those of `beside`."""
+        """Say whether `effect` was the best here, beside just the effects of `beside`."""
         best = self.tried[0] if self.tried else None
         return best is not None and best.effect is effect and _labels(best.problem.effects[:-1]) == _labels(beside)
 
@@ -43,7 +43,7 @@ def try_candidates(
     wrong: bool,
     first: bool,
 ) -> SelectionStep:
-    """Try what scores high; force laws that have drawn the base off are kept for where nothing else explains it."""
+    """Fit what scores high; where the base is biased, force laws only if nothing else explains the misfit."""
     scored = scores(problem, polished.p, candidates)
     excess = _excess(problem, polished)
     plain = fit_with_pinned_nuisances(problem, polished.p) if nuisances_biased(problem, polished.p) else None
@@ -56,11 +56,11 @@ def try_candidates(
         laws = curved_scores(problem, polished.p, candidates)
     promising = _promising(sorted((*scored, *laws), key=lambda s: -s.lam))
     progress(0.3)
-    tried = _all_tried(problem, polished, plain, promising, (), progress=lambda share: progress(0.3 + 0.5 * share))
-    if first and not any(_explained(candidate, excess) for candidate in tried):
+    tried = _fit_all(problem, polished, plain, promising, (), progress=lambda share: progress(0.3 + 0.5 * share))
+    if first and not any(_explains(candidate, excess) for candidate in tried):
         laws = score_force_laws(problem, polished, plain, candidates) if later and plain else laws
         late = _unpromising(laws, promising)
-        tried = _all_tried(problem, polished, plain, late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
+        tried = _fit_all(problem, polished, plain, late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
     progress(1.0)
     ranked = sorted(tried, key=lambda c: (not plausible(c), -c.evidence))
     return SelectionStep(before=polished, scores=(*scored, *laws), tried=tuple(ranked))
@@ -72,7 +72,7 @@ def _excess(problem: ExtendedProblem, polished: Solution) -> float:
     return float(r @ r) - ADEQUACY.global_limit * sum(recording.measured[1].size for recording in problem.recordings)
 
 
-def _all_tried(
+def _fit_all(
     problem: ExtendedProblem,
     polished: Solution,
     plain: Solution | None,
@@ -81,7 +81,7 @@ def _all_tried(
     *,
     progress: Callable[[float], None],
 ) -> list[Candidate]:
-    """Return the candidates of `before` and after them those of the scores, each raced against the best so far."""
+    """Return the candidates of `before` and after them those of the scores, each up against the best so far."""
     tried = list(before)
     for i, score in enumerate(scored):
         leader = max((c.evidence for c in tried if plausible(c)), default=-np.inf)
@@ -92,7 +92,7 @@ def _all_tried(
 
 
 def _keep_better(tried: list[Candidate], candidate: Candidate) -> None:
-    """Add a candidate; of two fits that were begun apart and ended at one place the better one stays."""
+    """Add a candidate; of two fits with the same label the better one stays."""
     label = candidate.effect.label
     if all(candidate.polished.chi2 < c.polished.chi2 for c in tried if c.effect.label == label):
         tried[:] = [*(c for c in tried if c.effect.label != label), candidate]
@@ -101,19 +101,19 @@ def _keep_better(tried: list[Candidate], candidate: Candidate) -> None:
 def _unpromising(scored: Sequence[Score], promising: Sequence[Score]) -> list[Score]:
     """Return the best of every kind of force law that is not among the promising ones.
 
-    Its score is a guess by the starts it has, about a base that the law has drawn off: where nothing else explains the
+    Its score is a guess by the starts it has, about a base that the law has biased: where nothing else explains the
     residual, it is fitted all the same.
     """
-    found: dict[str, Score] = {}
+    best: dict[str, Score] = {}
     taken = {s.effect.name for s in promising}
     for s in scored:
         if s.begin is not None and s.effect.name not in taken:
-            found.setdefault(s.effect.name, s)
-    return list(found.values())[: SELECTION.fitted_laws]
+            best.setdefault(s.effect.name, s)
+    return list(best.values())[: SELECTION.fitted_laws]
 
 
-def _explained(candidate: Candidate, excess: float) -> bool:
-    """Say whether with the effect on trial next to nothing is left of the `excess` of chi2 at 1X."""
+def _explains(candidate: Candidate, excess: float) -> bool:
+    """Say whether with the candidate next to nothing is left of the `excess` of chi2 at 1X."""
     left = SELECTION.left_by_law * excess if candidate.effect.needs_starts else 0.0
     return _excess(candidate.problem, candidate.polished) <= left
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SelectionSettings:
-    """What a cause has to explain, how many are fitted, and when a fit is given up or done."""
+    """Thresholds of acceptance, number of fits, and their limits."""
 
     # taking causes up
     enough: float = 4.0  # of BIC

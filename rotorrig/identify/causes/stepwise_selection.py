@@ -1,4 +1,4 @@
-"""Which causes the data call for: forward by evidence, then backward; each fitted together with the base model.
+"""Stepwise selection of causes: forward by evidence, then backward; each fitted together with the base model.
 
 A cause is taken up if BIC (candidate_fit.py) falls by more than `SELECTION.enough` and chi2 by more than
 `SELECTION.detected`: no score of eleven simulated healthy rigs exceeded 10.3. A step of unbalance, which is looked for
@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from rotorrig.identify.adequacy import ADEQUACY
-from rotorrig.identify.causes.candidate_fit import Candidate, named_by_place, price, refit
+from rotorrig.identify.causes.candidate_fit import Candidate, price, refit, relocate_last_effect
 from rotorrig.identify.causes.selection_step import SelectionStep, try_candidates
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
@@ -43,7 +43,7 @@ def select(
     wrong: bool,
     progress: Progress = lambda stage, share: None,
 ) -> Selection:
-    """Extend the model of `problem`, fitted as `base`, by what its residual calls for; `wrong`: its test failed."""
+    """Extend the model of `problem`, fitted as `base`, by what its residual supports; `wrong`: its test failed."""
     steps: list[SelectionStep] = []
     current, polished = problem, base
 
@@ -57,26 +57,28 @@ def select(
         steps.append(step)
         if not step.tried or not is_significant(step.tried[0], explained=base.chi2 - polished.chi2):
             break
-        current, polished = _settled(steps)
+        current, polished = _refit_best(steps)
         if current.curved:
             break  # what a force law leaves is its own harmonics as much as another cause
     kept = len(problem.effects)
     if len(current.effects) > kept + 1:
-        current, polished = _without_idle(current, polished, kept=kept)
+        current, polished = _drop_idle(current, polished, kept=kept)
     if len(steps) > 1 and not current.curved and len(current.effects) > kept:
-        current, polished = _again(current, polished, partial(search, "causes again"), candidates, steps, kept=kept)
-        current, polished = _without_idle(current, polished, kept=kept)
+        current, polished = _search_again(
+            current, polished, partial(search, "causes again"), candidates, steps, kept=kept
+        )
+        current, polished = _drop_idle(current, polished, kept=kept)
     return Selection(start=problem, base=base, steps=tuple(steps), problem=current, polished=polished)
 
 
 def is_significant(candidate: Candidate, *, explained: float = 0.0) -> bool:
-    """Say whether the data call for the effect on trial beside causes that have explained so much of chi2."""
-    needed = SELECTION.detected + _looked_for(candidate) + SELECTION.model_error**2 * explained
+    """Say whether the data support the candidate beside causes that have explained so much of chi2."""
+    needed = SELECTION.detected + _search_penalty(candidate) + SELECTION.model_error**2 * explained
     return candidate.evidence > SELECTION.enough and candidate.lam > needed
 
 
-def _looked_for(candidate: Candidate) -> float:
-    """Return what chi2 has to fall more by, as a place was looked for among many: by 2 ln n it does by chance.
+def _search_penalty(candidate: Candidate) -> float:
+    """Return by how much more chi2 has to fall after a grid search: the best of n locations gains 2 ln n by chance.
 
     Neighbouring rows, `ADEQUACY.stretch` of them, make one place.
     """
@@ -85,7 +87,7 @@ def _looked_for(candidate: Candidate) -> float:
     return 2 * float(np.log(sum(len(recording.rows) for recording in candidate.problem.recordings) / ADEQUACY.stretch))
 
 
-def _again(
+def _search_again(
     problem: ExtendedProblem,
     polished: Solution,
     search: Callable[[ExtendedProblem, Solution, Sequence[Effect]], SelectionStep],
@@ -94,7 +96,7 @@ def _again(
     *,
     kept: int,
 ) -> tuple[ExtendedProblem, Solution]:
-    """Look once more for causes that were found beside others than those they have now, and for one in place of two.
+    """Search once more for causes found beside others than those they have now, and for one in place of two.
 
     Two of one kind may be parts of a third, as the delays of both planes are of one of all probes. What BIC likes
     better stays; what was tried is added to `steps`.
@@ -106,20 +108,20 @@ def _again(
         if len(leaving) == 1 and any(step.chose(leaving[0], beside=others) for step in steps):
             continue
         of_kind = [e for e in candidates if len(leaving) == 1 or e.name == leaving[0].name]
-        step = search(*_without(problem, polished, leaving), of_kind)
+        step = search(*_leave_out(problem, polished, leaving), of_kind)
         best = step.tried[0] if step.tried else None
         now = polished.chi2 + sum(price(problem, effect) for effect in leaving)
         if best is None or best.polished.chi2 + price(problem, best.effect) > now + SELECTION.as_good:
             continue
         steps.append(step)
-        problem, polished = _settled(steps)
+        problem, polished = _refit_best(steps)
     return problem, polished
 
 
-def _settled(steps: list[SelectionStep]) -> tuple[ExtendedProblem, Solution]:
-    """Return the best of the last step, fitted to the end; where that takes it to another place, the step says so."""
+def _refit_best(steps: list[SelectionStep]) -> tuple[ExtendedProblem, Solution]:
+    """Fit the best of the last step to convergence; update the step where that relocates it."""
     best, *others = steps[-1].tried
-    problem, fit = named_by_place(best.problem, refit(best.problem, best.polished.p))
+    problem, fit = relocate_last_effect(best.problem, refit(best.problem, best.polished.p))
     if problem is not best.problem:
         rest = (c for c in others if c.effect.label != problem.effects[-1].label)
         steps[-1] = replace(steps[-1], tried=(replace(best, problem=problem), *rest))
@@ -127,24 +129,24 @@ def _settled(steps: list[SelectionStep]) -> tuple[ExtendedProblem, Solution]:
 
 
 def _in_question(chosen: Sequence[Effect]) -> list[list[Effect]]:
-    """Return what is left out in turn: all effects of one kind, where there are several, then every single one."""
+    """Return the sets to leave out in turn: all effects of one kind, where there are several, then every single one."""
     kinds = [[e for e in chosen if e.name == name] for name in dict.fromkeys(e.name for e in chosen)]
     return [*(kind for kind in kinds if len(kind) > 1), *([effect] for effect in chosen)]
 
 
-def _without_idle(problem: ExtendedProblem, polished: Solution, *, kept: int) -> tuple[ExtendedProblem, Solution]:
+def _drop_idle(problem: ExtendedProblem, polished: Solution, *, kept: int) -> tuple[ExtendedProblem, Solution]:
     """Leave out every effect but the first `kept` and the last without which BIC does not rise by enough."""
     for effect in problem.effects[kept:-1]:
-        smaller, fit = _without(problem, polished, [effect])
+        smaller, fit = _leave_out(problem, polished, [effect])
         if fit.chi2 - polished.chi2 < price(problem, effect) + SELECTION.enough:
-            return _without_idle(smaller, fit, kept=kept)
+            return _drop_idle(smaller, fit, kept=kept)
     return problem, polished
 
 
-def _without(
+def _leave_out(
     problem: ExtendedProblem, polished: Solution, leaving: Sequence[Effect]
 ) -> tuple[ExtendedProblem, Solution]:
-    """Return the problem without some of its effects, fitted anew."""
+    """Refit the problem without some of its effects."""
     smaller = problem.extended([e for e in problem.effects if e not in leaving])
     parts = zip(problem.effects, problem.parameters.theta, strict=True)
     others = [np.arange(part.start, part.stop) for e, part in parts if e not in leaving]

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.causes.candidate_fit import elsewhere
+from rotorrig.identify.causes.candidate_fit import better_guess
 from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, Parameter
@@ -14,10 +14,10 @@ from rotorrig.sims.effects.base import Effect, Parameter
 PLACES = (1.0, 2.0, 4.0)
 
 
-def problem(beginnings: tuple[float, ...]) -> SimpleNamespace:
+def problem(guesses: tuple[float, ...]) -> SimpleNamespace:
     """A base of one unknown, and an effect at a place: two valleys, about 1 and 4, the second one deeper."""
     place = Parameter(name="place", unit="m", low=0.0, high=5.0, size=0.5)
-    effect = replace(Effect(), parameters=(place,), initial_guesses=tuple({"place": z} for z in beginnings))
+    effect = replace(Effect(), parameters=(place,), initial_guesses=tuple({"place": z} for z in guesses))
 
     def residual(p: NDArray[np.float64]) -> NDArray[np.float64]:
         z = p[1] * place.size
@@ -36,7 +36,7 @@ def fit(of: SimpleNamespace, z: float) -> Solution:
 
 def test_the_deeper_valley_is_seen_from_the_other_although_the_base_has_not_followed() -> None:
     of = problem(PLACES)
-    found = elsewhere(of, fit(of, 1.0))
+    found = better_guess(of, fit(of, 1.0))
     assert found is not None
     assert found.tolist() == [10.0, 8.0]  # the place alone has moved
     assert np.sum(of.residual(found) ** 2) > 100 * fit(of, 1.0).chi2, "as it stands it looks far worse"
@@ -44,12 +44,12 @@ def test_the_deeper_valley_is_seen_from_the_other_although_the_base_has_not_foll
 
 def test_from_the_deeper_valley_there_is_nowhere_better() -> None:
     of = problem(PLACES)
-    assert elsewhere(of, fit(of, 4.0)) is None
+    assert better_guess(of, fit(of, 4.0)) is None
 
 
 def test_an_effect_without_beginnings_stays_where_it_is() -> None:
     of = problem(())
-    assert elsewhere(of, fit(of, 1.0)) is None
+    assert better_guess(of, fit(of, 1.0)) is None
 
 
 def test_a_place_where_there_is_no_motion_is_passed_over() -> None:
@@ -62,5 +62,5 @@ def test_a_place_where_there_is_no_motion_is_passed_over() -> None:
         return known(p)
 
     of.residual = residual
-    found = elsewhere(of, fitted)
+    found = better_guess(of, fitted)
     assert found is not None and found[1] == 8.0

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.causes.candidate_fit import Candidate, plausible
 from rotorrig.identify.causes.selection_step import SelectionStep, try_candidates
 from rotorrig.identify.causes.settings import SELECTION
-from rotorrig.identify.causes.stepwise_selection import Selection, _again, is_significant, select
+from rotorrig.identify.causes.stepwise_selection import Selection, _search_again, is_significant, select
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -92,7 +92,7 @@ def test_parts_of_one_cause_are_replaced_by_the_whole(rig: RigConfig, hidden: ND
         return try_candidates(problem, polished, among, lambda share: None, wrong=False, first=False)
 
     steps: list[SelectionStep] = []
-    found, fit = _again(problem, polished, search, [whole[0], *parts], steps, kept=0)
+    found, fit = _search_again(problem, polished, search, [whole[0], *parts], steps, kept=0)
     assert [e.label for e in found.effects] == ["probe_angle, plane 1"]
     assert fit.chi2 == pytest.approx(polished.chi2, abs=10)
     assert steps[-1].tried[0].effect is found.effects[0]
