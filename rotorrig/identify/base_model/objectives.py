@@ -256,7 +256,7 @@ def _weighted_median(values: Real, weights: Real) -> Real:
 def thin_rows(rows: NDArray[np.intp], most: int) -> NDArray[np.intp]:
     """Return `most` of the rows at most, evenly spaced.
 
-    >>> thinned(np.arange(100), 4).tolist()
+    >>> thin_rows(np.arange(100), 4).tolist()
     [0, 33, 66, 99]
     """
     return rows[np.unique(np.linspace(0, len(rows) - 1, most).astype(np.intp))] if len(rows) else rows
