@@ -27,8 +27,9 @@ def score_force_laws(
 ) -> list[Score]:
     """Score effects that need starts, beside those of `problem`; best first.
 
-    `plain` is its `held_fit`. The score is by how much chi2 is below that of `polished`, the nuisances at their priors,
-    and what a full step with all of them promises beyond. Of one that was given up it is the first part alone.
+    `plain` is its `fit_with_pinned_nuisances`. The score is by how much chi2 is below that of `polished`, the nuisances
+    at their priors, and what a full step with all of them promises beyond. Of one that was given up it is the first
+    part alone.
     """
     pinned = pinned_nuisances(problem)
     looks = [
