@@ -14,8 +14,8 @@ from benchmarks.parts.parallel import WorkerDied, in_parallel
 
 ROOT = Path(__file__).parents[3]
 SLEEPING = """
-from benchmarks.parallel import in_parallel
-from tests.benchmarks.test_parallel import sleep_and_tell
+from benchmarks.parts.parallel import in_parallel
+from tests.benchmarks.parts.test_parallel import sleep_and_tell
 if __name__ == "__main__":
     in_parallel(sleep_and_tell, [r"{folder}"], workers=1)
 """
