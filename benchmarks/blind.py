@@ -1,6 +1,6 @@
 """The blind benchmark: faults hidden in simulated rigs, and how often the diagnosis finds and names them.
 
-    python benchmarks/blind.py --seeds 1 --healthy 2 --pairs 0 --effects bow runout        (a look)
+    python benchmarks/blind.py --seeds 1 --effects bow runout                              (a look)
     python benchmarks/blind.py --write                                   (all; docs/blind.md; `make blind`)
     python benchmarks/blind.py --summary --json      (of the cases that are done; JSON on the last line)
 

@@ -86,6 +86,14 @@ class Tab:
                 "Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode={"Tab": 9, " ": 32}[key]
             )
 
+    def picture(self, path: Path, selector: str = "body") -> None:
+        """Write the first element that a CSS selector finds as a PNG."""
+        script = f"JSON.stringify(document.querySelector({json.dumps(selector)}).getBoundingClientRect())"
+        box = json.loads(self.run(script))
+        clip = {key: box[key] for key in ("x", "y", "width", "height")} | {"scale": 1}
+        shot = self.call("Page.captureScreenshot", clip=clip, captureBeyondViewport=True)
+        path.write_bytes(base64.b64decode(shot["data"]))
+
     def paper(self, *, width: float, height: float) -> bytes:
         """Return the page as a PDF on paper of this size [inch]."""
         done = self.call("Page.printToPDF", paperWidth=width, paperHeight=height, preferCSSPageSize=False)

@@ -27,7 +27,7 @@ from rotorrig.app.plot_data.diagnosis_of_response import Vectors, extended_sigma
 from rotorrig.app.plot_data.nice_numbers import nice
 from rotorrig.app.plot_data.orbits import Plane, orbit, representative_rows
 from rotorrig.app.plot_data.order_spectrum import OrderSpectrum, order_spectra
-from rotorrig.app.plot_data.thinning import thin_curve
+from rotorrig.app.plot_data.thinning import thin_curve, thin_indices
 
 __all__ = [
     "REFERENCE",
@@ -55,6 +55,7 @@ __all__ = [
     "slow_roll_known",
     "sweeps",
     "thin_curve",
+    "thin_indices",
     "vectors",
     "whirl_grid",
 ]

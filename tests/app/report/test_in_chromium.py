@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from rotorrig.app.report.page import write_report
 from rotorrig.identify.diagnosis import Diagnosis
@@ -67,6 +68,14 @@ def test_every_plot_is_drawn_without_a_complaint_and_nothing_is_asked_for(tab: T
     assert drawn == [True] * PLOTS
     assert tab.complaints == []
     assert [url for url in tab.requests if not url.startswith(("file:", "data:", "blob:"))] == []
+
+
+def test_a_plot_on_its_own_is_a_picture_with_ink_in_it(tab: Tab, report: Path, tmp_path: Path) -> None:
+    opened(tab, report)
+    tab.picture(tmp_path / "plot.png", ".canvas")
+    with Image.open(tmp_path / "plot.png") as picture:
+        assert picture.width > 400
+        assert len(picture.convert("L").getcolors() or []) > 20
 
 
 def test_the_first_tab_skips_to_the_verdict_and_the_toggle_is_reached(tab: Tab, report: Path) -> None:

@@ -231,7 +231,7 @@ def test_the_drive_stops_the_rotor_when_its_master_falls_silent(profile: str) ->
         until(lambda: drive.plant.speed < 0.1)
 
 
-def test_the_four_families_are_found_by_their_files() -> None:
+def test_every_drive_is_found_by_its_file() -> None:
     assert {"acs355", "m-max", "powerflex400", "vfd-ed"} <= set(profile_names())
     assert {name for name in profile_names() if load_profile(name).ramp_by_hand} >= {"vfd-ed"}
     assert {name for name in profile_names() if load_profile(name).keeps_ramp} >= {"m-max", "vfd-ed"}
