@@ -14,7 +14,7 @@ from docs.origin import origin
 from docs.svg_plot import COLOURS, INK, Figure
 from rotorrig.identify import Diagnosis, diagnose, joint_fit
 from rotorrig.identify.extended_model import Recording
-from rotorrig.identify.joint_fit import Assessed
+from rotorrig.identify.joint_fit import AssessedFit
 from rotorrig.identify.verdict.cross_validation import Prediction, cross_validate
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import read_table
@@ -34,7 +34,7 @@ class Model:
     """The base model fitted to the run-up, with the speed taken as steady or as it moved."""
 
     name: str
-    fit: Assessed
+    fit: AssessedFit
     unseen: Prediction  # of revolutions in blocks, each predicted by a fit to the others
 
     @property
@@ -52,7 +52,7 @@ def measured() -> OrderTrackedResponse:
 
 def models(response: OrderTrackedResponse) -> tuple[Model, Model]:
     """Return the quasi-static and the swept base model."""
-    fits = [joint_fit.fitted([Recording(response, swept=swept)]) for swept in (False, True)]
+    fits = [joint_fit.fit_base([Recording(response, swept=swept)]) for swept in (False, True)]
     still, swept = (cross_validate(fit.problem, fit.polished.p) for fit in fits)
     return (
         Model(name="quasi-static", fit=fits[0], unseen=still),

@@ -1,4 +1,4 @@
-"""From responses to a `Diagnosis`: is the model adequate, where does it part from the measurement, and why.
+"""Diagnosis of a rig from its responses: adequacy of the base model, where it parts from the measurement, and why.
 
 The base model is fitted to all recordings together; what its residual calls for is looked for among the effects of
 sims/effects (stepwise_selection.py), named or not (verdict.py), and what the extended model buys is measured on data
@@ -18,7 +18,7 @@ from rotorrig.identify import joint_fit
 from rotorrig.identify.adequacy import ADEQUACY, Adequacy, Misfit
 from rotorrig.identify.causes import Selection, candidates, select
 from rotorrig.identify.extended_model import Recording
-from rotorrig.identify.joint_fit import Assessed
+from rotorrig.identify.joint_fit import AssessedFit
 from rotorrig.identify.verdict import (
     Cause,
     Gain,
@@ -30,7 +30,7 @@ from rotorrig.identify.verdict import (
     hidden_effects,
     moving_speed,
     next_run,
-    ranked_causes,
+    rank_causes,
     sentences,
     tied_labels,
     visible_share,
@@ -91,14 +91,14 @@ def diagnose(
     other probes or orders than the first.
     """
     _check(responses)
-    if model == "quasi-static" and (steady := _steady(responses, seed=seed, progress=progress)):
-        found = diagnose(responses, holdout=holdout, without=without, seed=seed, progress=progress)
-        return _with_moving_speed(found, *steady)
+    if model == "quasi-static" and (steady := _quasi_static_base(responses, seed=seed, progress=progress)):
+        diagnosis = diagnose(responses, holdout=holdout, without=without, seed=seed, progress=progress)
+        return _with_moving_speed(diagnosis, *steady)
     with threadpool_limits(1, user_api="blas"):
         progress("base model", 0.0)
         recordings = _recordings(responses, swept=model == "swept")
         known = candidates(recordings, without=without)
-        base = joint_fit.fitted(recordings, _in_config(responses[0]), seed=seed)
+        base = joint_fit.fit_base(recordings, _config_effects(responses[0]), seed=seed)
         progress("causes", 0.1)
         selection = select(
             base.problem,
@@ -109,10 +109,10 @@ def diagnose(
         )
         extended = base
         if selection.problem is not base.problem:
-            extended = joint_fit.assessed(selection.problem, selection.polished)
+            extended = joint_fit.assess_fit(selection.problem, selection.polished)
         progress("held-out data", 0.7)
         unseen = _recordings([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
-        predictions = gain.predictions(selection, holdout=unseen)
+        predictions = gain.predict_held_out(selection, holdout=unseen)
         verdict = conclude(
             selection,
             adequate_before=base.adequacy.adequate,
@@ -122,10 +122,10 @@ def diagnose(
         )
         progress("next run", 0.9)
         further = next_run.find_next_run(selection) if verdict is Verdict.TIED else None
-        found = _report(responses, selection, base, extended, verdict, predictions)
-        found = replace(found, model=model, next_run=further)
+        diagnosis = _assemble(responses, selection, base, extended, verdict, predictions)
+        diagnosis = replace(diagnosis, model=model, next_run=further)
     progress("done", 1.0)
-    return found
+    return diagnosis
 
 
 def _recordings(
@@ -139,16 +139,16 @@ def _recordings(
     return [Recording(r, swept=swept, number=i, backward=r.rig.rotation != sense) for i, r in enumerate(responses)]
 
 
-def _steady(
+def _quasi_static_base(
     responses: Sequence[OrderTrackedResponse], *, seed: int, progress: Progress
-) -> tuple[Assessed, Cause] | None:
+) -> tuple[AssessedFit, Cause] | None:
     """Return the quasi-static base and what is wrong with it; None if it is not that the speed was moving."""
     progress("steady and moving speed", 0.0)
     with threadpool_limits(1, user_api="blas"):
         still, moving = (
-            joint_fit.fitted(
+            joint_fit.fit_base(
                 _recordings(responses, swept=swept),
-                _in_config(responses[0]),
+                _config_effects(responses[0]),
                 seed=seed,
             )
             for swept in (False, True)
@@ -157,21 +157,21 @@ def _steady(
     return (still, cause) if cause else None
 
 
-def _with_moving_speed(found: Diagnosis, still: Assessed, cause: Cause) -> Diagnosis:
+def _with_moving_speed(diagnosis: Diagnosis, still: AssessedFit, cause: Cause) -> Diagnosis:
     """Return the diagnosis by the swept model as one of the quasi-static base."""
     adequacy = still.adequacy
     return replace(
-        found,
+        diagnosis,
         model="quasi-static",
-        verdict=Verdict.NAMED if found.verdict is Verdict.ADEQUATE else found.verdict,
-        sentence=sentences.moving(cause, found.sentence),
+        verdict=Verdict.NAMED if diagnosis.verdict is Verdict.ADEQUATE else diagnosis.verdict,
+        sentence=sentences.moving(cause, diagnosis.sentence),
         chi2=still.polished.chi2,
         dof=still.polished.dof,
         p=float(chdtrc(still.polished.dof, still.polished.chi2)),
         worst=_worst(adequacy),
         residual=adequacy.residual,
         sigmas=adequacy.sigmas,
-        causes=(cause, *found.causes),
+        causes=(cause, *diagnosis.causes),
     )
 
 
@@ -185,29 +185,29 @@ def _check(responses: Sequence[OrderTrackedResponse]) -> None:
                 raise DataError(f"response {number}: has the {what} {list(got)}, want those of the first, {list(want)}")
 
 
-def _in_config(response: OrderTrackedResponse) -> list[tuple[Effect, dict[str, float]]]:
-    """Return the effects that the rig's config brings, with their figures. Raises ConfigError on an unknown one."""
-    found = []
+def _config_effects(response: OrderTrackedResponse) -> list[tuple[Effect, dict[str, float]]]:
+    """Return the effects that the rig's config brings, with their values. Raises ConfigError on an unknown one."""
+    effects = []
     for extension in response.rig.effects:
         try:
             effect = find(response.rig, extension.label)
         except ValueError as error:
             raise ConfigError(f"{response.rig.name}: {error}") from error
         theta = effect.at_zero | extension.parameters
-        found.append((effect.fix_grid_searched(theta), theta))
-    return found
+        effects.append((effect.fix_grid_searched(theta), theta))
+    return effects
 
 
-def _report(
+def _assemble(
     responses: Sequence[OrderTrackedResponse],
     selection: Selection,
-    base: Assessed,
-    extended: Assessed,
+    base: AssessedFit,
+    extended: AssessedFit,
     verdict: Verdict,
     predictions: gain.Predictions,
 ) -> Diagnosis:
     adequacy: Adequacy = base.adequacy
-    causes = ranked_causes(selection, predictions.by_label)
+    causes = rank_causes(selection, predictions.by_label)
     tied = tied_labels(selection)
     source = responses[0].source
     was_extended = selection.problem.effects != base.problem.effects

@@ -1,4 +1,4 @@
-"""The base model fitted to all recordings together, and how adequate a fit of them is."""
+"""Joint fit of the base model to all recordings, and the adequacy of a fit of them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ _STEPS = 15  # a model that is wrong wanders on among its nuisances
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Assessed:
+class AssessedFit:
     """A fit of all recordings and the test of it."""
 
     problem: ExtendedProblem
@@ -25,21 +25,24 @@ class Assessed:
     adequacy: Adequacy  # its maps have the rows of all responses, one after the other
 
 
-def fitted(
+def fit_base(
     recordings: Sequence[Recording], effects: Sequence[tuple[Effect, dict[str, float]]] = (), *, seed: int = 0
-) -> Assessed:
-    """Search the first recording, then fit all; `effects` of the config begin at their figures. Raises as fit."""
+) -> AssessedFit:
+    """Fit the base model: search the first recording, then fit all.
+
+    `effects` of the config begin at their values. Raises as fit.
+    """
     first = first_fit(recordings[0].response, seed=seed)
     marks = (MarkEdge.of_recording(r.number) for r in recordings if r.backward)
-    slight = [(effect, effect.at_zero) for effect in (*background(recordings[0].response.rig), *marks)]
-    known = [*slight, *effects]
+    nuisances = [(effect, effect.at_zero) for effect in (*background(recordings[0].response.rig), *marks)]
+    known = [*nuisances, *effects]
     problem = ExtendedProblem(ExtendedModel(recordings, [effect for effect, _ in known]))
     start = problem.parameters.start(first.p)
     start[problem.parameters.own] = [theta[q.name] / q.size for effect, theta in known for q in effect.parameters]
-    return assessed(problem, problem.solve(start, tolerance=_SETTLED, max_steps=_STEPS))
+    return assess_fit(problem, problem.solve(start, tolerance=_SETTLED, max_steps=_STEPS))
 
 
-def assessed(problem: ExtendedProblem, polished: Solution) -> Assessed:
+def assess_fit(problem: ExtendedProblem, polished: Solution) -> AssessedFit:
     """Test a fit: adequate if it is for every recording."""
     reduced = _reduced_chi2(problem, polished)
     each = []
@@ -51,7 +54,7 @@ def assessed(problem: ExtendedProblem, polished: Solution) -> Assessed:
             whole[order][recording.rows] = recording.as_measured(z[:-1])
         each.append(assess(recording.response, whole, reduced_chi2=reduced))
     worst = max(each, key=lambda a: a.worst_sigma)
-    return Assessed(
+    return AssessedFit(
         problem=problem,
         polished=polished,
         adequacy=replace(

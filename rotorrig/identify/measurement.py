@@ -1,4 +1,4 @@
-"""What a fit is given of a response: the rows of its runs, whitened by their covariance.
+"""Measurement for a fit: the rows of a response's runs, whitened by their covariance.
 
 The covariance is the noise found in the data plus what calibration leaves of a probe's scale factor over its range
 (`prior.probe_linearity` of the reading): a model may not be called wrong for that.
@@ -29,11 +29,11 @@ class Measurement:
 
     @property
     def size(self) -> int:
-        """Number of real figures measured."""
+        """Number of real values measured."""
         return 2 * int(self.usable.sum())
 
     def sigmas(self, residual: NDArray[np.complex128]) -> NDArray[np.float64]:
-        """Return residuals in standard deviations, as independent figures.
+        """Return residuals in standard deviations, as independent values.
 
         (row + 1, probe) become (row + 1, 2 probe), and columns of them (row + 1, probe, column) become
         (row + 1, 2 probe, column).

@@ -15,7 +15,7 @@ from rotorrig.identify import joint_fit
 from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.identify.diagnosis import Diagnosis, diagnose
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.joint_fit import Assessed
+from rotorrig.identify.joint_fit import AssessedFit
 from rotorrig.identify.verdict.cross_validation import cross_validate
 from rotorrig.identify.verdict.verdict import Verdict
 from rotorrig.processing.files.response_mcap import read_response
@@ -55,8 +55,8 @@ def healthy(imported: Imported) -> OrderTrackedResponse:
 
 
 @pytest.fixture(scope="module")
-def fit(healthy: OrderTrackedResponse) -> Assessed:
-    return joint_fit.fitted([Recording(healthy)])
+def fit(healthy: OrderTrackedResponse) -> AssessedFit:
+    return joint_fit.fit_base([Recording(healthy)])
 
 
 def judged(response: OrderTrackedResponse, *tried: str) -> Diagnosis:
@@ -65,7 +65,7 @@ def judged(response: OrderTrackedResponse, *tried: str) -> Diagnosis:
     return diagnose([response], without=set(kinds) - set(tried))
 
 
-def found_unbalance(fit: Assessed) -> tuple[complex, float]:
+def found_unbalance(fit: AssessedFit) -> tuple[complex, float]:
     """Return the unbalance on the disk and its standard deviation [kg m]."""
     names = fit.problem.parameters.base
     return complex(names.amounts(fit.polished.p[: len(names)])["disk"]), float(
@@ -73,7 +73,7 @@ def found_unbalance(fit: Assessed) -> tuple[complex, float]:
     )
 
 
-def test_the_spring_and_the_unbalance_of_a_run_up_are_found(fit: Assessed) -> None:
+def test_the_spring_and_the_unbalance_of_a_run_up_are_found(fit: AssessedFit) -> None:
     names = fit.problem.parameters.base
     values = names.values(fit.polished.p[: len(names)])
     sigmas = fit.polished.sigma[names.sought] * names.space.slopes(values)
@@ -89,7 +89,7 @@ def test_a_healthy_run_up_is_adequate(healthy: OrderTrackedResponse) -> None:
 
 
 def test_parallel_shafts_show_at_2x_whirling_backward_and_leave_the_fit_at_1x_alone(imported: Imported) -> None:
-    fit = joint_fit.fitted([Recording(imported("parallel"))])
+    fit = joint_fit.fit_base([Recording(imported("parallel"))])
     assert not fit.adequacy.adequate
     first = fit.adequacy.misfits[0]
     assert first.order == 2
@@ -101,7 +101,7 @@ def test_parallel_shafts_show_at_2x_whirling_backward_and_leave_the_fit_at_1x_al
 
 @pytest.mark.campaign
 def test_a_crack_shows_at_the_harmonics_where_they_meet_the_critical_speed_along_the_sag(imported: Imported) -> None:
-    fit = joint_fit.fitted([Recording(imported("crack"))])
+    fit = joint_fit.fit_base([Recording(imported("crack"))])
     second = [misfit for misfit in fit.adequacy.misfits if misfit.order == 2]
     assert not fit.adequacy.adequate
     assert second[0].speed_from * RPM < 1150 < second[0].speed_to * RPM
@@ -110,7 +110,7 @@ def test_a_crack_shows_at_the_harmonics_where_they_meet_the_critical_speed_along
 
 @pytest.mark.campaign
 def test_shafts_at_an_angle_show_at_3x_alone(imported: Imported) -> None:
-    fit = joint_fit.fitted([Recording(imported("angular", "mapping-3x"))])
+    fit = joint_fit.fit_base([Recording(imported("angular", "mapping-3x"))])
     loud = [misfit for misfit in fit.adequacy.misfits if misfit.sigma > ADEQUACY.focused_limit]
     assert {misfit.order for misfit in loud} == {3.0}
     assert loud[0].speed_from * RPM < 765 < loud[0].speed_to * RPM  # a third of the critical speed
@@ -118,9 +118,9 @@ def test_shafts_at_an_angle_show_at_3x_alone(imported: Imported) -> None:
 
 @pytest.mark.campaign
 def test_taken_as_steady_a_healthy_run_up_is_wrong_and_its_times_put_it_right(
-    healthy: OrderTrackedResponse, fit: Assessed
+    healthy: OrderTrackedResponse, fit: AssessedFit
 ) -> None:
-    still = joint_fit.fitted([Recording(healthy, swept=False)])
+    still = joint_fit.fit_base([Recording(healthy, swept=False)])
     assert not still.adequacy.adequate
     assert still.polished.chi2 > 5 * fit.polished.chi2
     assert cross_validate(fit.problem, fit.polished.p).over_floor < 1.2

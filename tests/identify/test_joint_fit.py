@@ -4,20 +4,20 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.joint_fit import Assessed, assessed, fitted
+from rotorrig.identify.joint_fit import AssessedFit, assess_fit, fit_base
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
 from tests.identify.swept import C, K, U, swept_response
 
 
 @pytest.fixture(scope="module")
-def pair(rig: RigConfig) -> Assessed:
+def pair(rig: RigConfig) -> AssessedFit:
     rng = np.random.default_rng(21)
     responses = [swept_response(rig, rng=rng), swept_response(rig, rng=rng, trial=8e-6j)]
-    return fitted([Recording(r, number=i) for i, r in enumerate(responses)])
+    return fit_base([Recording(r, number=i) for i, r in enumerate(responses)])
 
 
-def test_two_recordings_give_what_made_them_within_its_uncertainty(pair: Assessed) -> None:
+def test_two_recordings_give_what_made_them_within_its_uncertainty(pair: AssessedFit) -> None:
     names, polished = pair.problem.parameters.base, pair.polished
     truth = names.space.to_working(np.array([*K, *C]))
     found, sigma = polished.p[names.sought], polished.sigma[names.sought]
@@ -26,23 +26,23 @@ def test_two_recordings_give_what_made_them_within_its_uncertainty(pair: Assesse
     assert abs(amount - U) < 4 * np.hypot(*polished.sigma[names.unbalance])
 
 
-def test_a_trial_mass_makes_the_scale_of_the_unbalance_known_better(pair: Assessed) -> None:
-    alone = fitted(pair.problem.recordings[:1])
+def test_a_trial_mass_makes_the_scale_of_the_unbalance_known_better(pair: AssessedFit) -> None:
+    alone = fit_base(pair.problem.recordings[:1])
     sigma = [np.hypot(*fit.polished.sigma[fit.problem.parameters.base.unbalance]) for fit in (alone, pair)]
     assert sigma[1] < sigma[0]
 
 
-def test_a_healthy_pair_is_adequate_and_its_maps_have_the_rows_of_both(pair: Assessed) -> None:
+def test_a_healthy_pair_is_adequate_and_its_maps_have_the_rows_of_both(pair: AssessedFit) -> None:
     assert pair.adequacy.adequate
     rows = sum(len(r.response.omega) for r in pair.problem.recordings)
     assert pair.adequacy.residual.shape == pair.adequacy.sigmas.shape == (rows, 4, 2)
 
 
-def test_one_bad_recording_makes_the_pair_inadequate(pair: Assessed) -> None:
+def test_one_bad_recording_makes_the_pair_inadequate(pair: AssessedFit) -> None:
     good, _ = pair.problem.recordings
     louder = swept_response(good.response.rig, trial=8e-6j, unbalance=1.3 * U)
     problem = pair.problem.on([good, Recording(louder, number=1)])
-    found = assessed(problem, pair.polished).adequacy
+    found = assess_fit(problem, pair.polished).adequacy
     assert not found.adequate
     assert found.misfits[0].sigma == max(m.sigma for m in found.misfits)
     rows = len(good.response.omega)
@@ -53,7 +53,7 @@ def test_effects_of_the_config_begin_at_their_figures(rig: RigConfig) -> None:
     effect = find(rig, "unbalance_plane, at 160 mm")
     theta = {"unbalance re": 8e-6, "unbalance im": 3e-6, "shift": 0.0}
     response = swept_response(rig, rng=np.random.default_rng(22), hidden=[(effect, theta)])
-    found = fitted([Recording(response)], [(effect, theta)])
+    found = fit_base([Recording(response)], [(effect, theta)])
     assert found.adequacy.adequate
     names, last = found.problem.parameters, len(found.problem.effects) - 1
     sigma = names.of_effect(found.polished.sigma, last)

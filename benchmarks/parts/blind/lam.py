@@ -30,8 +30,8 @@ from rotorrig.identify.causes import background, candidates
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording
 from rotorrig.identify.verdict import VERDICT
-from rotorrig.identify.verdict.separability import fitted, separability
-from rotorrig.identify.verdict.verdict import another
+from rotorrig.identify.verdict.separability import fit_from_starts, separability
+from rotorrig.identify.verdict.verdict import is_another_cause
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects import Effect, find
@@ -104,12 +104,12 @@ def lam(
     p = _vector(problem, expected_estimates(rig, truth), hidden)
     seen = [r.instead(z) for r, z in zip(recordings, problem.model.predict(p), strict=True)]
     base = ExtendedProblem(ExtendedModel(seen, slight, models=problem.model.models))
-    best = fitted(base, p[: base.parameters.own.start])
+    best = fit_from_starts(base, p[: base.parameters.own.start])
     left = max(0.0, best.chi2 - _floor(problem, p))
     if left < VERDICT.detectable:
         return {"lam": left, "rival_lam": left, "rival": ""}
     effect = problem.effects[-1]
-    rivals = [e for e in candidates(recordings) if e.label not in hidden.labels and another(e, effect)]
+    rivals = [e for e in candidates(recordings) if e.label not in hidden.labels and is_another_cause(e, effect)]
     nearest, which = enough, ""
     for scored in (scores, curved_scores):
         if nearest < VERDICT.nameable:

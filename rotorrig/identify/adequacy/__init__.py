@@ -1,4 +1,4 @@
-"""Is the model good enough.
+"""Adequacy of the model.
 
 Tests of the whitened residual, the mean shaft position, and the misfit in the user's units.
 """

@@ -1,7 +1,7 @@
-"""How the shaft's mean position moves along a sweep: the gap (0X), which no linear rotor changes with its speed.
+"""Change of the mean shaft position along a sweep: of the gap (0X), which in a linear rotor is the same at every speed.
 
 Where a run has its mean position is the probes' setting and the weight of the rotor, so only a change counts, and of
-that no even drift in time, which is a probe that warms up. What is left is told against
+that no even drift in time, which is a probe that warms up. What is left is compared with
 
 - its own scatter from row to row;
 - the curvature that calibration leaves of a probe's scale factor (`prior.probe_linearity`), which makes a mean of a
@@ -34,7 +34,7 @@ NORMAL = 0.6745  # of a standard deviation: the median of what is normally distr
 
 
 def departures(response: OrderTrackedResponse) -> tuple[Reals, Reals]:
-    """Return how far the mean position is from that of its run, (speed, probe) m, and the same in sigmas.
+    """Return the change of the mean position along its run, (speed, probe) m, and the same in sigmas.
 
     Above zero it is nearer to the probe. NaN in a slow roll, in a run of fewer than `FEWEST` rows, where a row is not
     usable, and everywhere if the gap was not tracked.
@@ -46,8 +46,8 @@ def departures(response: OrderTrackedResponse) -> tuple[Reals, Reals]:
     place = response.orders.index(MEAN)
     gap = response.z[:, :, place].real
     variance = np.diagonal(response.covariance[:, place], axis1=1, axis2=2)[:, 0::2]
-    apparent = _apparent(response)
-    for rows, probe in _swept(response, gap):
+    apparent = _apparent_shift(response)
+    for rows, probe in _usable_runs(response, gap):
         own = gap[rows, probe]
         scatter = np.maximum(np.sqrt(variance[rows, probe]), _scatter(own))
         sigma[rows, probe] = np.hypot(scatter, apparent[rows, probe])
@@ -55,12 +55,12 @@ def departures(response: OrderTrackedResponse) -> tuple[Reals, Reals]:
     return change, change / sigma
 
 
-def _swept(response: OrderTrackedResponse, gap: Reals) -> Iterator[tuple[NDArray[np.intp], int]]:
-    """Yield the rows of every run and probe that tell its mean position."""
-    told = response.usable & np.isfinite(gap)
+def _usable_runs(response: OrderTrackedResponse, gap: Reals) -> Iterator[tuple[NDArray[np.intp], int]]:
+    """Yield the rows with a usable gap, run by run and probe by probe."""
+    usable = response.usable & np.isfinite(gap)
     for i, run in enumerate(response.runs):
         for probe in range(gap.shape[1]):
-            rows = np.flatnonzero((response.run == i) & told[:, probe])
+            rows = np.flatnonzero((response.run == i) & usable[:, probe])
             if run.name != SLOW_ROLL and len(rows) >= FEWEST:
                 yield rows, probe
 
@@ -80,7 +80,7 @@ def _drift(values: Reals, t: Reals, sigma: Reals) -> Reals:
     return columns @ np.linalg.lstsq(columns * weight[:, None], values * weight, rcond=None)[0]
 
 
-def _apparent(response: OrderTrackedResponse) -> Reals:
+def _apparent_shift(response: OrderTrackedResponse) -> Reals:
     """Return one standard deviation of the mean that a sound probe makes of the vibration, (speed, probe) m."""
     along, across = np.zeros(response.z.shape[:2]), np.zeros(response.z.shape[:2])
     for order in response.orders:
@@ -95,10 +95,10 @@ def _apparent(response: OrderTrackedResponse) -> Reals:
 
 def _across(response: OrderTrackedResponse, z: Complex) -> Complex:
     """Return the motion at right angles to every probe, of readings z (speed, probe); without a partner, its own."""
-    found = z.copy()
+    across = z.copy()
     for plane, pair in measured_planes(response.rig, response.probes):
         x, y = np.moveaxis(z[:, pair] @ plane.to_xy.T, -1, 0)
         for probe in pair:
             angle = response.rig.probe(response.probes[probe]).angle
-            found[:, probe] = y * np.cos(angle) - x * np.sin(angle)
-    return found
+            across[:, probe] = y * np.cos(angle) - x * np.sin(angle)
+    return across

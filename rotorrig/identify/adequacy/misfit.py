@@ -1,4 +1,4 @@
-"""A stretch of speeds where model and measurement part, described: how much, which way, and how it turns."""
+"""Description of a stretch of speeds where model and measurement part: size, sign, direction of whirl."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -43,7 +43,9 @@ class Stretch:
     sigma: float
 
 
-def misfit(response: OrderTrackedResponse, prediction: Mapping[int, Complex], residual: Complex, s: Stretch) -> Misfit:
+def describe_misfit(
+    response: OrderTrackedResponse, prediction: Mapping[int, Complex], residual: Complex, s: Stretch
+) -> Misfit:
     """Describe a stretch; `prediction` is order -> (speed, probe) m, `residual` (speed, probe, order) m."""
     order = response.orders[s.order]
     relative = phase = float("nan")
@@ -126,11 +128,11 @@ def _other_run(response: OrderTrackedResponse, residual: Complex, s: Stretch) ->
             continue
         rows = rows[np.argsort(response.omega[rows])]
         theirs = np.interp(omega, response.omega[rows], residual[rows, s.probe, s.order])
-        return f"{_compared(mine, theirs)} in the {run.name} run"
+        return f"{_compare(mine, theirs)} in the {run.name} run"
     return ""
 
 
-def _compared(mine: Complex, theirs: Complex) -> str:
+def _compare(mine: Complex, theirs: Complex) -> str:
     size = float(np.sqrt(np.nanmean(np.abs(mine) ** 2)))
     apart, their_size = (float(np.sqrt(np.nanmean(np.abs(z) ** 2))) for z in (theirs - mine, theirs))
     if apart < ADEQUACY.alike * size:

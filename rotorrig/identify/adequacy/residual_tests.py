@@ -1,4 +1,4 @@
-"""Is the model good enough, and where is it not.
+"""Tests of the residual for adequacy: global, and focused on stretches of speed.
 
 Two tests on the residual of the refined fit. The global one looks at chi2 per degree of freedom of 1X; the focused one
 at stretches of `ADEQUACY.stretch` neighbouring rows of one run, probe and order, and takes the worst: it sees an effect
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy.mean_position import MEAN, departures
-from rotorrig.identify.adequacy.misfit import Misfit, Stretch, misfit
+from rotorrig.identify.adequacy.misfit import Misfit, Stretch, describe_misfit
 from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.identify.measurement import measure
 from rotorrig.processing import OrderTrackedResponse
@@ -48,7 +48,7 @@ def assess(response: OrderTrackedResponse, prediction: Predicted, *, reduced_chi
     every = sorted(_stretches(response, sigmas), key=lambda s: -s.sigma)
     stretches = [s for s in every if response.orders[s.order] != MEAN]
     worst = stretches[0].sigma if stretches else float("nan")
-    loud = _merged([s for s in stretches if s.sigma > ADEQUACY.focused_limit]) or stretches[:1]
+    loud = _merge([s for s in stretches if s.sigma > ADEQUACY.focused_limit]) or stretches[:1]
     moves = _loudest_of_runs(
         [s for s in every if response.orders[s.order] == MEAN and s.sigma > ADEQUACY.focused_limit]
     )
@@ -56,8 +56,8 @@ def assess(response: OrderTrackedResponse, prediction: Predicted, *, reduced_chi
         adequate=bool(reduced_chi2 <= ADEQUACY.global_limit and worst <= ADEQUACY.focused_limit),
         reduced_chi2=reduced_chi2,
         worst_sigma=worst,
-        misfits=tuple(misfit(response, prediction, residual, _tight(s, sigmas)) for s in loud),
-        centreline=tuple(misfit(response, prediction, residual, _tight(s, sigmas)) for s in moves),
+        misfits=tuple(describe_misfit(response, prediction, residual, _tight(s, sigmas)) for s in loud),
+        centreline=tuple(describe_misfit(response, prediction, residual, _tight(s, sigmas)) for s in moves),
         residual=residual,
         sigmas=sigmas,
         noise_floor=float(np.median(measure(response).sigma[:-1])),
@@ -105,7 +105,7 @@ def _stretches(response: OrderTrackedResponse, sigmas: NDArray[np.float64]) -> I
                         yield Stretch(run=run, probe=probe, order=order, rows=group, sigma=rms)
 
 
-def _merged(stretches: list[Stretch]) -> list[Stretch]:
+def _merge(stretches: list[Stretch]) -> list[Stretch]:
     """Join neighbouring stretches of one run, probe and order; loudest first, its sigma the loudest part's."""
     joined: list[Stretch] = []
     for s in sorted(stretches, key=lambda s: (s.run, s.probe, s.order, s.rows[0])):
@@ -121,10 +121,10 @@ def _merged(stretches: list[Stretch]) -> list[Stretch]:
 
 def _loudest_of_runs(stretches: list[Stretch]) -> list[Stretch]:
     """Return the loudest of every run, joined with its loud neighbours; loudest first."""
-    found: dict[int, Stretch] = {}
-    for s in _merged(stretches):
-        found.setdefault(s.run, s)
-    return list(found.values())
+    loudest: dict[int, Stretch] = {}
+    for s in _merge(stretches):
+        loudest.setdefault(s.run, s)
+    return list(loudest.values())
 
 
 def _tight(s: Stretch, sigmas: NDArray[np.float64]) -> Stretch:

@@ -1,4 +1,4 @@
-"""What the diagnosis says: causes named, tied or unexplained, cross-validated gain, separability, the next run."""
+"""Verdict of a diagnosis: causes named, tied or unexplained, cross-validated gain, separability, the next run."""
 
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
@@ -10,7 +10,7 @@ from rotorrig.identify.verdict.verdict import (
     Verdict,
     conclude,
     hidden_effects,
-    ranked_causes,
+    rank_causes,
     tied_labels,
     visible_share,
 )
@@ -27,7 +27,7 @@ __all__ = [
     "conclude",
     "hidden_effects",
     "moving_speed",
-    "ranked_causes",
+    "rank_causes",
     "tied_labels",
     "visible_share",
 ]

@@ -1,4 +1,4 @@
-"""Prediction of what a fit never saw: speeds in blocks, or a whole recording."""
+"""Cross-validation: prediction of what a fit never saw, speeds in blocks or a whole recording."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Prediction:
-    """Of 1X on held-out rows."""
+    """Prediction error of 1X on held-out rows."""
 
     error: float  # m, root mean square of |measured - model|
     floor: float  # m, the same of what the noise alone would be
@@ -41,13 +41,13 @@ def cross_validate(problem: ExtendedProblem, p: Reals) -> Prediction:
     parts = []
     for shown, hidden in _halves(problem.recordings):
         of_shown = problem.on(shown)
-        counted = _counted(of_shown)
-        fit = _refitted(of_shown, p, counted * r, counted[:, None] * J, steps=steps)
+        mask = _usable_mask(of_shown)
+        fit = _refit(of_shown, p, mask * r, mask[:, None] * J, steps=steps)
         parts.append(errors(problem.on(hidden), of_shown.model.predict(fit)))
-    return summed(parts)
+    return _pool_errors(parts)
 
 
-def _refitted(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: int) -> Reals:
+def _refit(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: int) -> Reals:
     """Return the fit of `problem` from `p`, its residual `r` and its Jacobian `J` there, in `steps` or fewer."""
     free = np.setdiff1d(np.arange(len(p)), list(problem.parameters.frozen))
     bounds = tuple(bound[free] for bound in problem.bounds)
@@ -79,15 +79,15 @@ def _refitted(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: 
     return p
 
 
-def _counted(problem: ExtendedProblem) -> Reals:
-    """Return 1 for every figure of the residual that is usable, and every prior, 0 for the others."""
+def _usable_mask(problem: ExtendedProblem) -> Reals:
+    """Return 1 for every element of the residual that is usable, and every prior, 0 for the others."""
     usable = [np.repeat(m.usable, 2, axis=1).ravel() for r in problem.recordings for m in r.measured.values()]
     return np.concatenate([*usable, np.ones(len(problem.parameters.priors))]).astype(float)
 
 
-def predicted(problem: ExtendedProblem, p: Reals) -> Prediction:
+def measure_prediction(problem: ExtendedProblem, p: Reals) -> Prediction:
     """Return how well the model at `p` predicts the recordings of `problem`, nothing fitted."""
-    return summed([errors(problem, problem.model.predict(p))])
+    return _pool_errors([errors(problem, problem.model.predict(p))])
 
 
 def errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]]) -> NDArray[np.float64]:
@@ -96,17 +96,17 @@ def errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]]) -
     `vectors` are the model's, order -> (row + 1, probe) [m] of every recording.
     """
     total = np.zeros(4)
-    for recording, found in zip(problem.recordings, vectors, strict=True):
+    for recording, model in zip(problem.recordings, vectors, strict=True):
         measured = recording.measured[1]
         usable = measured.usable[:-1]
-        off = np.where(usable, found[1][:-1] - measured.z[:-1], 0)
+        off = np.where(usable, model[1][:-1] - measured.z[:-1], 0)
         variance = np.where(usable, measured.sigma[:-1] ** 2, 0)
-        white = measured.sigmas(np.where(measured.usable, found[1] - measured.z, 0))[:-1]
+        white = measured.sigmas(np.where(measured.usable, model[1] - measured.z, 0))[:-1]
         total += [np.sum(np.abs(off) ** 2), 2 * variance.sum(), np.sum(white**2) / 2, usable.sum()]
     return total
 
 
-def summed(parts: Sequence[NDArray[np.float64]]) -> Prediction:
+def _pool_errors(parts: Sequence[NDArray[np.float64]]) -> Prediction:
     """Return the prediction over all parts of `errors`."""
     square, noise, white, count = np.sum(parts, axis=0)
     count = max(count, 1)

@@ -1,4 +1,4 @@
-"""What an extension of the model bought: prediction of data no fit saw, and what the base parameters had absorbed."""
+"""Gain by the extended model: prediction of data no fit saw, and what the base parameters had absorbed."""
 
 from dataclasses import dataclass
 
@@ -6,9 +6,9 @@ import numpy as np
 
 from rotorrig.identify.causes import Candidate, Selection, is_significant
 from rotorrig.identify.extended_model import Recording
-from rotorrig.identify.joint_fit import Assessed
+from rotorrig.identify.joint_fit import AssessedFit
 from rotorrig.identify.least_squares import Stop
-from rotorrig.identify.verdict.cross_validation import Prediction, cross_validate, predicted
+from rotorrig.identify.verdict.cross_validation import Prediction, cross_validate, measure_prediction
 from rotorrig.identify.verdict.settings import VERDICT
 
 
@@ -24,7 +24,7 @@ class Shift:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gain:
-    """What the extended model bought, on data no fit saw."""
+    """Gain by the extended model on data no fit saw."""
 
     heldout_before: float  # m, rms prediction error of the base
     heldout_after: float  # m, of the extended model
@@ -49,22 +49,22 @@ class Predictions:
 
     @property
     def worse(self) -> bool:
-        """Whether the extended model predicts clearly worse than the base."""
+        """True if the extended model predicts clearly worse than the base."""
         return self.after.error > VERDICT.worse * self.before.error
 
 
-def predictions(selection: Selection, *, holdout: Recording | None = None) -> Predictions:
-    """Predict `holdout`, or the recordings or blocks of speeds that a fit is not shown in turn."""
+def predict_held_out(selection: Selection, *, holdout: Recording | None = None) -> Predictions:
+    """Measure predictions of `holdout`, or of the recordings or blocks of speeds that a fit is not shown in turn."""
     steps = selection.steps
     base = steps[0].before if steps else selection.base
     problem = selection.start
 
     def of(candidate: Candidate | None) -> Prediction:
         p, where = (base.p, problem) if candidate is None else (candidate.polished.p, candidate.problem)
-        return predicted(where.on([holdout]), p) if holdout else cross_validate(where, p)
+        return measure_prediction(where.on([holdout]), p) if holdout else cross_validate(where, p)
 
     before = of(None)
-    able = [c for c in (steps[0].tried if steps else ()) if _fitted_to_the_end(c) and is_significant(c)]
+    able = [c for c in (steps[0].tried if steps else ()) if _is_complete(c) and is_significant(c)]
     tried = able[: VERDICT.measured]
     by_label = {candidate.effect.label: (before, of(candidate)) for candidate in tried}
     after = before
@@ -72,16 +72,16 @@ def predictions(selection: Selection, *, holdout: Recording | None = None) -> Pr
         after = by_label[tried[0].effect.label][1]
     elif selection.problem.effects != problem.effects:
         p, where = selection.polished.p, selection.problem
-        after = predicted(where.on([holdout]), p) if holdout else cross_validate(where, p)
+        after = measure_prediction(where.on([holdout]), p) if holdout else cross_validate(where, p)
     on = "the recording held out" if holdout else "blocks of speeds in turn"
     return Predictions(before=before, after=after, by_label=by_label, on=on)
 
 
-def _fitted_to_the_end(candidate: Candidate) -> bool:
+def _is_complete(candidate: Candidate) -> bool:
     return candidate.polished.stop is not Stop.GIVEN_UP
 
 
-def measure_gain(base: Assessed, selection: Selection, unseen: Predictions) -> Gain:
+def measure_gain(base: AssessedFit, selection: Selection, unseen: Predictions) -> Gain:
     """Return what the extended model of `selection` bought over the base."""
     return Gain(
         heldout_before=unseen.before.error,
@@ -92,7 +92,7 @@ def measure_gain(base: Assessed, selection: Selection, unseen: Predictions) -> G
     )
 
 
-def _shifts(base: Assessed, selection: Selection) -> dict[str, Shift]:
+def _shifts(base: AssessedFit, selection: Selection) -> dict[str, Shift]:
     """Return by name what the extension moved of the base: coefficients, then unbalances by their magnitude."""
     names = base.problem.parameters.base
     before, after = names.values(base.polished.p[: len(names)]), names.values(selection.polished.p[: len(names)])

@@ -1,4 +1,4 @@
-"""The cheapest run that would separate causes the data at hand cannot: computed, for this rig and these causes.
+"""Next run: the cheapest that would separate the tied causes, computed for this rig and these causes.
 
 Every plan is simulated with the best cause, as it was fitted, and fitted with each of its rivals (separability.py); the
 cheapest that tells all of them from the best is proposed, or the one that comes nearest.
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from rotorrig.identify.causes import Candidate, Selection
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem
-from rotorrig.identify.verdict.planned_runs import Plan, plans, recorded
+from rotorrig.identify.verdict.planned_runs import Plan, plan_recordings, plans
 from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.verdict import tied_candidates
@@ -31,18 +31,18 @@ def find_next_run(selection: Selection) -> NextRun | None:
     if not groups:
         return None
     best, *rivals = groups[0]
-    found: list[tuple[float, Plan]] = []
+    rated: list[tuple[float, Plan]] = []
     measured = best.problem.recordings
     for plan in plans(measured[0].response):
         if plan.backward and any(recording.backward for recording in measured):
             continue
         lam = min(_separability(best, rival, plan) for rival in rivals)
-        found.append((lam, plan))
+        rated.append((lam, plan))
         if lam >= VERDICT.nameable:
             break
-    if not found:
+    if not rated:
         return None
-    lam, plan = max(found, key=lambda pair: pair[0])
+    lam, plan = max(rated, key=lambda pair: pair[0])
     labels = tuple(candidate.effect.label for candidate in (best, *rivals))
     enough = "" if lam >= VERDICT.nameable else " Even that would leave them close."
     return NextRun(kind=plan.kind, words=plan.words + enough, lam=lam, separates=labels)
@@ -50,7 +50,7 @@ def find_next_run(selection: Selection) -> NextRun | None:
 
 def _separability(best: Candidate, rival: Candidate, plan: Plan) -> float:
     """Return lambda of a rival in the recordings of a plan; none where nobody knows what these would show."""
-    recordings = recorded(best.problem.recordings[0].response, plan)
+    recordings = plan_recordings(best.problem.recordings[0].response, plan)
     truth = ExtendedProblem(ExtendedModel(recordings, (*plan.unknown, *best.problem.effects)))
     named = dict(zip(best.problem.parameters.names, best.polished.p, strict=True))
     p = truth.parameters.start(best.polished.p[:0])

@@ -1,4 +1,4 @@
-"""Runs that were not made yet: their rows and noise, from those of one that was."""
+"""Planned runs: their rows and noise, from those of a run that was made."""
 
 import math
 from collections.abc import Iterator
@@ -33,7 +33,7 @@ class Plan:
 
     @property
     def unknown(self) -> tuple[Effect, ...]:
-        """What a fit of these recordings has to find beside all that one of the first alone has."""
+        """Unknown effects of a fit of these recordings, beside those of the first alone."""
         return (MarkEdge.of_recording(1),) if self.backward else ()
 
 
@@ -74,7 +74,7 @@ def _fastest(rig: RigConfig, high: float) -> float:
     return top
 
 
-def recorded(response: OrderTrackedResponse, plan: Plan) -> list[Recording]:
+def plan_recordings(response: OrderTrackedResponse, plan: Plan) -> list[Recording]:
     """Return the recordings of a plan, their vectors nothing yet, their noise that of `response` at like speeds."""
     first = _response(response, plan, {})
     if plan.backward:

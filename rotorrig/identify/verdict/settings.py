@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VerdictSettings:
-    """What tells causes apart, what counts as explained, and how unseen data are predicted."""
+    """Settings of separability, conclusions, cross-validation and planned runs."""
 
     # separability, as lambda
     detectable: float = 25.0  # against the base: five standard deviations

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.causes import SELECTION
-from rotorrig.identify.joint_fit import Assessed
+from rotorrig.identify.joint_fit import AssessedFit
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.cross_validation import cross_validate
 from rotorrig.processing import OrderTrackedResponse
@@ -20,7 +20,7 @@ from rotorrig.rig.config import RPM
 LABEL = "moving speed"
 
 
-def moving_speed(still: Assessed, swept: Assessed, responses: Sequence[OrderTrackedResponse]) -> Cause | None:
+def moving_speed(still: AssessedFit, swept: AssessedFit, responses: Sequence[OrderTrackedResponse]) -> Cause | None:
     """Return what a base that knows the moving speed makes better than one that does not; None if the data do not say.
 
     It has no unknown, so its evidence is the fall of chi2, and it is never part of a config: the swept model has it.
@@ -35,7 +35,7 @@ def moving_speed(still: Assessed, swept: Assessed, responses: Sequence[OrderTrac
         effect="moving_speed",
         where="",
         title="moving speed and tracking window",
-        words=f"the speed was moving, {_history(responses)}: {_lags(still, swept)}",
+        words=f"the speed was moving, {_describe_ramp(responses)}: {_describe_lag(still, swept)}",
         chosen=False,
         plausible=True,
         evidence=lam,
@@ -59,19 +59,19 @@ class Lag:
     omega: float  # rad/s, where that is
 
 
-def lag(still: Assessed, swept: Assessed) -> Lag:
+def lag(still: AssessedFit, swept: AssessedFit) -> Lag:
     """Return the lag at 1X, where steady and passing responses to the unbalance of the swept fit part most.
 
     The two problems have the same unknowns, so the steady one can be asked for the rotor that the swept one found.
     """
     p = swept.polished.p
-    each = zip(swept.problem.recordings, still.problem.model.predict(p), swept.problem.model.predict(p), strict=True)
+    pairs = zip(swept.problem.recordings, still.problem.model.predict(p), swept.problem.model.predict(p), strict=True)
     return max(
         (
             _lag(recording.response, recording.rows, steady[1][:-1], passing[1][:-1])
-            for recording, steady, passing in each
+            for recording, steady, passing in pairs
         ),
-        key=lambda found: found.apart,
+        key=lambda each: each.apart,
     )
 
 
@@ -97,18 +97,18 @@ def _lag(
     )
 
 
-def _history(responses: Sequence[OrderTrackedResponse]) -> str:
+def _describe_ramp(responses: Sequence[OrderTrackedResponse]) -> str:
     alpha = np.concatenate([np.abs(r.alpha[np.isfinite(r.alpha)]) for r in responses])
     turns = float(np.median(np.concatenate([r.revolutions for r in responses])))
     averaged = "a single turn" if turns == 1 else f"{turns:.0f} turns"
     return f"by {np.quantile(alpha, 0.9) * RPM:.0f} rpm/s, with {averaged} to a row"
 
 
-def _lags(still: Assessed, swept: Assessed) -> str:
+def _describe_lag(still: AssessedFit, swept: AssessedFit) -> str:
     """Say how far off a steady rotor of the same parameters is, and what becomes of its peak."""
-    found = lag(still, swept)
-    off = f"a model in steady motion is off by {found.apart * 1e6:.2g} um at {found.omega * RPM:.0f} rpm"
-    words = f"{off}, at probe {found.probe}"
-    if found.shift > 0 and found.lower > 0:
-        words += f"; the peak comes {found.shift * RPM:.0f} rpm late and is {100 * found.lower:.0f} % lower"
+    worst = lag(still, swept)
+    off = f"a model in steady motion is off by {worst.apart * 1e6:.2g} um at {worst.omega * RPM:.0f} rpm"
+    words = f"{off}, at probe {worst.probe}"
+    if worst.shift > 0 and worst.lower > 0:
+        words += f"; the peak comes {worst.shift * RPM:.0f} rpm late and is {100 * worst.lower:.0f} % lower"
     return words

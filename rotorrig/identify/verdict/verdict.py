@@ -1,4 +1,4 @@
-"""From fits to names: the causes ranked, which of them the data cannot tell apart, and what to conclude."""
+"""Verdict from fits: the causes ranked, those the data cannot tell apart, and the conclusion."""
 
 import math
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from rotorrig.sims.effects import Effect, Parameter, magnitudes
 
 
 class Verdict(StrEnum):
-    """What a diagnosis may conclude."""
+    """Conclusion of a diagnosis."""
 
     ADEQUATE = "adequate"
     NAMED = "named"
@@ -39,7 +39,7 @@ class HiddenEffect:
 def conclude(
     selection: Selection, *, adequate_before: bool, adequate_after: bool, visible: float, predictions: Predictions
 ) -> Verdict:
-    """Conclude; `visible` is the share of the known effects that this data could show.
+    """Draw the verdict; `visible` is the share of the known effects that this data could show.
 
     If the extended model predicts data no fit saw worse than the base, it is no explanation.
     """
@@ -58,19 +58,19 @@ def tied_labels(selection: Selection) -> tuple[tuple[str, ...], ...]:
 
 
 def tied_candidates(selection: Selection) -> list[list[Candidate]]:
-    """Return these sets as candidates, the chosen one first."""
-    found = []
+    """Return the sets of `tied_labels` as candidates, the chosen one first."""
+    ties = []
     for effect in selection.problem.effects:
         if (step := _step_of(selection, effect)) is None:
             continue
         best = step.tried[0]
         rivals = _rivals(step, best)
-        if any(another(rival.effect, best.effect) for rival in rivals):
-            found.append([best, *rivals])
-    return found
+        if any(is_another_cause(rival.effect, best.effect) for rival in rivals):
+            ties.append([best, *rivals])
+    return ties
 
 
-def another(effect: Effect, best: Effect) -> bool:
+def is_another_cause(effect: Effect, best: Effect) -> bool:
     """Say whether it is another cause: another kind, or the same of another probe; not the next place on the shaft."""
     return effect.name != best.name or "probes" in effect.acts_on
 
@@ -143,8 +143,8 @@ def _missing(selection: Selection, effect: Effect) -> str:
     return ", ".join(wanted)
 
 
-def ranked_causes(selection: Selection, predictions: dict[str, tuple[Prediction, Prediction]]) -> tuple[Cause, ...]:
-    """Return the chosen effects, as the final fit has them, then every other one that was fitted, by its evidence.
+def rank_causes(selection: Selection, predictions: dict[str, tuple[Prediction, Prediction]]) -> tuple[Cause, ...]:
+    """Rank the causes: the chosen effects as finally fitted, then every other one that was fitted, by its evidence.
 
     `predictions` holds held-out errors before and after, by label, of those they were measured for.
     """
@@ -203,7 +203,7 @@ def parameter_values(
     parameters: Sequence[Parameter], theta: dict[str, float], sigmas: dict[str, float]
 ) -> dict[str, ParameterValue]:
     """Return what a person reads: phasors as magnitude and angle, each with its standard deviation."""
-    found = {}
+    values = {}
     for name, value, unit in magnitudes(tuple(parameters), theta):
         stem = name.removesuffix(" angle")
         if f"{stem} re" in theta:
@@ -212,5 +212,5 @@ def parameter_values(
             sigma = spread if name == stem else spread / max(size, 1e-300)
         else:
             sigma = sigmas[name]
-        found[name] = ParameterValue(value=value, unit=unit, sigma=sigma)
-    return found
+        values[name] = ParameterValue(value=value, unit=unit, sigma=sigma)
+    return values

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.identify.adequacy.misfit import Misfit, Stretch, misfit
+from rotorrig.identify.adequacy.misfit import Misfit, Stretch, describe_misfit
 from rotorrig.processing.response import OrderTrackedResponse
 
 Complex = NDArray[np.complex128]
@@ -20,7 +20,7 @@ def described(response: OrderTrackedResponse, residual: Complex, *, probe: str =
     stretch = Stretch(
         run=0, probe=response.probes.index(probe), order=0, rows=np.flatnonzero(response.run == 0), sigma=7.0
     )
-    return misfit(replace(response, z=z), {1: model}, residual[..., None], stretch)
+    return describe_misfit(replace(response, z=z), {1: model}, residual[..., None], stretch)
 
 
 def test_high_and_late_is_said_so(healthy: OrderTrackedResponse) -> None:

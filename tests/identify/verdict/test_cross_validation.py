@@ -8,7 +8,7 @@ import pytest
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.cross_validation import cross_validate, predicted
+from rotorrig.identify.verdict.cross_validation import cross_validate, measure_prediction
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
@@ -76,7 +76,7 @@ def test_a_step_to_where_the_rotor_has_no_motion_is_not_taken(
 ) -> None:
     problem = ExtendedProblem(ExtendedModel([Recording(healthy)]))
     p = problem.parameters.start(hidden)
-    fitted, not_fitted = cross_validate(problem, p).error, predicted(problem, p).error
+    fitted, not_fitted = cross_validate(problem, p).error, measure_prediction(problem, p).error
     residual = ExtendedProblem.residual
 
     def at_one_vector_only(self: ExtendedProblem, moved: np.ndarray) -> np.ndarray:
@@ -96,7 +96,7 @@ def test_the_error_of_a_known_offset_is_that_offset(rig: RigConfig, hidden: np.n
     p[problem.parameters.base.unbalance] = U.real, U.imag
     (exact,) = problem.model.predict(p)
     moved = {n: z + 2e-6j for n, z in exact.items()}
-    found = predicted(problem.on([recording.instead(moved)]), p)
+    found = measure_prediction(problem.on([recording.instead(moved)]), p)
     assert found.error == pytest.approx(2e-6)
     assert found.over_floor == pytest.approx(found.error / found.floor)
     assert found.floor >= SIGMA * np.sqrt(2)
@@ -117,7 +117,7 @@ def test_the_halves_are_fitted_as_well_as_if_carried_to_the_end(
     for hide in (0, 1):
         unseen = problem.on([recording.only(block % 2 == hide)])
         end = problem.on([recording.only(block % 2 != hide)]).solve(fit.p, tolerance=1e-3)
-        error = predicted(unseen, end.p).error
+        error = measure_prediction(unseen, end.p).error
         rows = np.sum(unseen.recordings[0].measured[1].usable[:-1])
         square, count = square + rows * error**2, count + rows
     assert cross_validate(problem, fit.p).error == pytest.approx(np.sqrt(square / count), rel=0.02)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.verdict.planned_runs import plans, recorded
+from rotorrig.identify.verdict.planned_runs import plan_recordings, plans
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
@@ -34,13 +34,13 @@ def test_no_plan_goes_beyond_the_limits(below: OrderTrackedResponse) -> None:
     assert limits.overspeed
     for plan in plans(below):
         assert plan.high <= 0.95 * limits.overspeed
-        for recording in recorded(below, plan):
+        for recording in plan_recordings(below, plan):
             assert recording.response.omega.max() <= plan.high * (1 + 1e-6)
 
 
 def test_a_planned_run_goes_up_and_down_at_its_ramp(below: OrderTrackedResponse) -> None:
     for plan in plans(below):
-        response = recorded(below, plan)[0].response
+        response = plan_recordings(below, plan)[0].response
         up, down = (response.alpha[response.run == i][1:-1] for i in (0, 1))
         np.testing.assert_allclose(up, plan.ramp, rtol=0.05)
         np.testing.assert_allclose(down, -plan.ramp, rtol=0.05)
@@ -57,7 +57,7 @@ def test_slower_and_faster_are_a_third_and_three_times_the_ramp(below: OrderTrac
 
 def test_the_noise_is_that_of_rows_at_like_speeds_and_a_covariance(below: OrderTrackedResponse) -> None:
     for plan in plans(below):
-        for recording in recorded(below, plan):
+        for recording in plan_recordings(below, plan):
             covariance = recording.response.covariance
             assert np.linalg.eigvalsh(covariance).min() > 0
             np.testing.assert_allclose(np.diagonal(covariance, axis1=-2, axis2=-1), SIGMA**2)
@@ -69,7 +69,7 @@ def test_probes_like_others_are_as_noisy_and_independent_of_them(below: OrderTra
     correlated[:] = root @ root.T
     noisy = replace(below, covariance=correlated, slow_roll_covariance=correlated[0])
     plan = next(p for p in plans(noisy) if p.kind == "second plane")
-    response = recorded(noisy, plan)[0].response
+    response = plan_recordings(noisy, plan)[0].response
     assert response.probes == ("1x", "1y", "1x (2nd plane)", "1y (2nd plane)")
     for covariance in (response.covariance[3, 0], response.slow_roll_covariance[0]):
         np.testing.assert_allclose(covariance[:4, :4], root @ root.T)
@@ -79,7 +79,7 @@ def test_probes_like_others_are_as_noisy_and_independent_of_them(below: OrderTra
 
 def test_a_trial_mass_is_run_with_and_without(below: OrderTrackedResponse) -> None:
     plan = next(p for p in plans(below) if p.kind == "trial mass")
-    first, second = recorded(below, plan)
+    first, second = plan_recordings(below, plan)
     assert not first.trial
     assert set(second.trial) == {"disk"}
     assert (first.number, second.number) == (0, 1)
@@ -87,7 +87,7 @@ def test_a_trial_mass_is_run_with_and_without(below: OrderTrackedResponse) -> No
 
 def test_a_reverse_run_is_one_more_after_a_forward_one_by_a_mark_of_unknown_width(below: OrderTrackedResponse) -> None:
     plan = next(p for p in plans(below) if p.kind == "reverse rotation")
-    forward, reverse = recorded(below, plan)
+    forward, reverse = plan_recordings(below, plan)
     assert (forward.backward, reverse.backward) == (False, True)
     assert reverse.number == 1
     assert [effect.recording for effect in plan.unknown] == [1]

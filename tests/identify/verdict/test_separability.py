@@ -6,7 +6,7 @@ import pytest
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.separability import fitted, separability
+from rotorrig.identify.verdict.separability import fit_from_starts, separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
@@ -82,7 +82,7 @@ def test_of_several_starts_the_best_is_taken(fast: OrderTrackedResponse, hidden:
     p[problem.parameters.own] = np.array([0.1, 34 * 2 * np.pi, 0.03]) / sizes
     (predicted,) = problem.model.predict(p)
     there = ExtendedProblem(ExtendedModel([problem.recordings[0].instead(predicted)], [pedestal]))
-    found = fitted(there, there.parameters.start(hidden)[: there.parameters.own.start])
+    found = fit_from_starts(there, there.parameters.start(hidden)[: there.parameters.own.start])
     assert found.p[-2] * sizes[1] == pytest.approx(34 * 2 * np.pi, rel=0.02)
 
 

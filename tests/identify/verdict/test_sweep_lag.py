@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.identify import joint_fit
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.joint_fit import Assessed
+from rotorrig.identify.joint_fit import AssessedFit
 from rotorrig.identify.verdict.sweep_lag import lag, moving_speed
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
@@ -24,13 +24,13 @@ def slow(rig: RigConfig) -> OrderTrackedResponse:
 
 
 @pytest.fixture(scope="module")
-def fits(slow: OrderTrackedResponse) -> tuple[Assessed, Assessed]:
-    still, swept = (joint_fit.fitted([Recording(slow, swept=known)]) for known in (False, True))
+def fits(slow: OrderTrackedResponse) -> tuple[AssessedFit, AssessedFit]:
+    still, swept = (joint_fit.fit_base([Recording(slow, swept=known)]) for known in (False, True))
     return still, swept
 
 
 def test_the_peak_is_late_by_the_ramp_times_the_group_delay(
-    slow: OrderTrackedResponse, fits: tuple[Assessed, Assessed]
+    slow: OrderTrackedResponse, fits: tuple[AssessedFit, AssessedFit]
 ) -> None:
     still, swept = fits
     found = lag(still, swept)
@@ -43,7 +43,7 @@ def test_the_peak_is_late_by_the_ramp_times_the_group_delay(
     assert 0 < found.lower < 0.2
 
 
-def test_it_is_said_in_numbers(slow: OrderTrackedResponse, fits: tuple[Assessed, Assessed]) -> None:
+def test_it_is_said_in_numbers(slow: OrderTrackedResponse, fits: tuple[AssessedFit, AssessedFit]) -> None:
     cause = moving_speed(*fits, [slow])
     assert cause is not None
     assert f"by {RAMP:.0f} rpm/s" in cause.words
@@ -53,7 +53,7 @@ def test_it_is_said_in_numbers(slow: OrderTrackedResponse, fits: tuple[Assessed,
 
 
 def test_a_table_without_times_says_nothing_of_a_moving_speed(
-    slow: OrderTrackedResponse, fits: tuple[Assessed, Assessed]
+    slow: OrderTrackedResponse, fits: tuple[AssessedFit, AssessedFit]
 ) -> None:
     still, _ = fits
     assert moving_speed(still, still, [slow]) is None

@@ -32,8 +32,8 @@ def rig(rk4: RigConfig) -> RigConfig:
 
 
 @pytest.fixture(scope="module")
-def base(rig: RigConfig) -> joint_fit.Assessed:
-    return joint_fit.fitted([measured(rig)])
+def base(rig: RigConfig) -> joint_fit.AssessedFit:
+    return joint_fit.fit_base([measured(rig)])
 
 
 def measured(rig: RigConfig, *faults: FaultSpec) -> Recording:
@@ -41,7 +41,7 @@ def measured(rig: RigConfig, *faults: FaultSpec) -> Recording:
     return Recording(track(record(rig, seed=SEED, faults=faults, noise=quiet), Tracking(orders=(0.0, 1.0, 2.0, 3.0))))
 
 
-def off(base: joint_fit.Assessed, fault: FaultSpec, label: str, theta: Mapping[str, float]) -> NDArray[np.float64]:
+def off(base: joint_fit.AssessedFit, fault: FaultSpec, label: str, theta: Mapping[str, float]) -> NDArray[np.float64]:
     """By how much the effect's 1X vectors are off the plant's, (row, probe), as parts of the largest."""
     rig = base.problem.recordings[0].response.rig
     effect = find(rig, label)
@@ -53,12 +53,12 @@ def off(base: joint_fit.Assessed, fault: FaultSpec, label: str, theta: Mapping[s
 
 
 @pytest.mark.campaign
-def test_friction_is_the_plants_sticking_and_sliding(base: joint_fit.Assessed) -> None:
+def test_friction_is_the_plants_sticking_and_sliding(base: joint_fit.AssessedFit) -> None:
     fault = FaultSpec(name="friction", parameters={"limit": 0.03, "stuck_stiffness": 1e5})
     error = off(base, fault, "friction", {"force": 0.03, "give": 0.03 / 1e5, "creep": 1e-5})
     assert error.max() < 2e-3  # 0.5e-3; without friction 28e-3 of some 350 um
 
 
-def test_a_cubic_spring_leans_over_as_the_plants_does(base: joint_fit.Assessed) -> None:
+def test_a_cubic_spring_leans_over_as_the_plants_does(base: joint_fit.AssessedFit) -> None:
     error = off(base, FaultSpec(name="cubic_spring", parameters={"k3": 1e10}), "cubic_spring", {"k3": 1e10})
     assert error.max() < 2e-2  # 0.8e-2, where it falls off; without the spring 26e-2 of some 390 um
