@@ -87,7 +87,7 @@ def _run_case(rig: RigConfig, case: Case, folder: Path, rate: float) -> tuple[Id
 
 def extend(rig: RigConfig, case: Case, folder: Path, diagnosis: Diagnosis) -> None:
     """Extend the config by the named cause, if any, and diagnose the run again with it."""
-    extended = diagnose.extended_rig(rig, diagnosis)
+    extended = diagnose.extend_rig(rig, diagnosis)
     if extended is None:
         return
     (folder / "extended.toml").write_text(extended.text, encoding="utf-8")

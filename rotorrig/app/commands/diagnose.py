@@ -84,7 +84,7 @@ def show(found: Diagnosis) -> None:
 
 def write_extended(path: Path, rig: RigConfig, found: Diagnosis) -> RigConfig:
     """Write and return the config of `rig` extended by the named causes. Raises DataError if none was named."""
-    extended = extended_rig(rig, found)
+    extended = extend_rig(rig, found)
     if extended is None:
         raise DataError(f"{path}: not written: no cause was named that extends the model")
     try:
@@ -94,7 +94,7 @@ def write_extended(path: Path, rig: RigConfig, found: Diagnosis) -> RigConfig:
     return extended
 
 
-def extended_rig(rig: RigConfig, found: Diagnosis) -> RigConfig | None:
+def extend_rig(rig: RigConfig, found: Diagnosis) -> RigConfig | None:
     """Return the rig with the chosen causes added to the effects of its model; None if none was chosen."""
     chosen = {cause.label: _extension(cause) for cause in found.causes if cause.chosen}
     if not chosen:

@@ -29,7 +29,7 @@ class SimulatedRig:
 
 def run_until_interrupted(rig: RigConfig, simulation: SimulatedRig) -> None:
     """Run the simulated rig until Ctrl-C; print its ports as config keys, and its faults as they begin and end."""
-    with simulated_rig(rig, simulation) as ports:
+    with run_simulated_rig(rig, simulation) as ports:
         for table, keys in (("motor", ports.motor), ("daq", {"driver": "stream"} | ports.daq)):
             for key, value in keys.items():
                 out.print(f"\\[{table}] {key} = {json.dumps(value)}", highlight=False)
@@ -53,7 +53,7 @@ def _show_fault(message: Message) -> None:
 
 
 @contextmanager
-def simulated_rig(rig: RigConfig, simulation: SimulatedRig, *, trial: Sequence[str] = ()) -> Iterator[BenchPorts]:
+def run_simulated_rig(rig: RigConfig, simulation: SimulatedRig, *, trial: Sequence[str] = ()) -> Iterator[BenchPorts]:
     """Run the simulated rig within the block, with the trial masses on.
 
     The plant gets a fault for each of the config's effects, unless a sealed truth is given. Raises ConfigError for an
@@ -71,7 +71,7 @@ def simulated_rig(rig: RigConfig, simulation: SimulatedRig, *, trial: Sequence[s
 
 
 def truth_of(rig: RigConfig, simulation: SimulatedRig, *, trial: Sequence[str] = ()) -> Truth:
-    """Return the truth of the simulated rig, trial masses on. Raises as `simulated_rig` does."""
+    """Return the truth of the simulated rig, trial masses on. Raises as `run_simulated_rig` does."""
     added = trial_unbalance(read_trial_mass(mass, planes=rig.unbalance_planes) for mass in trial)
     masses = {disk: (abs(u), cmath.phase(u)) for disk, u in added.items()}
     if simulation.hidden is None:

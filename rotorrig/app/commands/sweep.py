@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rotorrig.acquisition.files import RecordingWriter
 from rotorrig.acquisition.sweep import Ask, Operator, Step, SweepResult, plan_sweep, plan_timeline, run_sweep
 from rotorrig.app.commands.config_model import criticals_to_pass
-from rotorrig.app.commands.simulate import SimulatedRig, simulated_rig
+from rotorrig.app.commands.simulate import SimulatedRig, run_simulated_rig
 from rotorrig.app.commands.sweep_preview import estimate_bytes
 from rotorrig.app.terminal import HINT, operator_for, progress_bars
 from rotorrig.rig import ConfigError, DataError, Interlock, Provenance, code_version, connect
@@ -46,7 +46,7 @@ def sweep(
         )
     refuse_full_disk(out, rig, steps)
     with ExitStack() as stack:
-        ports = stack.enter_context(simulated_rig(rig, simulation, trial=trial)) if simulation else None
+        ports = stack.enter_context(run_simulated_rig(rig, simulation, trial=trial)) if simulation else None
         bars = stack.enter_context(progress_bars())
         say = partial(bars.console.print, markup=False, highlight=False, soft_wrap=True)
         operator = operator_for(steps, say=say, yes=yes)

@@ -1,4 +1,4 @@
-"""Where the mean position of the shaft goes along a sweep, plane by plane, in micrometres: what the report draws."""
+"""Shaft centreline paths over a sweep, per probe plane, and bearing clearance circles, in micrometres."""
 
 from dataclasses import dataclass
 
@@ -26,7 +26,7 @@ class CentrelinePath:
 
     @property
     def reach(self) -> float:
-        """How far it goes [m], the rows' scatter left out by the mean of three."""
+        """Largest distance from the start [m], smoothed by a moving mean of three rows."""
         away = np.convolve(self.x + 1j * self.y, np.ones(3) / 3, mode="valid")
         return float(np.abs(away).max()) / UM
 
@@ -36,16 +36,16 @@ def centreline_paths(response: OrderTrackedResponse) -> tuple[CentrelinePath, ..
     if 0.0 not in response.orders:
         return ()
     gap = response.order(0.0).real
-    found = []
+    paths = []
     for plane, pair in measured_planes(response.rig, response.probes):
         for i in sweeps(response):
-            told = response.usable[:, pair].all(axis=1) & np.isfinite(gap[:, pair]).all(axis=1)
-            rows = np.flatnonzero((response.run == i) & told)
+            usable = response.usable[:, pair].all(axis=1) & np.isfinite(gap[:, pair]).all(axis=1)
+            rows = np.flatnonzero((response.run == i) & usable)
             if len(rows) <= REFERENCE:
                 continue
             slowest = rows[np.argsort(response.omega[rows])[:REFERENCE]]
             x, y = ((gap[rows][:, pair] - gap[slowest][:, pair].mean(axis=0)) @ plane.to_xy.T).T * UM
-            found.append(
+            paths.append(
                 CentrelinePath(
                     plane=plane.name,
                     position=plane.position,
@@ -56,12 +56,12 @@ def centreline_paths(response: OrderTrackedResponse) -> tuple[CentrelinePath, ..
                     y=y,
                 )
             )
-    return tuple(found)
+    return tuple(paths)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClearanceCircle:
-    """Where the centre of a journal can be, if at its slowest it lies at the bottom of its bearing.
+    """Clearance circle of a bearing, the journal at its slowest taken to lie at the bottom.
 
     Bently and Hatch, Fundamentals of Rotating Machinery Diagnostics (2002), ch. 6.
     """

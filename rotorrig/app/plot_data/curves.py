@@ -1,4 +1,4 @@
-"""What gets drawn, as plain arrays in the units people read: rpm, µm 0-peak, degrees of phase lag.
+"""Curves and residual grids for plotting, as plain arrays in display units: rpm, µm 0-peak, degrees of phase lag.
 
 Shared by the report and the viewer, so that both show the same numbers.
 """
@@ -75,10 +75,10 @@ def curves(
     start = phase_window(z)
     place = response.orders.index(order)
     variance = response.covariance[:, place, 2 * probe, 2 * probe]
-    found = []
+    by_run = []
     for i in sweeps(response):
         rows = response.run == i
-        found.append(
+        by_run.append(
             Curve(
                 run=response.runs[i].name,
                 direction=response.runs[i].direction,
@@ -90,7 +90,7 @@ def curves(
                 model_lag=None if model is None else break_at_wraps(lag_degrees(model[rows], start=start)),
             )
         )
-    return tuple(found)
+    return tuple(by_run)
 
 
 def lag_degrees(z: NDArray[np.complex128], *, start: float = 0.0) -> NDArray[np.float64]:

@@ -31,13 +31,13 @@ def order_spectra(response: OrderTrackedResponse, *, bins: int = 110) -> Iterato
     orders = (*reversed(positive), *(-order for order in positive))
     edges = speed_edges(response, bins)
     by_order = [whirl_vectors(response, order=o, compensated=slow_roll_known(response, o)) for o in positive]
-    for found in zip(*by_order, strict=True):  # a plane
-        forward = [np.abs(vectors.forward) * UM for vectors in reversed(found)]
-        size = np.array([*forward, *(np.abs(vectors.backward) * UM for vectors in found)])
+    for whirl in zip(*by_order, strict=True):  # a plane
+        forward = [np.abs(vectors.forward) * UM for vectors in reversed(whirl)]
+        size = np.array([*forward, *(np.abs(vectors.backward) * UM for vectors in whirl)])
         for i in sweeps(response):
-            rows = np.flatnonzero((response.run == i) & found[0].usable)
+            rows = np.flatnonzero((response.run == i) & whirl[0].usable)
             if len(rows):
-                yield _spectrum(found[0].plane, response, i, rows, orders, size[:, rows], edges)
+                yield _spectrum(whirl[0].plane, response, i, rows, orders, size[:, rows], edges)
 
 
 def _spectrum(

@@ -19,14 +19,14 @@ def thin_indices(values: NDArray[np.float64], *, most: int = MOST) -> NDArray[np
     if len(values) <= most:
         return np.arange(len(values))
     edges = np.linspace(0, len(values), most // 2 + 1).astype(int)
-    found: set[int] = set()
+    kept: set[int] = set()
     for first, last in pairwise(edges):
         stretch = values[first:last]
         if np.isfinite(stretch).any():
-            found |= {first + int(np.nanargmin(stretch)), first + int(np.nanargmax(stretch))}
+            kept |= {first + int(np.nanargmin(stretch)), first + int(np.nanargmax(stretch))}
         else:
-            found.add(int(first))  # a hole stays a hole
-    return np.array(sorted(found), dtype=np.intp)
+            kept.add(int(first))  # a hole stays a hole
+    return np.array(sorted(kept), dtype=np.intp)
 
 
 def thin_curve(curve: Curve, *, most: int = MOST, modelled: bool = False) -> Curve:

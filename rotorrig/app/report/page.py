@@ -88,7 +88,7 @@ def _page(response: OrderTrackedResponse, verdict: Section, sections: Sequence[S
         source=escape(response.source.source or "live rig"),
         contents=links,
         style=_asset("report.css"),
-        plotly=_packed_plotly(),
+        plotly=_pack_plotly(),
         script=_asset("report.js"),
         verdict=verdict.html,
         body="\n".join(part.html for part in sections),
@@ -101,6 +101,6 @@ def _asset(name: str) -> str:
 
 
 @cache
-def _packed_plotly() -> str:
+def _pack_plotly() -> str:
     """Return plotly.js as gzip in base64, 2 MB instead of 4.8; report.js unpacks it."""
     return base64.b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode()

@@ -1,4 +1,4 @@
-"""What every layout of the Rerun viewer has in common: see live_blueprint and result_layout."""
+"""Common parts of all Rerun layouts: see live_blueprint and result_layout."""
 
 import rerun.blueprint as rrb
 

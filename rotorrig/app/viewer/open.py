@@ -30,7 +30,7 @@ class Evidence:
 
     @property
     def given(self) -> bool:
-        """Whether there is any."""
+        """True if there is any."""
         return bool(self.fit or self.diagnosis or self.run)
 
 

@@ -1,4 +1,4 @@
-"""Where pictures go: a Rerun viewer on this machine, a file, or both.
+"""Outputs of the plots: a Rerun viewer on this machine, a file, or both.
 
 Only 127.0.0.1 is listened on: Rerun's own helpers open a port to the whole network. The viewer's usage reports are off.
 """
@@ -107,8 +107,8 @@ def proxy(port: int) -> str:
 
 def viewer_program() -> str:
     """Return the viewer's own program; the `rerun` on the path is a wrapper whose end would leave it running."""
-    found = importlib.util.find_spec("rerun_cli")
-    folder = Path(found.origin).parent if found and found.origin else Path()
+    spec = importlib.util.find_spec("rerun_cli")
+    folder = Path(spec.origin).parent if spec and spec.origin else Path()
     program = folder / ("rerun.exe" if sys.platform == "win32" else "rerun")
     if not program.is_file():
         raise RigError(f"{program}: the Rerun viewer is missing, want the package rerun-sdk with its viewer")
@@ -136,18 +136,18 @@ def _start(*, headless: bool, files: Sequence[Path] = ()) -> tuple[subprocess.Po
         ready = free_port()
         words += ["--serve-web", "--web-viewer-port", str(ready)]
         address = f"http://{LOOPBACK}:{ready}/?url={proxy(port).replace('+', '%2B')}"
-    with tempfile.TemporaryFile() as said:  # not a pipe: nobody would empty it
+    with tempfile.TemporaryFile() as output:  # not a pipe: nobody would empty it
         process = subprocess.Popen(
             words,
             env=quiet_environment(),
             stdin=subprocess.DEVNULL,
-            stdout=said,
-            stderr=said,
+            stdout=output,
+            stderr=output,
             start_new_session=not headless,  # Ctrl-C ends the sweep, not the window one wants to look at
         )
         if headless:
             atexit.register(_end, process)
-        _until_listening(process, ready, said)
+        _wait_until_listening(process, ready, output)
     return process, port, address
 
 
@@ -157,13 +157,15 @@ def _end(process: subprocess.Popen[bytes]) -> None:
         process.wait(timeout=10)
 
 
-def _until_listening(process: subprocess.Popen[bytes], port: int, output: IO[bytes]) -> None:
+def _wait_until_listening(process: subprocess.Popen[bytes], port: int, output: IO[bytes]) -> None:
     deadline = time.monotonic() + START_SECONDS
     while time.monotonic() < deadline:
         if process.poll() is not None:
             output.seek(0)
-            said = output.read().decode(errors="replace").strip()
-            raise RigError(f"the Rerun viewer ended at once: {said.splitlines()[-1] if said else 'it said nothing'}")
+            message = output.read().decode(errors="replace").strip()
+            raise RigError(
+                f"the Rerun viewer ended at once: {message.splitlines()[-1] if message else 'it said nothing'}"
+            )
         with socket.socket() as probe:
             probe.settimeout(0.2)
             if probe.connect_ex((LOOPBACK, port)) == 0:

@@ -105,7 +105,7 @@ def test_the_extended_config_carries_what_was_chosen_and_is_taken_by_every_comma
 
 def test_effects_of_an_earlier_extension_stay(named: Diagnosis, response: OrderTrackedResponse) -> None:
     runout = Extension(name="runout", where="plane 2", parameters={"runout re": 1e-6, "runout im": 0.0})
-    extended = diagnosing.extended_rig(extend(response.rig, [runout]), named)
+    extended = diagnosing.extend_rig(extend(response.rig, [runout]), named)
     assert extended is not None
     assert [effect.label for effect in extended.effects] == ["runout, plane 2", "bow"]
 

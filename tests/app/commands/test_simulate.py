@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.app.commands.simulate import SimulatedRig, faults_of, simulated_rig, truth_of
+from rotorrig.app.commands.simulate import SimulatedRig, faults_of, run_simulated_rig, truth_of
 from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.config.extended_config import extend
 from rotorrig.rig.config.extension import Extension
@@ -63,12 +63,12 @@ def test_a_script_of_faults_that_is_none_is_said_before_anything_starts(rig: Rig
     script = tmp_path / "script.json"
     script.write_text('[{"kind": "disconect", "on": "daq"}]')
     said = rf"^{script}: faults\[0\]\.kind: got 'disconect', did you mean 'disconnect'$"
-    with pytest.raises(ConfigError, match=said), simulated_rig(rig, SimulatedRig(seed=5, faults=script)):
+    with pytest.raises(ConfigError, match=said), run_simulated_rig(rig, SimulatedRig(seed=5, faults=script)):
         pass
 
 
 def test_a_script_of_faults_is_played_on_the_simulated_rig(rig: RigConfig, tmp_path: Path) -> None:
     script = tmp_path / "script.json"
     script.write_text('[{"kind": "silent", "on": "motor"}]')
-    with simulated_rig(rig, SimulatedRig(seed=5, faults=script)) as ports:
+    with run_simulated_rig(rig, SimulatedRig(seed=5, faults=script)) as ports:
         assert ports.console.wait_for(lambda line: "fault" in line, timeout=10)["kind"] == "silent"

@@ -1,4 +1,4 @@
-"""The bytes that go to the process of a live view.
+"""Wire format to the process of a live view.
 
 One line of JSON (rig, DAQ, where pictures go, the events of a recording that is played), then blocks, each a header and
 its counts as int32, scan by scan. The end of the bytes is the end of the view.
@@ -29,7 +29,7 @@ _CHUNK = 1 << 20  # bytes read at a time; a pipe holds 64 KiB, sometimes a MiB
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Opening:
-    """What the process is told first."""
+    """First message to the process."""
 
     rig: RigConfig
     info: DaqInfo
@@ -43,9 +43,9 @@ def opening(
     """Return the first line: what is needed to draw. `targets` are addresses of viewers and names of files."""
     where = [["file", str(t.absolute())] if isinstance(t, Path) else ["viewer", t] for t in targets]
     si = rig.model_dump(mode="json")
-    said: dict[str, Any] = {"rig": si, "text": rig.text, "daq": asdict(info), "targets": where}
-    said["events"] = None if events is None else [asdict(event) for event in events]
-    return json.dumps(said).encode() + b"\n"
+    message: dict[str, Any] = {"rig": si, "text": rig.text, "daq": asdict(info), "targets": where}
+    message["events"] = None if events is None else [asdict(event) for event in events]
+    return json.dumps(message).encode() + b"\n"
 
 
 def block_parts(block: Block) -> tuple[bytes, memoryview]:
@@ -69,29 +69,29 @@ class BlockReader:
             if self.ended:
                 raise RigError("live view: was told nothing")
             self._receive(None)
-        said = json.loads(self._buffer[:end])
+        message = json.loads(self._buffer[:end])
         del self._buffer[: end + 1]
-        daq: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in said["daq"].items()}
-        targets = tuple(Path(where) if kind == "file" else where for kind, where in said["targets"])
+        daq: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in message["daq"].items()}
+        targets = tuple(Path(where) if kind == "file" else where for kind, where in message["targets"])
         return Opening(
-            rig=description.from_si(said["rig"], text=said["text"], where="live view"),
+            rig=description.from_si(message["rig"], text=message["text"], where="live view"),
             info=DaqInfo(**daq),
             targets=targets,
-            events=None if said["events"] is None else tuple(Event(**event) for event in said["events"]),
+            events=None if message["events"] is None else tuple(Event(**event) for event in message["events"]),
         )
 
     def blocks(self, seconds: float) -> list[Block]:
         """Return the whole blocks that come within so many seconds, sooner at the end or when there are many."""
-        deadline, found, scans = time.monotonic() + seconds, [], 0
+        deadline, received, scans = time.monotonic() + seconds, [], 0
         while scans < MOST_SCANS:
             while scans < MOST_SCANS and (block := self._next()) is not None:
-                found.append(block)
+                received.append(block)
                 scans += len(block.counts)
             left = deadline - time.monotonic()
             if self.ended or left <= 0 or scans >= MOST_SCANS:
                 break
             self._receive(left)
-        return found
+        return received
 
     def _next(self) -> Block | None:
         if len(self._buffer) < _HEAD.size:

@@ -44,10 +44,10 @@ def main() -> int:
 
 
 def _draw_all(reader: BlockReader) -> None:
-    told = reader.opening()
-    stream = open_stream(told.rig, "live" if told.events is None else "replay", told.targets)
-    scene = LiveScene(told.rig, told.info, stream, events=told.events or ())
-    most = max(1, round(STEP * told.info.sample_rate))
+    opening = reader.opening()
+    stream = open_stream(opening.rig, "live" if opening.events is None else "replay", opening.targets)
+    scene = LiveScene(opening.rig, opening.info, stream, events=opening.events or ())
+    most = max(1, round(STEP * opening.info.sample_rate))
     os.write(sys.stdout.fileno(), READY)
     while not reader.ended:
         if blocks := reader.blocks(FRAME):

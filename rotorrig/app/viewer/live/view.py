@@ -1,6 +1,6 @@
-"""The live view as a sweep sees it: blocks are handed over and never waited for.
+"""Handle of the live view for a sweep: blocks are handed over without waiting.
 
-Tracking and drawing have a process of their own (live_process): a drawing thread here would hold the interpreter's lock
+Tracking and drawing have a process of their own (process.py): a drawing thread here would hold the interpreter's lock
 against the recorder and the interlock. What does not fit into the pipe waits here, newest kept; a view that hangs, dies
 or is slow costs blocks of the picture alone.
 """
@@ -119,7 +119,7 @@ class LiveView:
             return block
 
     def _finish(self) -> None:
-        fault = _ending(self._process)
+        fault = _wait_for_end(self._process)
         with self._changed:
             self.fault = fault
             self.dropped += len(self._waiting)
@@ -152,16 +152,16 @@ def _start_process(told: bytes) -> subprocess.Popen[bytes]:
     finally:
         overdue.cancel()
     if not ready:
-        raise RigError(f"live view: did not start ({_ending(process)})")
+        raise RigError(f"live view: did not start ({_wait_for_end(process)})")
     return process
 
 
-def _ending(process: subprocess.Popen[bytes]) -> str:
+def _wait_for_end(process: subprocess.Popen[bytes]) -> str:
     """Wait for the end of the process and return what went wrong, empty if nothing did."""
     assert process.stdin and process.stdout and process.stderr
     overdue = threading.Timer(FAREWELL, process.kill)
     overdue.start()
-    said = process.stderr.read().decode(errors="replace").strip().splitlines()
+    messages = process.stderr.read().decode(errors="replace").strip().splitlines()
     process.wait()
     overdue.cancel()
     for pipe in (process.stdin, process.stdout, process.stderr):
@@ -169,7 +169,7 @@ def _ending(process: subprocess.Popen[bytes]) -> str:
     if process.returncode < 0:
         return f"its process was ended by signal {-process.returncode}"
     if process.returncode:
-        return said[-1] if said else f"its process ended with {process.returncode}"
+        return messages[-1] if messages else f"its process ended with {process.returncode}"
     return ""
 
 

@@ -45,6 +45,6 @@ class SpeedPicture:
     def _draw_legend(self, legend: Sequence[tuple[str, Colour]]) -> None:
         places = [(WIDTH * (i + 0.5) / len(legend), HEIGHT + 20.0 - LIFT) for i in range(len(legend))]
         words = rr.Points2D(
-            places, labels=[said for said, _ in legend], colors=[c for _, c in legend], show_labels=True, radii=-0.01
+            places, labels=[label for label, _ in legend], colors=[c for _, c in legend], show_labels=True, radii=-0.01
         )
         self._stream.log(f"{self._path}/legend", words, static=True)

@@ -70,15 +70,15 @@ class Panel:
 
     def _labels(self, xs: Sequence[float], ys: Sequence[float]) -> list[tuple[float, float, str]]:
         below, beside = self.top + self.height + 5.5, self.left - 8.0
-        found = [(self.place([x], [0])[0][0], below, f"{x:g}") for x in xs] if self.x_title else []
-        found += [
+        labels = [(self.place([x], [0])[0][0], below, f"{x:g}") for x in xs] if self.x_title else []
+        labels += [
             (beside, self.place([0], [y])[0][1], f"{y % self.y_turn if math.isfinite(self.y_turn) else y:g}")
             for y in ys
         ]
-        found.append((self.left + self.width / 2, self.top - 5.0, self.title))
+        labels.append((self.left + self.width / 2, self.top - 5.0, self.title))
         if self.x_title:
-            found.append((self.left + self.width / 2, below + 7.5, self.x_title))
-        return found
+            labels.append((self.left + self.width / 2, below + 7.5, self.x_title))
+        return labels
 
 
 def ticks(low: float, high: float, step: float) -> list[float]:

@@ -1,4 +1,4 @@
-"""The shaft centreline of one probe plane in Rerun: where the mean position goes, within the bearing's clearance.
+"""The shaft centreline of one probe plane in Rerun: mean position over speed, within the bearing's clearance.
 
 A journal at rest lies at the bottom of its bearing, so the clearance circle stands on the point the path is counted
 from (Bently and Hatch, Fundamentals of Rotating Machinery Diagnostics, 2002, ch. 6). That is right at a plain bearing;

@@ -113,8 +113,8 @@ class PolarPicture:
         spokes = [(1.12 * self._reach * self._way(lag), f"{lag:g}°") for lag in lags]
         circles = [(radius * self._way(clear), f"{radius:g}") for radius in radii]
         places = self._to_view(np.array([at for at, _ in (*spokes, *circles)]))
-        found = [(x, y, words) for (x, y), (_, words) in zip(places, (*spokes, *circles), strict=True)]
-        return [*found, (50.0, -15.0, self._title)]
+        labels = [(x, y, words) for (x, y), (_, words) in zip(places, (*spokes, *circles), strict=True)]
+        return [*labels, (50.0, -15.0, self._title)]
 
     def _draw_rotation(self) -> None:
         """Draw an arrow on an arc outside the circle, in the sense of rotation, at the lower left."""
@@ -142,10 +142,10 @@ class PolarPicture:
 
 def _clear_lag(z: NDArray[np.complex128], lags: NDArray[np.float64]) -> float:
     """Return the one of `lags` [deg] in whose direction the vectors z (point,) reach least far."""
-    told = z[np.isfinite(z)]
-    if not told.size:
+    finite = z[np.isfinite(z)]
+    if not finite.size:
         return float(lags[0])
-    reach = (np.conj(np.exp(-1j * np.radians(lags)))[:, None] * told).real.max(axis=1)
+    reach = (np.conj(np.exp(-1j * np.radians(lags)))[:, None] * finite).real.max(axis=1)
     return float(lags[np.argmin(reach)])
 
 
@@ -156,13 +156,13 @@ def speed_marks(rpm: NDArray[np.float64], xy: NDArray[np.complex128], *, apart: 
     >>> speed_marks(np.linspace(1000, 2000, 11), path, apart=0.35)
     [0, 4, 8]
     """
-    told = np.flatnonzero(np.isfinite(rpm) & np.isfinite(xy))
-    if not told.size:
+    finite = np.flatnonzero(np.isfinite(rpm) & np.isfinite(xy))
+    if not finite.size:
         return []
-    low, high = math.ceil(rpm[told].min() / EVERY), math.floor(rpm[told].max() / EVERY)
+    low, high = math.ceil(rpm[finite].min() / EVERY), math.floor(rpm[finite].max() / EVERY)
     kept: list[int] = []
     for speed in EVERY * np.arange(low, high + 1):
-        nearest = int(told[np.argmin(np.abs(rpm[told] - speed))])
+        nearest = int(finite[np.argmin(np.abs(rpm[finite] - speed))])
         if all(abs(xy[nearest] - xy[other]) >= apart for other in kept):
             kept.append(nearest)
     return kept

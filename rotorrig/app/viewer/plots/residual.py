@@ -20,7 +20,7 @@ STOPS = (
 
 
 class ResidualPicture:
-    """What a model leaves of the measurement, as an image with axes; drawn once."""
+    """Residual map of a model as an image with axes; drawn once."""
 
     def __init__(self, stream: rr.RecordingStream, path: str) -> None:
         self._stream = stream

@@ -114,8 +114,8 @@ class RotorPicture:
         base = [[(0, 0, floor), (self._rig.shaft.length, 0, floor)]]
         self._log("rig/bearings", rings, static=True)
         self._log("rig/ground", rr.LineStrips3D([*feet, *base], colors=GROUND, radii=-1.5), static=True)
-        said = _merge_labels([(b.position, b.name) for b in bearings], apart=0.06 * self._rig.shaft.length)
-        self._labels("bearings", [(at, 0, floor) for at, _ in said], [words for _, words in said], SOFT)
+        labels = _merge_labels([(b.position, b.name) for b in bearings], apart=0.06 * self._rig.shaft.length)
+        self._labels("bearings", [(at, 0, floor) for at, _ in labels], [words for _, words in labels], SOFT)
         tops = [(d.position, 0, 1.15 * d.diameter / 2) for d in self._rig.disks]
         self._labels("disks", tops, [d.name for d in self._rig.disks], INK)
 
@@ -150,7 +150,7 @@ class RotorPicture:
 
 def _labels(places: Sequence[tuple[float, ...]], words: Sequence[str], colour: Colour) -> rr.Points3D:
     """Return words at places (point, 3), without a dot."""
-    shown = [displayable(said) for said in words]
+    shown = [displayable(word) for word in words]
     return rr.Points3D(places, labels=shown, show_labels=True, radii=-0.01, colors=colour)
 
 

@@ -1,4 +1,4 @@
-"""A scale of a picture that follows what is drawn, in round numbers and not at every frame."""
+"""Auto-scaling of a plot to its data, in round numbers and not at every frame."""
 
 from rotorrig.app.plot_data import nice
 

@@ -1,4 +1,4 @@
-"""Words in Rerun: the viewer ends at a character its font does not have, so those are replaced."""
+"""Text that Rerun can display: characters missing from the viewer's font end it, so they are replaced."""
 
 LATIN = (range(0x20, 0x7F), range(0xA0, 0x149), range(0x14A, 0x17F))
 GREEK = (range(0x391, 0x3A2), range(0x3A3, 0x3CA))

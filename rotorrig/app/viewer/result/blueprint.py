@@ -1,4 +1,4 @@
-"""Which view of a result stands where in the Rerun viewer: tabs, from the verdict to the rotor."""
+"""Layout of the result view in Rerun: tabs, from the verdict to the rotor."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""What of a result moves with the cursor along the speed: orbits, the cursor itself, the rotor's deflection."""
+"""Result plots that follow the speed cursor: orbits, the cursor itself, the rotor's deflection."""
 
 import numpy as np
 import rerun as rr
@@ -58,15 +58,15 @@ def _orbits(
 ) -> tuple[list[tuple[str, NDArray[np.float64], tuple[int, int, int]]], NDArray[np.float64]]:
     """Return the orbits of a plane at a row and their keyphasor dots, µm; the plainest lies at the bottom."""
     xy = orbit(plane, result.z[row, columns][:, None]) * UM
-    found = [("measured-1X", xy, UP)]
+    orbits = [("measured-1X", xy, UP)]
     if result.model is not None:
-        found.append(("model-1X", orbit(plane, result.model[row, columns][:, None]) * UM, MODEL_UP))
+        orbits.append(("model-1X", orbit(plane, result.model[row, columns][:, None]) * UM, MODEL_UP))
     if slow_roll_known(result.response):
         raw = orbit(plane, result.response.order(1.0)[row, columns][:, None]) * UM
-        found.insert(0, ("raw-1X", raw, RAW))
+        orbits.insert(0, ("raw-1X", raw, RAW))
     if waveforms and (recorded := _recorded_orbit(waveforms, result, row, plane)) is not None:
-        found.insert(0, ("recorded", recorded, RECORDED))
-    return found, xy[:1]
+        orbits.insert(0, ("recorded", recorded, RECORDED))
+    return orbits, xy[:1]
 
 
 def _recorded_orbit(waveforms: Waveforms, result: Result, row: int, plane: Plane) -> NDArray[np.float64] | None:

@@ -1,4 +1,4 @@
-"""The full spectra of a result over speed: of the recording where that is at hand, else of its order vectors."""
+"""Full-spectrum cascades of a result: from the recording if given, else from the order vectors."""
 
 import numpy as np
 import rerun as rr
@@ -25,9 +25,9 @@ def draw_cascades(stream: rr.RecordingStream, result: Result, waveforms: Wavefor
     if not result.sweeps or not result.planes:
         return
     rows = representative_rows(result.response, result.z, run=result.sweeps[0], count=SPECTRA)
-    found = recorded_cascades(result, waveforms, rows) if waveforms is not None and rows else []
-    for i, (rpm, order, amplitude) in enumerate(found or tracked_cascades(result, rows)):
-        what = "as recorded" if found else "of the order vectors, raw"
+    recorded = recorded_cascades(result, waveforms, rows) if waveforms is not None and rows else []
+    for i, (rpm, order, amplitude) in enumerate(recorded or tracked_cascades(result, rows)):
+        what = "as recorded" if recorded else "of the order vectors, raw"
         picture = CascadePicture(stream, f"cascade/{i}", title=f"full spectrum, {what}, 0-peak", static=True)
         picture.draw(rpm, order, amplitude * UM)
 
@@ -54,11 +54,11 @@ def tracked_cascades(result: Result, rows: list[int]) -> list[Cascade]:
     centres = np.array([*(-n for n in reversed(orders)), *orders])
     places = np.concatenate([[-HIGHEST], *(c + np.array([-STICK, 0.0, STICK]) for c in centres), [HIGHEST]])
     by_order = [whirl_vectors(result.response, order=order) for order in orders]
-    found = []
+    cascades = []
     for i in range(len(result.planes)):
         forward = np.array([np.abs(seen[i].forward[rows]) for seen in by_order])
         backward = np.array([np.abs(seen[i].backward[rows]) for seen in by_order])
         amplitude = np.zeros((len(rows), len(places)))
         amplitude[:, 2:-1:3] = np.concatenate([backward[::-1], forward]).T
-        found.append((result.rpm[rows], places, amplitude))
-    return found
+        cascades.append((result.rpm[rows], places, amplitude))
+    return cascades

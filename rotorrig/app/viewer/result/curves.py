@@ -1,4 +1,4 @@
-"""What of a result is drawn once: Bode and polar plots, residual maps, centrelines, gaps, whirl over speed."""
+"""Static plots of a result: Bode and polar plots, residual maps, centrelines, gaps, whirl over speed."""
 
 import numpy as np
 import rerun as rr
@@ -93,10 +93,10 @@ def _draw_polar(stream: rr.RecordingStream, result: Result, p: int) -> PolarPict
 
 def draw_residuals(stream: rr.RecordingStream, result: Result) -> None:
     """Draw the 1X residual in sigmas, of the base model and of the extended one, where there is a diagnosis."""
-    found, response = result.diagnosis, result.response
-    if found is None:
+    diagnosis, response = result.diagnosis, result.response
+    if diagnosis is None:
         return
-    for name, sigmas in (("before", found.sigmas), ("after", extended_sigmas(found))):
+    for name, sigmas in (("before", diagnosis.sigmas), ("after", extended_sigmas(diagnosis))):
         if sigmas is not None:
             ResidualPicture(stream, f"residual/{name}").draw(*residual_grid(response, sigmas, bins=MAP_BINS))
 

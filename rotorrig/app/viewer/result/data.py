@@ -1,4 +1,4 @@
-"""A finished run and what was made of it, as the pictures of the result want it."""
+"""A response with its fit, diagnosis and recording, arranged for the plots of the result view."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -40,12 +40,12 @@ class Result:
 
     @cached_property
     def z(self) -> Vectors:
-        """What was measured, NaN where a row is not usable."""
+        """Measured vectors, NaN where a row is not usable."""
         return np.where(self.response.usable, vectors(self.response), np.nan)
 
     @property
     def word(self) -> str:
-        """What the vectors are."""
+        """Kind of the vectors, in a word."""
         return "slow-roll compensated" if slow_roll_known(self.response) else "raw"
 
     @cached_property
@@ -65,7 +65,7 @@ class Result:
 
     @cached_property
     def fastest(self) -> float:
-        """Where speed axes end [rpm]."""
+        """Upper end of speed axes [rpm]."""
         return 100.0 * float(np.ceil(self.rpm.max() / 100.0))
 
 
@@ -77,8 +77,8 @@ def result_of(
 ) -> Result:
     """Put together what belongs to `response`. Raises DataError if one of the others does not, or it has no 1X."""
     if 1.0 not in response.orders:
-        said = ", ".join(order_name(order) for order in response.orders)
-        raise DataError(f"response: has the orders {said}, want 1X among them: what is shown of a result is 1X")
+        orders = ", ".join(order_name(order) for order in response.orders)
+        raise DataError(f"response: has the orders {orders}, want 1X among them: what is shown of a result is 1X")
     for what, of in (("fit", identification), ("run", recording)):
         if of is not None and of.source.source_hash != response.source.source_hash:
             raise DataError(

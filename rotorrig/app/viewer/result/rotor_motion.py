@@ -1,4 +1,4 @@
-"""How the rotor of a result moves, by its model: the 1X deflection of its centreline over speed, and its mode shapes.
+"""Rotor motion of a result by its model: 1X deflection of the centreline over speed, and mode shapes.
 
 The model is the one of the fit, without extension, or the nameplate's where there is no fit.
 """
@@ -69,14 +69,14 @@ def mode_words(mode: Mode, *, rotation: str) -> str:
 def _deflection(model: RotorModel, result: Result, rows: list[int]) -> NDArray[np.complex128]:
     """Return x and y of the centreline (row, 2, node) [m], the trial masses of the rows' runs included."""
     response = result.response
-    found = np.zeros((len(rows), 2, len(model.z)), dtype=complex)
+    deflection = np.zeros((len(rows), 2, len(model.z)), dtype=complex)
     base = fitted_unbalance(response.rig, result.fit)
     for i, row in enumerate(rows):
         trial = response.runs[response.run[row]].trial_unbalance
         amounts = {name: base.get(name, 0j) + trial.get(name, 0j) for name in {*base, *trial}}
         (q,) = steady_response(model, response.omega[row], unbalance=amounts)
-        found[i] = model.centreline @ q
-    return found
+        deflection[i] = model.centreline @ q
+    return deflection
 
 
 def fitted_model(rig: RigConfig, fit: Fit | None) -> RotorModel:
@@ -106,5 +106,5 @@ def fitted_unbalance(rig: RigConfig, fit: Fit | None) -> dict[str, complex]:
     if fit is None:
         return {d.name: d.unbalance.amount * np.exp(1j * d.unbalance.angle) for d in rig.disks if d.unbalance}
     space = Space.of(rig)
-    found = zip(space.planes, space.amounts, space.phases, strict=True)
-    return {p: fit.estimate(u.name).value * np.exp(1j * fit.estimate(phase).value) for p, u, phase in found}
+    parameters = zip(space.planes, space.amounts, space.phases, strict=True)
+    return {p: fit.estimate(u.name).value * np.exp(1j * fit.estimate(phase).value) for p, u, phase in parameters}

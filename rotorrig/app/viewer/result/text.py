@@ -1,4 +1,4 @@
-"""What stands beside the pictures of a result, in Markdown: verdict, causes, values, colours, provenance."""
+"""Markdown panels of the result view: verdict, causes, values, colours, provenance."""
 
 from rotorrig.app.text import (
     cause_evidence,
@@ -17,45 +17,52 @@ from rotorrig.identify import Diagnosis
 
 def verdict_words(result: Result) -> str:
     """Return verdict, causes and identified values, and what they were made of."""
-    said = [f"# {result.response.rig.name}"]
-    if found := result.diagnosis:
-        said += [f"**{str(found.verdict).upper()}**: {found.sentence}", *_causes(found)]
+    paragraphs = [f"# {result.response.rig.name}"]
+    if diagnosis := result.diagnosis:
+        paragraphs += [f"**{str(diagnosis.verdict).upper()}**: {diagnosis.sentence}", *_causes(diagnosis)]
     if fit := result.fit:
         rows = [f"| {e.name} | {estimate_text(e)} | {quantity_text(e.nameplate, e.unit)} |" for e in fit.estimates]
-        said.append("\n".join(["| | identified | nameplate |\n|---|---|---|", *rows]))
+        paragraphs.append("\n".join(["| | identified | nameplate |\n|---|---|---|", *rows]))
     made = result.response.source
-    said.append(f"Config {made.config_hash}, data {made.source} {made.source_hash}, code {made.code_version}.")
-    return "\n\n".join(said)
+    paragraphs.append(f"Config {made.config_hash}, data {made.source} {made.source_hash}, code {made.code_version}.")
+    return "\n\n".join(paragraphs)
 
 
 def colour_words(result: Result) -> str:
     """Return what the colours mean, and the conventions."""
-    said = ["blue: speed rises; orange: it falls", "white dot: the keyphasor edge, or the vector at the cursor's speed"]
+    lines = [
+        "blue: speed rises; orange: it falls",
+        "white dot: the keyphasor edge, or the vector at the cursor's speed",
+    ]
     if result.extended is not None:
-        said.append("pale lines: the extended model; violet ones: the model before")
+        lines.append("pale lines: the extended model; violet ones: the model before")
     elif result.model is not None:
-        said.append("pale lines: the model")
-    said.append(f"orbits: blue 1X, {result.word}")
-    said[-1] += "; grey-blue 1X as it was" if result.word != "raw" else ""
-    said[-1] += "; grey two turns of all that was recorded" if result.recording is not None else ""
-    said += [
+        lines.append("pale lines: the model")
+    lines.append(f"orbits: blue 1X, {result.word}")
+    lines[-1] += "; grey-blue 1X as it was" if result.word != "raw" else ""
+    lines[-1] += "; grey two turns of all that was recorded" if result.recording is not None else ""
+    lines += [
         "green: forward whirl, with the rotation; pink: backward",
         "µm 0-peak, phase lag in degrees from the keyphasor edge; polar plots: 0° at the probe, lag against rotation",
         "the line at the bottom moves the speed; on `phase_deg` it turns the rotor",
     ]
-    return "\n".join(f"- {words}" for words in said)
+    return "\n".join(f"- {words}" for words in lines)
 
 
-def _causes(found: Diagnosis) -> list[str]:
+def _causes(diagnosis: Diagnosis) -> list[str]:
     """Return the causes in the model and the best others as a table, what the model gains, and the next run."""
-    said = [cause.words for cause in found.causes if cause.chosen and cause.words not in found.sentence]
-    if found.causes:
+    paragraphs = [cause.words for cause in diagnosis.causes if cause.chosen and cause.words not in diagnosis.sentence]
+    if diagnosis.causes:
         rows = [
             f"| {c.label} | {cause_size(c)} | {cause_evidence(c)} | {cause_prediction_error(c)} |"
-            for c in causes_to_list(found)
+            for c in causes_to_list(diagnosis)
         ]
-        said.append("\n".join(["| cause | size | evidence | held-out error |", "|---|---|---|---|", *rows]))
+        paragraphs.append("\n".join(["| cause | size | evidence | error on unseen data |", "|---|---|---|---|", *rows]))
     return [
-        *said,
-        *(words for words in (gain_sentence(found), *tie_sentences(found), next_run_sentence(found)) if words),
+        *paragraphs,
+        *(
+            words
+            for words in (gain_sentence(diagnosis), *tie_sentences(diagnosis), next_run_sentence(diagnosis))
+            if words
+        ),
     ]

@@ -1,4 +1,4 @@
-"""A finished run as a Rerun file: what was measured, what the model says before and after its extension, and the rotor.
+"""Rerun file of a finished run: measurement, model before and after its extension, and the rotor.
 
 The timeline is the shaft speed: moving along it moves the orbits, the cursor in every plot and the rotor's deflection.
 """

@@ -1,4 +1,4 @@
-"""What the live view computes from blocks: tracked vectors, waveforms, slow roll, spectra, the history of a sweep."""
+"""Data of the live view, computed from blocks: tracked vectors, waveforms, slow roll, spectra, sweep history."""
 
 from rotorrig.app.viewer.live.data.curves import WAYS, Points, SpeedCurves
 from rotorrig.app.viewer.live.data.history import STEP, History, history_of, split_into_steps

@@ -1,4 +1,4 @@
-"""Curves over speed while they grow: turns pooled into points, apart in speed, rising kept from falling."""
+"""Curves over speed of a running sweep: turns pooled into points by speed, rising and falling apart."""
 
 from dataclasses import dataclass
 
@@ -46,11 +46,11 @@ class SpeedCurves:
 
     def points(self, direction: int) -> Points:
         """Return the curve of one direction, which must have points."""
-        found = self._points[direction]
+        pooled = self._points[direction]
         return Points(
-            rpm=np.array([rpm for rpm, *_ in found]),
-            z=np.array([z for _, z, _ in found]),
-            gap=np.array([gap for *_, gap in found]),
+            rpm=np.array([rpm for rpm, *_ in pooled]),
+            z=np.array([z for _, z, _ in pooled]),
+            gap=np.array([gap for *_, gap in pooled]),
         )
 
     def _pool(self) -> None:

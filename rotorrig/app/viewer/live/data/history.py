@@ -1,4 +1,4 @@
-"""All that is known of a sweep so far, gathered as blocks arrive; nothing of it is drawn here."""
+"""History of a running sweep, accumulated block by block for the live plots."""
 
 from rotorrig.acquisition import RawRecording
 from rotorrig.app.viewer.live.data.curves import SpeedCurves

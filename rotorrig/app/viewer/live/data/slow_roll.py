@@ -1,4 +1,4 @@
-"""The slow roll of a sweep that still runs: vector and waveform, from the turns at a plan's slow-roll speed so far."""
+"""Slow roll of a running sweep: vector and waveform, averaged over the turns at a plan's slow-roll speed so far."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ class SlowRollSoFar:
 
     @property
     def known(self) -> bool:
-        """Whether there is a vector to subtract."""
+        """True once there is a vector to subtract."""
         return self.turns >= FEWEST and self._shapes > 0
 
     @property

@@ -1,4 +1,4 @@
-"""Full spectra of a sweep that still runs: one per step of speed and direction, for the cascade."""
+"""Full spectra of a running sweep: one per step of speed and direction, for the cascade."""
 
 from dataclasses import dataclass
 
@@ -42,10 +42,10 @@ class SpectraSoFar:
             return
         amplitude = []
         for plane, columns in zip(self.planes, self._columns, strict=True):
-            self._order, found = full_spectrum(
+            self._order, spectrum = full_spectrum(
                 waveform.x[:, columns], plane=plane, rotation=self._rotation, turns=waveform.turns
             )
-            amplitude.append(found * UM)
+            amplitude.append(spectrum * UM)
         rows.append((rpm, np.array(amplitude)))
 
     def count(self, direction: int) -> int:
@@ -55,5 +55,5 @@ class SpectraSoFar:
     def cascade(self, plane: int, *, direction: int) -> Cascade:
         """Return the spectra of the plane with that index, of which there must be some."""
         rows = self._rows[direction]
-        amplitude = np.array([found[plane] for _, found in rows])
+        amplitude = np.array([by_plane[plane] for _, by_plane in rows])
         return Cascade(rpm=np.array([rpm for rpm, _ in rows]), order=self._order, amplitude=amplitude)

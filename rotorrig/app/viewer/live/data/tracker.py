@@ -1,4 +1,4 @@
-"""Vectors while the samples arrive: one per turn and probe, good enough to watch, never to identify from.
+"""Real-time 1X tracking, one vector per turn and probe: good enough to watch, never to identify from.
 
 A turn runs from one keyphasor edge to the next and its speed is taken as constant; there is no window. On a 30 rpm/s
 ramp that costs less than 1 % of the amplitude; `rotor track` does it properly.

@@ -22,7 +22,7 @@ class Waveform:
 
     @property
     def turns(self) -> int:
-        """How many turns there are."""
+        """Number of turns."""
         return len(self.edges) - 1
 
     @property

@@ -1,4 +1,4 @@
-"""What the live view draws, one file a part: orbits, vectors, position, cascade, readings, and the fixed layout."""
+"""Parts of the live view, one file each: orbits, vectors, position, cascade, readings, and the fixed layout."""
 
 from rotorrig.app.viewer.live.parts.blueprint import live_blueprint, replay_blueprint
 from rotorrig.app.viewer.live.parts.scene import LiveScene

@@ -1,4 +1,4 @@
-"""Which view stands where while a sweep runs and when it is seen again: tabs, the first for whoever runs the sweep."""
+"""Layout of the live and the replay view: tabs, the first for the operator of the sweep."""
 
 import math
 

@@ -30,6 +30,6 @@ class CascadesPart:
         grown = [way for way in WAYS if spectra.count(way) > self._drawn[way]]
         for (plane, way), picture in self._pictures.items():
             if way in grown:
-                found = spectra.cascade(plane, direction=way)
-                picture.draw(found.rpm, found.order, found.amplitude, colour=COLOURS[way])
+                cascade = spectra.cascade(plane, direction=way)
+                picture.draw(cascade.rpm, cascade.order, cascade.amplitude, colour=COLOURS[way])
         self._drawn.update({way: spectra.count(way) for way in grown})

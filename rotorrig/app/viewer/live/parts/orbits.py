@@ -1,4 +1,4 @@
-"""Orbits of a sweep that runs: as measured, 1X alone, and less the slow roll, each beside its time base."""
+"""Orbits of a running sweep: as measured, 1X alone, and less the slow roll, each beside its time base."""
 
 import numpy as np
 import rerun as rr

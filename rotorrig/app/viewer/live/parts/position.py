@@ -1,4 +1,4 @@
-"""Where the shaft lies in its bearings during a sweep: centreline of every plane over speed, gap voltages over time."""
+"""Shaft position during a sweep: centreline of every plane over speed, gap voltages over time."""
 
 import numpy as np
 import rerun as rr

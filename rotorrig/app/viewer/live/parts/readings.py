@@ -1,4 +1,4 @@
-"""The numbers of this moment beside the pictures: speed, 1X, peak to peak and gap voltage of every probe."""
+"""Current readings in Markdown: speed, 1X, peak to peak and gap voltage of every probe."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ def readings(
 ) -> str:
     """Return what is measured at this moment, in Markdown; `note` says what the rig is doing, if that is known."""
     speed = "no turn seen" if waveform is None else f"{waveform.omega * RPM:.0f} rpm"
-    said = [" – ".join(words for words in (f"**{speed}**", displayable(note), slow_roll.words) if words)]
+    paragraphs = [" – ".join(words for words in (f"**{speed}**", displayable(note), slow_roll.words) if words)]
     rows = ["| probe | gap, V | p-p, µm | 1X raw, µm | less slow roll, µm |\n|---|---:|---:|---:|---:|"]
     z = first_order(waveform) if waveform else None
     for p, probe in enumerate(rig.probes):
@@ -27,9 +27,9 @@ def readings(
         x = waveform.last(1).x[:, p]
         compensated = _vector(z[p] - slow_roll.z[p]) if slow_roll.known else "–"
         rows.append(f"| {probe.name} | {gap} | {float(np.ptp(x)) * UM:.1f} | {_vector(z[p])} | {compensated} |")
-    said.append("\n".join(rows))
-    said.append("p-p: peak to peak over the last turn. 1X: 0-peak, at its phase lag.")
-    return "\n\n".join(said)
+    paragraphs.append("\n".join(rows))
+    paragraphs.append("p-p: peak to peak over the last turn. 1X: 0-peak, at its phase lag.")
+    return "\n\n".join(paragraphs)
 
 
 def _vector(z: complex) -> str:

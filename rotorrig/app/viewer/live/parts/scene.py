@@ -1,4 +1,4 @@
-"""What a sweep looks like as it runs, drawn into a Rerun stream; what costs more is drawn less often."""
+"""Live view of a sweep in a Rerun stream; costlier parts are redrawn less often."""
 
 from collections.abc import Iterable
 
@@ -97,8 +97,8 @@ class LiveScene:
             seconds = event.t_ns / 1e9
             self._stream.set_time("time", duration=seconds)
             words = f"{event.kind}: {event.text}" if event.text else event.kind
-            said = displayable(f"{seconds:.1f} s, {words}")
-            self._stream.log("events", rr.TextLog(said, level=LEVELS.get(event.kind, "INFO")))
+            entry = displayable(f"{seconds:.1f} s, {words}")
+            self._stream.log("events", rr.TextLog(entry, level=LEVELS.get(event.kind, "INFO")))
             self._stream.log("speed/events", rr.Scalars(self._tracker.speed * RPM))
             if event.kind in ("mark", *ENDS):
                 self._note = event.text if event.kind == "mark" else words
