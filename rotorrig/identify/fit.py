@@ -61,18 +61,20 @@ def identify(
     with threadpool_limits(1, user_api="blas"):  # thousands of small products: threads cost 40 times what they save
         progress(WHOLE)
         whole = _band(response, WHOLE)
-        found, best = _solved(response, whole, options)
-        fits = [_fit(response, whole, whole, options, found, best)]
+        searched, best = _search_and_refine(response, whole, options)
+        fits = [_fit(response, whole, whole, options, searched, best)]
         for name, limits in (rig.identify.bands if rig.identify else {}).items():
             progress(name)
             try:
                 part = _band(response, name, limits)
-                fits.append(_fit(response, part, whole, options, *_solved(response, part, options, near=best.p)))
+                fits.append(
+                    _fit(response, part, whole, options, *_search_and_refine(response, part, options, near=best.p))
+                )
             except DataError as error:
                 left_out.append(f"The band '{name}' was left out: {error}.")
         if resampling:
             progress("bootstrap")
-            again = _Again(response, options)
+            again = _BandRefit(response, options)
             fits[0] = with_bootstrap_intervals(fits[0], whole.problem, best, resampling, seed=seed, search=again)
     return Identification(
         fits=(replace(fits[0], words=(*fits[0].words, *left_out)), *fits[1:]),
@@ -96,7 +98,7 @@ def first_fit(response: OrderTrackedResponse, *, seed: int = 0) -> Solution:
     """Return a fit of the whole sweep alone to begin others from, in the vector of `Parameters`. Raises as `fit`."""
     _check(response.rig)
     with threadpool_limits(1, user_api="blas"):
-        return _solved(
+        return _search_and_refine(
             response,
             _band(response, WHOLE),
             _Options(objective="residual", seed=seed, profile=False, steps=_FIRST_STEPS),
@@ -127,19 +129,21 @@ def _band(response: OrderTrackedResponse, name: str, limits: tuple[float, float]
     return _Band(name=name, measured=measured, problem=Problem(response, measured))
 
 
-def _solved(
+def _search_and_refine(
     response: OrderTrackedResponse, band: _Band, options: _Options, *, near: Reals | None = None
 ) -> tuple[SearchResult, Solution]:
     """Search a band, and refine what was found and, if given, `near`: the parameters of another band."""
     space = band.problem.parameters.space
-    found = search(response, band.measured, space, objective=options.objective, seed=options.seed)
-    return found, _best(
-        _refined(band.problem, [np.array(o.theta[: len(space)]) for o in found.optima], near, steps=options.steps)
+    searched = search(response, band.measured, space, objective=options.objective, seed=options.seed)
+    return searched, _best(
+        _refine_starts(
+            band.problem, [np.array(o.theta[: len(space)]) for o in searched.optima], near, steps=options.steps
+        )
     )
 
 
 @dataclass(frozen=True)
-class _Again:
+class _BandRefit:
     """Fits a bootstrap's draw as the measured one was: by the whole search."""
 
     response: OrderTrackedResponse
@@ -147,10 +151,10 @@ class _Again:
 
     def __call__(self, problem: Problem, start: Reals) -> Solution:
         band = _Band(name=WHOLE, measured=problem.measured, problem=problem)
-        return _solved(self.response, band, self.options)[1]
+        return _search_and_refine(self.response, band, self.options)[1]
 
 
-def _refined(problem: Problem, optima: list[Reals], near: Reals | None, *, steps: int) -> Iterator[Solution]:
+def _refine_starts(problem: Problem, optima: list[Reals], near: Reals | None, *, steps: int) -> Iterator[Solution]:
     """Refine one start after the other: `near`, the search's best minimum, the nameplate, the next minimum.
 
     Amplitudes of few probes leave valleys in which the search cannot choose; the nameplate is a fair guess there.
@@ -172,7 +176,7 @@ def _best(refined: Iterator[Solution]) -> Solution:
 
 
 def _fit(
-    response: OrderTrackedResponse, band: _Band, whole: _Band, options: _Options, found: SearchResult, best: Solution
+    response: OrderTrackedResponse, band: _Band, whole: _Band, options: _Options, searched: SearchResult, best: Solution
 ) -> Fit:
     """Put the results of a band into words and numbers; `whole` predicts the rows outside it too."""
     problem = band.problem
@@ -194,10 +198,10 @@ def _fit(
         ),
         nuisances=estimates.estimate_nuisances(best, problem),
         unknowns=(*space.names, *(amount.name for amount in space.amounts)),
-        optima=found.optima,
+        optima=searched.optima,
         objective=options.objective,
-        evaluations=found.evaluations,
-        stop=found.stop,
+        evaluations=searched.evaluations,
+        stop=searched.stop,
         seed=options.seed,
         chi2=best.chi2,
         dof=best.dof,

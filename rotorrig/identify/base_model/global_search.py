@@ -37,7 +37,7 @@ _DESCENT = 100  # calls from the one to the other
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchResult:
-    """What a search found."""
+    """Result of a search."""
 
     optima: tuple[Optimum, ...]  # best first
     evaluations: int  # calls of the model, each the response and its derivatives

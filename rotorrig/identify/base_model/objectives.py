@@ -1,4 +1,4 @@
-"""What a search minimises: the chapter's f1, f2 and f3 on amplitudes, or the whitened complex residual.
+"""Objectives of a search: the chapter's f1, f2 and f3 on amplitudes, or the whitened complex residual.
 
 Each is a vector of residuals with its Jacobian over the unit cube of `Steady`. The unbalance, in which the response is
 linear, is solved for at every point (variable projection: Golub and Pereyra 1973, with Kaufman's Jacobian 1975).

@@ -1,4 +1,4 @@
-"""What a refined fit frees, in order, and the priors of what the nameplate cannot know exactly.
+"""Parameters of a refined fit, in order, and the priors of what the nameplate cannot know exactly.
 
 The unknowns of the [identify] table (unknowns.py, in working coordinates) and the unbalance vectors are what is sought.
 Modulus, disk mass, the other bearings, probe gain and angle are nuisances with the config's priors, and each probe has

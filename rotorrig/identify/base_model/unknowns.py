@@ -1,4 +1,4 @@
-"""What is identified: the unknowns of a rig's [identify] table, their bounds, and the scale each is searched on.
+"""Unknowns of an identification: those of a rig's [identify] table, their bounds, and the scale each is searched on.
 
 Direct stiffness and damping, unbalance, modulus and density are ratios: a step means a factor, and they are searched
 on a logarithmic scale (chapter 8.2, eq. 21, and the side constraints below it). In linear coordinates a hundredth of
@@ -89,7 +89,7 @@ class Space:
 
     @cached_property
     def nameplate(self) -> Real:
-        """What the nameplate says, (unknown,) in SI, moved into the bounds: a start."""
+        """Nameplate values, (unknown,) in SI, moved into the bounds: a start."""
         return np.clip([unknown.nameplate for unknown in self.unknowns], *self.bounds.T)
 
     def to_working(self, values: ArrayLike) -> Real:

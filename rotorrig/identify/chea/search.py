@@ -78,7 +78,7 @@ class Search:
 
     @property
     def done(self) -> bool:
-        """Whether the search came to its natural end."""
+        """True once the search has ended by itself."""
         return self._reason is not None
 
     def ask(self) -> Array:

@@ -20,7 +20,7 @@ STEP = 1e-5  # of an unknown in working coordinates: loads and laws
 
 
 class LawColumns:
-    """What a step along every unknown of `free` makes of the rotor, its loads and its laws; serves all recordings."""
+    """Effect of a step along every unknown of `free` on the rotor, its loads and its laws; serves all recordings."""
 
     def __init__(self, model: ExtendedModel, p: Reals, moving: Moving, free: Index) -> None:
         """Work out the directions at `p` and what the steps lead to."""

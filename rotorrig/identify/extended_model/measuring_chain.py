@@ -1,4 +1,4 @@
-"""What the probes make of a motion: the base's nuisances of the measuring chain, then the effects behind them."""
+"""Measuring chain, from motion to readings: the base's nuisances of it, then the effects behind them."""
 
 from collections.abc import Mapping
 

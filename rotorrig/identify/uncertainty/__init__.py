@@ -1,4 +1,4 @@
-"""How well the estimates are known: sigmas and intervals, profile likelihood, bootstrap, what the data cannot tell."""
+"""Uncertainty of the estimates: sigmas and intervals, profile likelihood, bootstrap, what the data cannot tell."""
 
 from rotorrig.identify.uncertainty.bootstrap import Resampling, with_bootstrap_intervals
 from rotorrig.identify.uncertainty.identifiability import Identifiability

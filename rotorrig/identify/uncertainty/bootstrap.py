@@ -72,7 +72,7 @@ def with_bootstrap_intervals(
     )
     return replace(
         fit,
-        estimates=tuple(_resampled(estimate, resampled) for estimate in fit.estimates),
+        estimates=tuple(_with_bootstrap_interval(estimate, resampled) for estimate in fit.estimates),
         words=(*fit.words, *_words(resampled)),
     )
 
@@ -120,17 +120,17 @@ def simulate_draw(
     return p, problem.predict(p) + excess * problem.measured.noise(rng)
 
 
-def _resampled(estimate: Estimate, found: Bootstrap) -> Estimate:
-    interval = found.interval(estimate.name)
+def _with_bootstrap_interval(estimate: Estimate, bootstrap: Bootstrap) -> Estimate:
+    interval = bootstrap.interval(estimate.name)
     if interval is None or estimate.interval is None:
         return estimate
     return replace(estimate, interval=interval, interval_by="bootstrap")
 
 
-def _words(found: Bootstrap) -> Iterator[str]:
-    done = len(found.draws)
-    if done < found.asked:
-        yield f"The bootstrap was interrupted after {done} of {found.asked} draws."
+def _words(bootstrap: Bootstrap) -> Iterator[str]:
+    done = len(bootstrap.draws)
+    if done < bootstrap.asked:
+        yield f"The bootstrap was interrupted after {done} of {bootstrap.asked} draws."
     fewest = UNCERTAINTY.fewest_draws
     if done < fewest:
         yield f"A bootstrap of {done} draws gives no 95 % interval, want at least {fewest}: the others stand."

@@ -21,12 +21,12 @@ def estimate_unknowns(best: Solution, problem: Problem, rig: RigConfig, *, unsee
     space = problem.parameters.space
     values = problem.parameters.values(best.p)
     sigma = best.sigma[problem.parameters.sought] * space.slopes(values)
-    found = []
+    estimates = []
     for i, unknown in enumerate(space.unknowns):
         hidden = any(axis in unseen for axis in unknown.axes)
         certain = sigma[i] < UNCERTAINTY.determined * space.references(values)[i]
         determined = bool(certain and not hidden and not problem.at_bound(best.p, i))
-        found.append(
+        estimates.append(
             Estimate(
                 name=unknown.name,
                 value=float(values[i]),
@@ -38,10 +38,10 @@ def estimate_unknowns(best: Solution, problem: Problem, rig: RigConfig, *, unsee
             )
         )
     for i, plane in enumerate(space.planes):
-        found += _unbalance(
+        estimates += _unbalance(
             best, problem, rig, plane=plane, amount=space.amounts[i], phase=space.phases[i], first=2 * i
         )
-    return tuple(found)
+    return tuple(estimates)
 
 
 def estimate_nuisances(best: Solution, problem: Problem) -> tuple[Estimate, ...]:

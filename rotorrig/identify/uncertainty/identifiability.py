@@ -1,4 +1,4 @@
-"""What a response can tell about the unknowns: singular directions of the Fisher information, and what limits each.
+"""Identifiability of the unknowns from a response: singular directions of the Fisher information, and what limits each.
 
 Unknowns are measured in relative changes (radians for phases, parts of the direct coefficient for cross ones), so that
 a singular value is one over a relative uncertainty. Two informations are looked at:

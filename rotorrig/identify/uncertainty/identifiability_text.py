@@ -30,8 +30,8 @@ def describe_identifiability(
         for names, sentence in _weak(able, root, by_what, settled):
             settled.update(names)
             sentences.append(sentence)
-    sentences += _tied(able)
-    if limited := _limited(able):
+    sentences += _describe_ties(able)
+    if limited := _describe_limits(able):
         sentences.append(limited)
     return tuple(sentences)
 
@@ -66,15 +66,17 @@ def _weak(
 
 
 def _inseparable(coordinates: list[Coordinate], weakness: Weakness, by_what: str) -> str:
-    moves = [_moved(c, UNCERTAINTY.shown * change) for c, change in zip(coordinates, weakness.changes, strict=True)]
+    moves = [
+        _describe_change(c, UNCERTAINTY.shown * change) for c, change in zip(coordinates, weakness.changes, strict=True)
+    ]
     sentence = f"{_list(weakness.names)} cannot be separated {by_what}: {_list(moves)} at once would hardly show"
     if weakness.known_sigma < UNCERTAINTY.known:
         sentence += f"; {_combination(coordinates, weakness.known)} is known to {_percent(weakness.known_sigma)}"
     return f"{sentence}."
 
 
-def _tied(able: Identifiability) -> Iterator[str]:
-    """Name pairs that are each determined, but far better together."""
+def _describe_ties(able: Identifiability) -> Iterator[str]:
+    """Yield a sentence for every pair whose members are determined, but far better together."""
     weak = {name for name in able.names if able.sigma(name, able.fitted) > UNCERTAINTY.determined}
     correlation = able.correlation()
     for i, first in enumerate(able.coordinates):
@@ -87,7 +89,7 @@ def _tied(able: Identifiability) -> Iterator[str]:
                 )
 
 
-def _limited(able: Identifiability) -> str:
+def _describe_limits(able: Identifiability) -> str:
     """Say which estimates the nameplate's tolerances limit, not the noise."""
     limited = []
     for name, shares in able.budget().items():
@@ -107,7 +109,7 @@ def _either_way(coordinate: Coordinate, sigma: float) -> str:
     return f"± {sigma * coordinate.reference:.2g} {coordinate.unit}"
 
 
-def _moved(coordinate: Coordinate, change: float) -> str:
+def _describe_change(coordinate: Coordinate, change: float) -> str:
     way = "higher" if change > 0 else "lower"
     if coordinate.logarithmic:
         return f"{coordinate.name} {_percent(abs(change))} {way}"

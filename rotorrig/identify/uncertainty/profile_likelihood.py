@@ -63,7 +63,7 @@ def find_end(problem: Problem, best: Solution, quantity: Quantity, *, side: int,
             end = bound if at_bound else here.coordinate
             return End(coordinate=end, bound=at_bound, converged=True)
         target = min(side * bracket.next(), side * bound) * side
-        here = _settled(bracket.inside, target, tolerance=_SETTINGS.settled * rise, limit=limit)
+        here = _minimize_at(bracket.inside, target, tolerance=_SETTINGS.settled * rise, limit=limit)
     return End(coordinate=bracket.inside.coordinate, bound=False, converged=False)
 
 
@@ -141,7 +141,7 @@ class _Bracket:
         return float(np.sqrt(max(point.chi2 - self._optimum.chi2, 0.0)))
 
 
-def _settled(start: _Point, target: float, *, tolerance: float, limit: float) -> _Point:
+def _minimize_at(start: _Point, target: float, *, tolerance: float, limit: float) -> _Point:
     """Return the point with the least chi2 at the coordinate `target`, or any there if none is below the limit."""
     here = start.moved(_step(start, ahead=target - start.coordinate)[0])
     for _ in range(_SETTINGS.steps):

@@ -1,4 +1,4 @@
-"""What is sought as functions of the parameter vector of a fit: a coordinate each, in which intervals are set.
+"""Sought quantities as functions of the parameter vector of a fit: a coordinate each, in which intervals are set.
 
 Coefficients, modulus and density have their working coordinate (unknowns.py: the logarithm of what cannot be negative),
 an unbalance its amount and its phase, though the fit itself moves its real and imaginary parts.
@@ -13,7 +13,7 @@ from rotorrig.identify.base_model import Parameters, Reals, Space
 
 
 class Quantity(Protocol):
-    """One of them. `low` and `high` confine its coordinate."""
+    """A sought quantity. `low` and `high` confine its coordinate."""
 
     @property
     def name(self) -> str:
@@ -85,7 +85,7 @@ class Coefficient:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Amount:
-    """How large an unbalance is [kg m]."""
+    """Amount of an unbalance [kg m]."""
 
     name: str
     at: slice  # of its re and im
@@ -113,7 +113,7 @@ class Amount:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Phase:
-    """Where an unbalance is [rad], told within half a turn of `origin`."""
+    """Phase of an unbalance [rad], within half a turn of `origin`."""
 
     name: str
     at: slice  # of its re and im
@@ -152,13 +152,13 @@ class Phase:
 def quantities(parameters: Parameters, p: Reals) -> tuple[Quantity, ...]:
     """Return what a fit with optimum `p` seeks, in the order of its estimates."""
     space = parameters.space
-    found: list[Quantity] = [Coefficient(name=name, index=i, space=space) for i, name in enumerate(space.names)]
+    sought: list[Quantity] = [Coefficient(name=name, index=i, space=space) for i, name in enumerate(space.names)]
     for i, amount in enumerate(space.amounts):
         first = parameters.unbalance.start + 2 * i
         at = slice(first, first + 2)
         phase = "phase" + amount.name.removeprefix("u")
-        found += [
+        sought += [
             Amount(name=amount.name, at=at),
             Phase(name=phase, at=at, origin=float(np.angle(complex(*p[at])))),
         ]
-    return tuple(found)
+    return tuple(sought)

@@ -11,7 +11,7 @@ Objective = Callable[[Array], Any]
 
 
 class Outcome(NamedTuple):
-    """What came of a call."""
+    """Outcome of a call."""
 
     values: Array  # (n,)
     failure: str  # why the first value that is not finite is not; empty if all are
@@ -25,7 +25,7 @@ def call(fun: Objective, x: Array, *, n: int) -> Outcome:
     try:
         returned = fun(x.copy())  # fun may write on it
     except Exception as error:
-        return failed(f"{type(error).__name__}: {error}", n=n)
+        return failed_call(f"{type(error).__name__}: {error}", n=n)
     f = np.asarray(returned)
     if f.size != n or f.dtype.kind not in "fiub":
         raise TypeError(f"fun returned {f.dtype} of shape {f.shape}, expected {n} real number{'s'[: n > 1]}")
@@ -34,10 +34,10 @@ def call(fun: Objective, x: Array, *, n: int) -> Outcome:
     return Outcome(values, f"fun returned {bad[0]}" if len(bad) else "")
 
 
-def failed(why: str, *, n: int) -> Outcome:
+def failed_call(why: str, *, n: int) -> Outcome:
     """Return the outcome of a call that gave no values.
 
-    >>> failed("no shaft", n=2)
+    >>> failed_call("no shaft", n=2)
     Outcome(values=array([nan, nan]), failure='no shaft')
     """
     return Outcome(np.full(n, np.nan), why)

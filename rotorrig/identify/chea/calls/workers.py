@@ -11,7 +11,7 @@ from multiprocessing.connection import Connection, wait
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.calls.call import Objective, Outcome, call, failed
+from rotorrig.identify.chea.calls.call import Objective, Outcome, call, failed_call
 
 Array = NDArray[np.float64]
 
@@ -84,7 +84,7 @@ class Workers:
                 raise RuntimeError(
                     f"{how} before it was ready, expected `if __name__ == '__main__':` in a script with workers"
                 ) from None
-            done[i] = failed(how, n=1)
+            done[i] = failed_call(how, n=1)
             return
         if message == _READY:
             worker.ready = True

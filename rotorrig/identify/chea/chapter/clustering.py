@@ -32,14 +32,14 @@ def cluster(points: Array, settings: Settings) -> Clustering:
     of one a spread of zero, so 200 points scattered over five dimensions, hardly any two alike, would count as mature
     before the first generation. The least similarity always remains as a choice.
     """
-    found: list[Clustering] = []
+    clusterings: list[Clustering] = []
     for similarity in settings.similarities:
         labels = classify(points, similarity=similarity)
-        if found and (labels.max() + 1) * settings.min_cluster_size > len(points):
+        if clusterings and (labels.max() + 1) * settings.min_cluster_size > len(points):
             break  # a higher similarity splits further
         value = cef(points, labels, similarity=similarity, settings=settings)
-        found.append(Clustering(labels=labels, similarity=similarity, cef=value))
-    return min(found, key=lambda clustering: clustering.cef)
+        clusterings.append(Clustering(labels=labels, similarity=similarity, cef=value))
+    return min(clusterings, key=lambda clustering: clustering.cef)
 
 
 def cef(points: Array, labels: NDArray[np.intp], *, similarity: float, settings: Settings) -> float:

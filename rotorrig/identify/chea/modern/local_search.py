@@ -38,7 +38,7 @@ FLOAT = 4 * np.finfo(np.float64).eps
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class End:
-    """Where a descent ended, and why."""
+    """End of a descent and its kind."""
 
     u: Array  # (dim,) the lowest point met
     fun: float
@@ -89,9 +89,9 @@ class _Descent:
         """Explore, step or confirm, whichever the model calls for, until one of the ends of `descend`."""
         while self._calls < max_calls and self._radius >= tolerance:
             model = self._model()
-            unexplored = self._unexplored(model)
-            if len(unexplored):
-                yield from self._evaluate(unexplored)
+            doubtful = self._doubtful_points(model)
+            if len(doubtful):
+                yield from self._evaluate(doubtful)
                 continue
             self.hessian = model.hessian(np.zeros(len(self.u))) / self._radius**2
             if stop_if and stop_if(self.u, self.fun, *self._outlook(model)):
@@ -115,7 +115,7 @@ class _Descent:
         values = _without_cliffs(self._record.values[near])
         return fit(points[near], values, centre=self.u, radius=self._radius, hessian=self.hessian)
 
-    def _unexplored(self, model: TaylorModel) -> Array:
+    def _doubtful_points(self, model: TaylorModel) -> Array:
         """Return points (n, dim) at the radius along which the slope is in doubt, downhill if that is known."""
         variances, axes = np.linalg.eigh(model.doubt)
         points = []

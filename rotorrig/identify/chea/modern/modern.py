@@ -96,7 +96,7 @@ class _Plan:
             yield from self._breed()
             yield from self._look_far()
             yield from self._polish()
-            if self._stop.reached(len(self._record.minima), self._record.nfev):
+            if self._stop.is_reached(len(self._record.minima), self._record.nfev):
                 return StopReason.CONVERGED
 
     def _too_few_descents(self) -> bool:

@@ -1,4 +1,4 @@
-"""`NaturalStop`: when a search has seen enough, told from what it found and what that took."""
+"""`NaturalStop`: the natural end of a search, from its minima and the calls they took."""
 
 from dataclasses import dataclass
 
@@ -34,7 +34,7 @@ class NaturalStop:
         """Return whether this many minima ask for more descents than there have been."""
         return self.descents < min(AGREEING + self.per_minimum * max(minima - 1, 0), self.most)
 
-    def reached(self, minima: int, nfev: int) -> bool:
+    def is_reached(self, minima: int, nfev: int) -> bool:
         """Return whether a search with this many minima and calls may end."""
         patience = self.patience * (1 - 1 / max(minima, 1)) / min(self._ties, SHARED)
         return not self.too_few(minima) and nfev - self.last_find >= min(patience * self.last_find, self.idle)

@@ -151,7 +151,7 @@ class Minimum:
 
     @property
     def converged(self) -> bool:
-        """Whether a full step promised less than the tolerance."""
+        """True if a full step promised less than the tolerance."""
         return self.stop is Stop.CONVERGED
 
 

@@ -36,7 +36,7 @@ class LinearModel:
         self._aim = -self._onto(r)
         self._p = p
         self._bounds = bounds
-        self._room = self._scaled_room(p, reach)
+        self._room = self._scale_room(p, reach)
         self._best: dict[float, Array] = {}
 
     def best(self, damping: float) -> Array:
@@ -47,7 +47,7 @@ class LinearModel:
 
     def further(self, p: Array, r: Array) -> Array:
         """Return where an undamped step from elsewhere ends, where the residual is `r` and the derivatives the same."""
-        return self._move(p, self._least(-self._onto(r), LEAST_DAMPING, *self._scaled_room(p, np.inf)))
+        return self._move(p, self._least(-self._onto(r), LEAST_DAMPING, *self._scale_room(p, np.inf)))
 
     def promise(self, aimed: Array) -> float:
         """Return by how much the sum of squares falls on the way there if the model holds."""
@@ -56,10 +56,10 @@ class LinearModel:
 
     @cached_property
     def full_promise(self) -> float:
-        """What an undamped step promises."""
+        """Fall of the sum of squares that an undamped step promises."""
         return self.promise(self.best(LEAST_DAMPING))
 
-    def _scaled_room(self, p: Array, reach: float | Array) -> tuple[Array, Array]:
+    def _scale_room(self, p: Array, reach: float | Array) -> tuple[Array, Array]:
         low, high = self._bounds
         low, high = np.maximum(low - p, -reach), np.minimum(high - p, reach)
         return low[self._moving] * self._length, high[self._moving] * self._length

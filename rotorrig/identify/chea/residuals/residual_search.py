@@ -195,24 +195,24 @@ class _Search:
     def _enough(self) -> bool:
         """Return whether the basins not met are expected to be small enough."""
         significant = self._valleys.cost <= self._settings.significant * self._valleys.best
-        found, descents = int(significant.sum()), int(self._valleys.hits[significant].sum())
-        return found > 0 and found * (found + 1) <= self._settings.unseen * descents * (descents - 1)
+        minima, descents = int(significant.sum()), int(self._valleys.hits[significant].sum())
+        return minima > 0 and minima * (minima + 1) <= self._settings.unseen * descents * (descents - 1)
 
     def _result(self, reason: StopReason) -> ResidualResult:
         """Return the significant minima, each followed down to its very bottom."""
         settings = self._settings
         if self._lowest.cost < self._valleys.best:  # of a descent that ran out of steps
             self._valleys.add(self._lowest)
-        found = self._none()
+        minima = self._none()
         for i in np.flatnonzero(self._valleys.cost <= max(settings.significant * self._valleys.best, self._floor)):
             end = self._valleys.points[i]
             bottom = end if reason is StopReason.TARGET else self._follow(end, share=settings.fine).point
-            found.add(bottom, hits=int(self._valleys.hits[i]))
-        order = np.argsort(found.cost, kind="stable")
+            minima.add(bottom, hits=int(self._valleys.hits[i]))
+        order = np.argsort(minima.cost, kind="stable")
         return ResidualResult(
-            u=np.array([found.points[i].p for i in order]).reshape(-1, self._dim),
-            cost=found.cost[order],
-            hits=found.hits[order],
+            u=np.array([minima.points[i].p for i in order]).reshape(-1, self._dim),
+            cost=minima.cost[order],
+            hits=minima.hits[order],
             calls=self._fun.calls,
             stop=reason,
         )

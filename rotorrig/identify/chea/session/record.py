@@ -17,7 +17,10 @@ Evaluations = Generator[Array, Array, T]
 
 
 class Record:
-    """What is known of a function. The ask/tell object adds the points; the parts of the search all else."""
+    """Points and values of one search, and its minima.
+
+    The ask/tell object adds the points; the parts of the search all else.
+    """
 
     def __init__(self, dim: int, *, same_point: float) -> None:
         """Begin empty; ends of local searches within `same_point` of one another in every parameter are one minimum."""

@@ -1,4 +1,4 @@
-"""What a search returns: scipy's `OptimizeResult`, with everything found even when it was cut short."""
+"""Result of a search: scipy's `OptimizeResult`, with everything found even when it was cut short."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 
 class CheaResult(OptimizeResult):
-    """What a search found. However it ended, x is the best point evaluated and xl what was found until then."""
+    """Result of a search. However it ended, x is the best point evaluated and xl what was found until then."""
 
     x: Array  # (dim,); NaN if fun never gave a finite value
     fun: float
@@ -57,13 +57,13 @@ def assemble(record: Record, state: SearchState, reason: StopReason) -> CheaResu
 
 
 def _message(record: Record, failure: str, reason: StopReason) -> str:
-    evaluations, minima = _counted(record.nfev, "evaluation"), _counted(len(record.minima), "minimum", "minima")
+    evaluations, minima = _count(record.nfev, "evaluation"), _count(len(record.minima), "minimum", "minima")
     words = f"{reason.value.capitalize()} after {evaluations}, {minima} found."
     if record.failures:
-        words += f" fun failed at {_counted(record.failures, 'point')}"
+        words += f" fun failed at {_count(record.failures, 'point')}"
         words += f", at first with: {failure}." if failure else "."
     return words
 
 
-def _counted(n: int, one: str, many: str = "") -> str:
+def _count(n: int, one: str, many: str = "") -> str:
     return f"{n} {one if n == 1 else many or one + 's'}"

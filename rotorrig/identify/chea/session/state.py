@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class SearchState:
-    """What a search began with and every value it was told; telling them again leads to the same place.
+    """Start of a search and every value it was told: told again, they lead to the same place.
 
     Eight bytes per evaluation: the points follow from the rest, and only their checksum is kept, so that a version of
     the algorithm that would have asked for others is noticed.

@@ -26,5 +26,5 @@ def heads(points: Array, values: Array, *, neighbours: int) -> NDArray[np.intp]:
         return np.empty(0, dtype=np.intp)
     rows = np.asarray(cKDTree(points).query(points, k=k + 1)[1])
     nearest = values[rows[:, 1:]]  # the first is the point itself
-    found = np.flatnonzero((values <= nearest.min(axis=1)) & (values < nearest.max(axis=1)))
-    return found[np.argsort(values[found], kind="stable")]
+    heads_of_basins = np.flatnonzero((values <= nearest.min(axis=1)) & (values < nearest.max(axis=1)))
+    return heads_of_basins[np.argsort(values[heads_of_basins], kind="stable")]

@@ -31,7 +31,7 @@ def descend(
     minimum; along the whole valley of eq. (2), 97 to 3e-10 (medians, 100 starts).
     """
     u, f = start, value
-    if not np.isfinite(value) or _arrived(record, u, f, near):
+    if not np.isfinite(value) or _is_at_known_minimum(record, u, f, near):
         return u, f
     slope = yield from gradient(record, u, f)
     scale = float(np.abs(slope).max())
@@ -46,7 +46,7 @@ def descend(
             f_last = float((yield last[None])[0])
             return (last, f_last) if f_last < f else (u, f)
         moved, f_moved = yield from _line_search(u, f, step, expected)
-        if f_moved >= f or _arrived(record, moved, f_moved, near):
+        if f_moved >= f or _is_at_known_minimum(record, moved, f_moved, near):
             return moved, f_moved
         slope_moved = yield from gradient(record, moved, f_moved)
         if i == 0:
@@ -56,7 +56,7 @@ def descend(
     return u, f
 
 
-def _arrived(record: Record, u: Array, f: float, near: float) -> bool:
+def _is_at_known_minimum(record: Record, u: Array, f: float, near: float) -> bool:
     """Return whether a known minimum that lies no higher than `f` is within `near` of `u`."""
     minima, values, _ = record.minima.sorted()
     return bool(((np.abs(minima - u).max(axis=1) < near) & (values <= f)).any())

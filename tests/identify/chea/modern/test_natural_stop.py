@@ -13,7 +13,7 @@ def test_three_descents_to_one_minimum_are_enough() -> None:
     for descents, enough in ((2, False), (3, True)):
         state = stop(descents=descents)
         state.note_minimum(lower=True, ties=1, nfev=60)
-        assert state.reached(1, 70) is enough
+        assert state.is_reached(1, 70) is enough
 
 
 def test_more_minima_ask_for_more_descents_up_to_a_limit() -> None:
@@ -26,14 +26,14 @@ def test_more_minima_ask_for_more_descents_up_to_a_limit() -> None:
 def test_several_minima_are_looked_beyond_in_proportion_to_the_calls_until_the_last_find() -> None:
     state = stop(descents=12)
     state.note_minimum(lower=True, ties=1, nfev=100)
-    assert not state.reached(4, 249)
-    assert state.reached(4, 250)  # 100 + 2 (1 - 1/4) 100
+    assert not state.is_reached(4, 249)
+    assert state.is_reached(4, 250)  # 100 + 2 (1 - 1/4) 100
 
 
 def test_minima_that_share_the_best_value_shorten_the_wait() -> None:
     state = stop(descents=12)
     state.note_minimum(lower=True, ties=3, nfev=100)
-    assert state.reached(4, 150)
+    assert state.is_reached(4, 150)
 
 
 def test_a_lower_minimum_and_one_more_as_low_are_finds_and_others_are_none() -> None:
@@ -51,9 +51,9 @@ def test_a_lower_minimum_and_one_more_as_low_are_finds_and_others_are_none() -> 
 def test_the_wait_has_a_limit() -> None:
     state = stop(descents=12, idle=300)
     state.note_minimum(lower=True, ties=1, nfev=5000)
-    assert state.reached(9, 5300)
+    assert state.is_reached(9, 5300)
 
 
 def test_nothing_found_is_no_error() -> None:
-    assert stop(descents=3).reached(0, 50)
+    assert stop(descents=3).is_reached(0, 50)
     assert np.isfinite(stop(descents=0).last_find)
