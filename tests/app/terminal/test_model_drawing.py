@@ -9,7 +9,7 @@ from rotorrig.app import cli
 from rotorrig.app.terminal.model_drawing import draw_rotor
 from rotorrig.rig.config.description import RigConfig, from_si
 
-RK4 = Path(__file__).parents[2] / "configs/rk4.toml"
+RK4 = Path(__file__).parents[3] / "configs/rk4.toml"
 SPRING = {"kxx": 1e6, "kyy": 1e6, "cxx": 50.0, "cyy": 50.0}
 
 
