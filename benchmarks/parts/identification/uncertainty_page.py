@@ -41,41 +41,41 @@ def page(coverage: Mapping[str, Any]) -> str:
 
 Written by `benchmarks/identification_coverage.py --write`; do not edit.
 
-`rotor identify` gives every estimate a standard deviation, ±, and a 95 % interval. Both are of this data and this
-model: nuisances are free within the priors of the config, and what the model leaves out is not in them
-([the adequacy test](adequacy.md) looks for that).
+`rotor identify` gives every estimate a standard deviation, ±, and a 95 % interval. Both hold for this data and this
+model: nuisances are free within the priors of the config, and model error is not included ([the adequacy
+test](adequacy.md) detects it).
 
 {markdown(["interval by", "what it is", "when", "takes"], _METHODS)}
 
-They agree where chi2 is a parabola over the width of the interval. Where it is not, the covariance is wrong, for it
-knows the curvature at the optimum alone; and wrong for whatever is correlated with the culprit. The profile follows
-chi2 itself, and does not depend on whether c or log c is fitted. At a bound it is one-sided: a damping that ran into
-its lower bound has no standard deviation, but the data do say how much there can be at most, "below 2.8 N s/m". Such
-limits are cautious: a truth at the bound is within them in 97.5 % of cases.
+They agree where chi2 is a parabola over the width of the interval. Where it is not, the covariance is wrong, as it
+holds only the curvature at the optimum; it is then wrong for correlated estimates too. The profile follows chi2
+itself, and does not depend on whether c or log c is fitted. At a bound it is one-sided: a damping at its lower bound
+has no standard deviation, but the data still give an upper limit, "below 2.8 N s/m". Such limits are cautious: they
+contain a truth at the bound in 97.5 % of cases.
 
-The bootstrap needs no parabola either. It shows how an estimate scatters about a truth at the estimate, so where that
-scatter depends on the truth, at a bound above all, the profile is the one to trust. Ctrl-C ends it and keeps the draws
-done; the same `--seed` gives the same draws on any number of processes.
+The bootstrap needs no parabola either. It shows the scatter of estimates about a truth at the estimate, so where that
+scatter depends on the truth, above all at a bound, trust the profile. Ctrl-C ends it and keeps the finished draws; the
+same `--seed` gives the same draws on any number of processes.
 
-None of the three sees another minimum far away. Coefficients along an axis no probe looks along have several, and get
-no interval; `words` in fit.json says so. A resonance that hardly stands out of the noise has them too: with 30 times
-the noise of the first group below and speeds up to 1600 rpm only, some fits take a bump of the noise for it, and of
-24 such cases the intervals of kxx held the truth in 18.
+None of the three sees another minimum far away. Coefficients along an axis without a probe have several, and get no
+interval; `words` in fit.json says so. So does a resonance that hardly stands out of the noise: with 30 times the noise
+of the first group below and speeds only up to 1600 rpm, some fits take a bump of the noise for it, and the intervals of
+kxx contained the truth in 18 of 24 such cases.
 
 ## Measured coverage
 
-How often the interval holds the truth, in %. {_cases(coverage)}
+How often the interval contains the truth, in %. {_cases(coverage)}
 
 {table(coverage)}
 
-"95 % range" is that of the share over all estimates, from the number of cases (exact binomial, as if the estimates of a
-case were one); "by profile" is the share of intervals that came from the profile likelihood. Every case is a rig of its
-own: kxx and kyy log-uniform from 15 to 80 kN/m, cxx and cyy from 5 to 40 N s/m unless said otherwise, 5 to 30 g mm
-anywhere; modulus, disk mass, the left bearings, probe gains, angles and run-out drawn from the priors of
-`configs/rk4.toml`; up and down between 480 and 3600 rpm at 90 rpm/s unless said otherwise. The response is the rotor
-model's own, so this tests the statistics and nothing else. Noise is drawn from the covariance of a spectrum, white and
-a random force at the spring bearing, and the fit is told an estimate of it from {LOOKS} segments, as `rotor track`
-makes one. The whole of `fit` runs, search included.
+"95 % range" is the confidence interval of the share over all estimates, from the number of cases (exact binomial,
+counting the estimates of a case as one); "by profile" is the share of intervals from the profile likelihood. Every
+case is a different rig: kxx and kyy log-uniform from 15 to 80 kN/m, cxx and cyy from 5 to 40 N s/m unless stated
+otherwise, 5 to 30 g mm anywhere; modulus, disk mass, the left bearings, probe gains, angles and run-out drawn from
+the priors of `configs/rk4.toml`; up and down between 480 and 3600 rpm at 90 rpm/s unless stated otherwise. The
+response is the rotor model's own, so this tests the statistics and nothing else. Noise is drawn from the covariance
+of a spectrum, white and a random force at the spring bearing; the fit gets an estimate of it from {LOOKS} segments, as
+`rotor track` makes one. All of `fit` runs, including the search.
 
 {_groups(coverage)}
 """
@@ -100,7 +100,7 @@ def table(coverage: Mapping[str, Any]) -> str:
 def _cases(coverage: Mapping[str, Any]) -> str:
     counts = sorted({group["cases"] for group in coverage.values()}, reverse=True)
     half = [f"± {196 * (0.95 * 0.05 / count) ** 0.5:.1f} with {count:,d} cases" for count in counts]
-    return f"By chance alone 95 % of such figures lie within 95 {', '.join(half)}."
+    return f"By chance alone 95 % of such values lie within 95 {', '.join(half)}."
 
 
 def _groups(coverage: Mapping[str, Any]) -> str:
