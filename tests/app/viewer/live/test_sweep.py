@@ -36,6 +36,9 @@ def at_the_screen(port: int) -> Sink:
 
 
 def assert_drawn(client: ViewerClient, folder: Path, *, events: bool) -> None:
+    patient_until = time.monotonic() + 60  # a busy machine draws late
+    while len(client.get_state().views) < 27 + events and time.monotonic() < patient_until:
+        time.sleep(0.5)
     time.sleep(2.0)
     assert len(client.get_state().views) == 27 + events
     seen = views(client, folder, but_hidden=True)  # fails on any report of a view
