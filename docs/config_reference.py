@@ -24,9 +24,9 @@ HEAD = """# Every key of a config
 Written by `make docs` from the code that checks a config; do not edit. How to write one is in
 [bring your own rig](your-rig.md).
 
-A quantity is text with a unit, `"33.9 kN/m"`: any unit of its kind is understood, and a speed is in rpm or rad/s, never
-in Hz. Inside the program, in our files and with `units = "SI"` at the top of a config, where bare numbers are taken,
-quantities are in the SI unit given. Amplitudes are 0-peak. A key that is not in these tables is refused by name.
+A quantity is text with a unit, `"33.9 kN/m"`: any unit of that dimension is accepted; a speed is in rpm or rad/s, never
+in Hz. The program and its files use the SI unit given, as does a config with `units = "SI"` at the top, which accepts
+bare numbers. Amplitudes are 0-peak. A key that is not in these tables is refused by name.
 """
 
 #: quantity -> the unit a default is shown in, where it is not that of the example in an error
