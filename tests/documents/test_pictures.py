@@ -15,7 +15,9 @@ from tests.documents.pages import PAGES, links
 LINES = re.compile(r'(?<= )d="([MLZ\d. -]*)"')
 PLACES = re.compile(r'(?<= )(?:d|x|y|cx|cy)="[^"]*"')  # of what is no line: words, boxes, dots
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
-UNSEEN = 0.5  # px, a third of a line's width: what rounds otherwise on another processor, as a descent by differences
+HAIR = 0.11  # px: a last digit, where another machine's linear algebra rounds otherwise
+UNSEEN = 0.5  # px, a third of a line's width: for a descent by differences, which makes more of such a digit
+DESCENTS = {"chea-sqp.svg"}
 THERE = sorted(path.name for path in IMAGES.iterdir())
 
 
@@ -29,7 +31,11 @@ def test_every_picture_has_a_script_and_every_script_its_pictures() -> None:
 
 
 def test_the_pictures_drawn_in_seconds_are_those_of_the_code() -> None:
-    stale = [name for name, text in drawn().items() if not same(text, (IMAGES / name).read_text(encoding="utf-8"))]
+    stale = [
+        name
+        for name, text in drawn().items()
+        if not same(text, (IMAGES / name).read_text(encoding="utf-8"), within=UNSEEN if name in DESCENTS else HAIR)
+    ]
     assert stale == [], "run `make docs`"
 
 
@@ -65,16 +71,16 @@ def test_pictures_that_differ_are_told_apart(one: str, other: str) -> None:
     assert not same(one, other)
 
 
-@pytest.mark.parametrize("other", ["M0 0L4 0.1L10 0", "M0 0L10 0", "M0 0L9 0L9 0.2L10 0"])
+@pytest.mark.parametrize("other", ["M0 0L4 0.1L10 0", "M0 0L10 0", "M0 0L9 0L9 0.1L10 0"])
 def test_a_line_is_the_same_wherever_its_corners_are(other: str) -> None:
     assert same('<path d="M0 0L5 0L10 0"/>', f'<path d="{other}"/>')
 
 
-def same(one: str, other: str) -> bool:
-    """Return whether two SVGs are the same but for places apart by less than can be seen."""
-    if form(one) != form(other) or not close(coordinates(one), coordinates(other)):
+def same(one: str, other: str, *, within: float = HAIR) -> bool:
+    """Return whether two SVGs are the same but for places less than `within` [px] apart."""
+    if form(one) != form(other) or not close(coordinates(one), coordinates(other), within):
         return False
-    return all(as_near(*lines) for lines in zip(LINES.findall(one), LINES.findall(other), strict=True))
+    return all(as_near(*lines, within) for lines in zip(LINES.findall(one), LINES.findall(other), strict=True))
 
 
 def form(svg: str) -> str:
@@ -87,14 +93,14 @@ def coordinates(svg: str) -> list[float]:
     return [float(number) for place in PLACES.findall(LINES.sub("", svg)) for number in NUMBER.findall(place)]
 
 
-def close(one: Sequence[float], other: Sequence[float]) -> bool:
-    return len(one) == len(other) and all(abs(a - b) < UNSEEN for a, b in zip(one, other, strict=True))
+def close(one: Sequence[float], other: Sequence[float], within: float) -> bool:
+    return len(one) == len(other) and all(abs(a - b) < within for a, b in zip(one, other, strict=True))
 
 
-def as_near(one: str, other: str) -> bool:
+def as_near(one: str, other: str, within: float) -> bool:
     """Return whether every corner of each line lies on the other line."""
     return one == other or all(
-        max(apart(corners(a), corners(b)), apart(corners(b), corners(a))) < UNSEEN
+        max(apart(corners(a), corners(b)), apart(corners(b), corners(a))) < within
         for a, b in zip(one.split("M")[1:], other.split("M")[1:], strict=True)
     )
 

@@ -238,8 +238,8 @@ def test_the_tutorial_finds_what_was_hidden_and_needs_it(folder: Path, outcomes:
     assert [cause["name"] for cause in found["causes"] if cause["chosen"]] == [fault["name"] for fault in hidden]
     assert (found["verdict"], again["verdict"]) == ("named", "adequate")
     assert any(f"{found['causes'][0]['label']} " in text and "in the model" in text for text in quoted)
-    gain = found["gain"]  # what it was before depends on how long the sweep stayed near the resonance
-    assert gain["heldout_after"] < 1.2 * gain["noise_floor"] < 3 * gain["noise_floor"] < gain["heldout_before"]
+    gain = found["gain"]  # differs from sweep to sweep: the page's was 13 times, others 16 and 22
+    assert gain["heldout_after"] < min(gain["heldout_before"] / 10, 1.5 * gain["noise_floor"])
 
 
 def test_what_the_tutorial_hides_can_be_swept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
