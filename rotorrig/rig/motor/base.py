@@ -32,11 +32,12 @@ class MotorInfo:
 class MotorState:
     """One reading of the controller; speed is its own belief, the keyphasor's is the truth."""
 
-    speed: float  # rad/s
+    speed: float  # rad/s, never negative
     setpoint: float  # rad/s
     running: bool
     at_setpoint: bool
     fault: str = ""  # empty: none
+    reverse: bool = False  # it reports that it turns backward; False also where it cannot tell
 
 
 class MotorDriver(Protocol):

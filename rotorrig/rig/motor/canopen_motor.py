@@ -65,7 +65,8 @@ class CanOpenMotor:
         word = self._read(cia402.STATUSWORD)
         state = self._decode(word)
         enabled = state is State.OPERATION_ENABLED
-        actual = abs(self._read(cia402.ACTUAL))
+        velocity = self._read(cia402.ACTUAL)
+        actual = abs(velocity)
         target = abs(self._read(cia402.TARGET)) if enabled else 0
         self._refuse_restarted()
         return MotorState(
@@ -75,6 +76,7 @@ class CanOpenMotor:
             # a unit of rounding: not every drive sets "target reached" in velocity mode
             at_setpoint=target > 0 and (cia402.is_target_reached(word) or abs(actual - target) <= 1),
             fault=self._describe_fault(state),
+            reverse=velocity < 0,
         )
 
     def set_speed(self, speed: float, *, ramp: float) -> None:

@@ -18,6 +18,7 @@ class Reading:
     faulted: bool
     at_reference: bool
     frequency: float  # Hz, of the output, unsigned
+    reverse: bool  # it turns backward
     setpoint: int | None  # word, counted as the reference; None: the drive does not say
 
     @property
@@ -40,7 +41,8 @@ def decode_state(words: list[int], *, profile: Profile) -> Reading:
     """
     p = profile
     word_at = dict(zip(p.state, words, strict=True))
-    frequency = abs(from_twos_complement(word_at[p.output_frequency])) * p.output_step
+    output = from_twos_complement(word_at[p.output_frequency])
+    frequency = abs(output) * p.output_step
     setpoint = None if p.setpoint is None else word_at[p.setpoint]
     if p.status is None:  # judged by its frequency alone
         moving = frequency > 0.0
@@ -52,6 +54,7 @@ def decode_state(words: list[int], *, profile: Profile) -> Reading:
             faulted=word_at[p.fault] != 0,
             at_reference=reached,
             frequency=frequency,
+            reverse=output < 0,
             setpoint=setpoint,
         )
     status = word_at[p.status]
@@ -64,6 +67,7 @@ def decode_state(words: list[int], *, profile: Profile) -> Reading:
         faulted=bool(status & p.faulted),
         at_reference=bool(status & p.at_reference),
         frequency=frequency,
+        reverse=output < 0 or (output > 0 and bool((status ^ p.forward) & (p.forward | p.backward))),
         setpoint=setpoint,
     )
 

@@ -90,6 +90,7 @@ class ModbusMotor:
             running=reading.output_on,
             at_setpoint=reading.running and reading.at_reference,
             fault=self._read_fault() if reading.faulted else "",
+            reverse=reading.reverse,
         )
 
     def set_speed(self, speed: float, *, ramp: float) -> None:

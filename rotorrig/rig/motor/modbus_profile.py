@@ -103,6 +103,8 @@ class Profile:
     decelerating: int = 0
     faulted: int = 0
     at_reference: int = 0
+    forward: int = 0  # it turns forward; clear while it turns: backward
+    backward: int = 0
     output_frequency: int  # among them, signed
     output_step: float  # Hz per count
     setpoint: int | None  # among them, counted as the reference; None: what was last written

@@ -181,6 +181,13 @@ def test_a_start_sets_the_ramps_and_walks_the_state_machine(node: Node, motor: C
     assert motor.read().at_setpoint
 
 
+def test_a_negative_velocity_is_a_rotor_that_turns_backward(node: Node, motor: CanOpenMotor) -> None:
+    assert not motor.read().reverse
+    node.objects[0x6044, 0] = (2, -600 & 0xFFFF)
+    state = motor.read()
+    assert (state.speed, state.reverse) == (pytest.approx(600 * RPM), True)
+
+
 def test_another_unit_of_velocity_is_reckoned_with(node: Node) -> None:
     with motor_at(rpm_per_unit=0.5) as motor:
         motor.open()

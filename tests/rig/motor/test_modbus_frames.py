@@ -1,6 +1,7 @@
 """Words of the PowerFlex 400's registers, against 22C-UM001J, Appendix E, and the ways other families count."""
 
 import math
+from types import ModuleType
 
 import pytest
 from hypothesis import given
@@ -17,6 +18,7 @@ from rotorrig.rig.motor.modbus_frames import (
     radians_per_hz,
 )
 from rotorrig.rig.motor.modbus_profile import Ramps, Watchdog
+from rotorrig.rig.motor.profiles import acs355, m_max, powerflex400, vfd_ed
 from rotorrig.rig.motor.profiles.powerflex400 import PROFILE
 
 RPM = math.pi / 30
@@ -114,6 +116,31 @@ def test_status_bits_are_those_of_page_172(word: int, said: str) -> None:
 def test_a_status_that_contradicts_itself_is_refused() -> None:
     with pytest.raises(BadFrame, match="got 0xffff, accelerating and decelerating at once"):
         state(0xFFFF)
+
+
+@pytest.mark.parametrize(
+    ("family", "status", "output", "reverse"),
+    [
+        (powerflex400, 0b1011, 1000, False),  # p. 172: bit 3 is the actual direction, 1 forward
+        (powerflex400, 0b0011, 1000, True),
+        (powerflex400, 0b0001, 0, False),  # at rest it has none
+        (m_max, 0b0010, 1000, False),  # p. 139: bit 2, 1 anticlockwise; p. 138: motor frequency +/- Hz
+        (m_max, 0b0110, 1000, True),
+        (m_max, 0b0110, 0, False),
+        (m_max, 0b0010, -1000 & 0xFFFF, True),
+        (acs355, 0b0100, 100, False),
+        (acs355, 0b0100, -100 & 0xFFFF, True),
+        (vfd_ed, 0, 1000, False),
+        (vfd_ed, 0, -1000 & 0xFFFF, True),
+    ],
+)
+def test_a_drive_says_that_it_turns_backward(family: ModuleType, status: int, output: int, reverse: bool) -> None:
+    profile = family.PROFILE
+    words = dict.fromkeys(profile.state, 0) | {profile.output_frequency: output}
+    if profile.status is not None:
+        words[profile.status] = status
+    reading = decode_state(list(words.values()), profile=profile)
+    assert (reading.reverse, reading.frequency > 0) == (reverse, output != 0)
 
 
 def test_the_start_word_is_start_forward_at_rate_1() -> None:

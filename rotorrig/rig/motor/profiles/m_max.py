@@ -31,6 +31,7 @@ PROFILE = Profile(
     running=1 << 1,
     faulted=1 << 3,
     at_reference=1 << 5,
+    backward=1 << 2,
     setpoint=None,  # not among the output process data
     output_frequency=2103,  # motor frequency, ID 2104
     output_step=0.01,

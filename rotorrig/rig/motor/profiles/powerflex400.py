@@ -25,6 +25,7 @@ PROFILE = Profile(
     decelerating=1 << 5,
     faulted=1 << 7,
     at_reference=1 << 8,
+    forward=1 << 3,  # actual direction
     setpoint=8450,  # commanded frequency
     output_frequency=8451,
     output_step=0.01,
