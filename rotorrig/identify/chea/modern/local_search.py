@@ -15,7 +15,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.modern.taylor_model import SIZES, TaylorModel, fit
+from rotorrig.identify.chea.modern.settings import MODERN, DescentSettings
+from rotorrig.identify.chea.modern.taylor_model import TaylorModel, fit
 from rotorrig.identify.chea.session import Evaluations, Record
 from rotorrig.identify.chea.steps import minimize_on_box
 
@@ -24,16 +25,8 @@ Array = NDArray[np.float64]
 #: Asked once per step with the best point (dim,), its value, the model's minimum (dim,) and the value foreseen there.
 StopIf = Callable[[Array, float, Array, float], bool]
 
-CERTIFIED = 3e-4  # radius of the points that confirm a minimum
-ROUND = 0.1  # ratio of curvatures above which a valley is not narrow
-NARROW = 30.0  # tolerances: how far along a narrow one its floor is tried
-SURE = 0.02  # error of the rise foreseen there, of twice the rise: puts the minimum off by about a hundredth of the way
-POISED = SIZES[0]  # largest doubt of a slope: half of it is left by a lone point at the radius, all by one at two radii
-OUTLOOK = 4.0  # radii within which the model's minimum is shown to `stop_if`
-ATTEMPTS = 3  # at confirming one point; beyond, that the model sees no step down and none was met must do
-CLIFF = 1e8  # see _without_cliffs; from 1e4 on it costs nothing on smooth ground
-HUGE = 1e100
-FLOAT = 4 * np.finfo(np.float64).eps
+HUGE = 1e100  # beyond that no polynomial is fitted without overflow
+FLOAT = 4 * np.finfo(np.float64).eps  # a gain below that, of the value, is rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +48,7 @@ def descend(
     tolerance: float = 1e-6,
     max_calls: int | None = None,
     stop_if: StopIf | None = None,
+    settings: DescentSettings = MODERN.descent,
 ) -> Evaluations[End]:
     """Descend from `start` (dim,), where the function is `value`, to a minimum of the unit cube.
 
@@ -66,20 +60,22 @@ def descend(
     """
     if not np.isfinite(value):
         return End(u=start, fun=value, kind="no value", hessian=np.zeros((len(start), len(start))))
-    descent = _Descent(record, start, value, radius)
-    kind = yield from descent.run(tolerance, 200 * (len(start) + 1) if max_calls is None else max_calls, stop_if)
+    descent = _Descent(record, start, value, radius, settings)
+    most = settings.calls * (len(start) + 1) if max_calls is None else max_calls
+    kind = yield from descent.run(tolerance, most, stop_if)
     return End(u=descent.u, fun=descent.fun, kind=kind, hessian=descent.hessian)
 
 
 class _Descent:
     """The best point so far and the radius within which the model about it is trusted."""
 
-    def __init__(self, record: Record, u: Array, fun: float, radius: float) -> None:
+    def __init__(self, record: Record, u: Array, fun: float, radius: float, settings: DescentSettings) -> None:
         self.u = u
         self.fun = fun
         self.hessian = np.zeros((len(u), len(u)))
         self._record = record
         self._radius = radius
+        self._settings = settings
         self._calls = 0
         self._unconfirmed = 0  # attempts since the last move
 
@@ -100,9 +96,11 @@ class _Descent:
             foreseen = model.fun - model.value(x)
             if np.abs(x).max() * self._radius >= tolerance and foreseen > FLOAT * abs(self.fun):
                 yield from self._try(x, foreseen)
-            elif self._radius > CERTIFIED:
-                self._radius = max(0.1 * self._radius, CERTIFIED)
-            elif self._unconfirmed == ATTEMPTS or (yield from self._is_confirmed(model, NARROW * tolerance)):
+            elif self._radius > self._settings.certified:
+                self._radius = max(0.1 * self._radius, self._settings.certified)
+            elif self._unconfirmed == self._settings.attempts or (
+                yield from self._is_confirmed(model, self._settings.narrow * tolerance)
+            ):
                 return "minimum"
         return "stuck"
 
@@ -110,16 +108,23 @@ class _Descent:
         """Fit the nearest points."""
         points, dim = self._record.points, len(self.u)
         squared = ((points - self.u) ** 2).sum(axis=1)
-        most = max(40, (dim + 1) * (dim + 2))
+        most = max(self._settings.points, (dim + 1) * (dim + 2))
         near = np.argpartition(squared, most)[:most] if len(squared) > most else slice(None)
-        values = _without_cliffs(self._record.values[near])
-        return fit(points[near], values, centre=self.u, radius=self._radius, hessian=self.hessian)
+        values = _without_cliffs(self._record.values[near], self._settings.cliff)
+        return fit(
+            points[near],
+            values,
+            centre=self.u,
+            radius=self._radius,
+            hessian=self.hessian,
+            settings=self._settings.taylor,
+        )
 
     def _doubtful_points(self, model: TaylorModel) -> Array:
         """Return points (n, dim) at the radius along which the slope is in doubt, downhill if that is known."""
         variances, axes = np.linalg.eigh(model.doubt)
         points = []
-        for axis in axes.T[variances > POISED**2]:
+        for axis in axes.T[variances > self._settings.poised**2]:
             step = -self._radius * axis if axis @ model.slope > 0 else self._radius * axis
             ahead, behind = np.clip(self.u + step, 0.0, 1.0), np.clip(self.u - step, 0.0, 1.0)
             has_room = np.linalg.norm(ahead - self.u) >= 0.5 * np.linalg.norm(behind - self.u)
@@ -142,13 +147,13 @@ class _Descent:
         value = yield from self._evaluate(np.clip(self.u + self._radius * x, 0.0, 1.0)[None])
         gained = (before - value) / foreseen
         length = float(np.abs(x).max())  # in radii
-        if gained > 0.7:
+        if gained > self._settings.foreseen:
             self._radius *= max(3 * length, 0.2) if length < 0.5 else 2.0
-        elif gained > 0.1:
+        elif gained > self._settings.poor:
             self._radius *= max(length, 0.2)
         else:
             self._radius *= max(0.5 * length, 0.1)
-        self._radius = min(self._radius, 0.5)
+        self._radius = min(self._radius, self._settings.widest)
 
     def _is_confirmed(self, model: TaylorModel, distance: float) -> Evaluations[bool]:
         """Return whether the function rises as foreseen along the direction of least curvature.
@@ -157,7 +162,7 @@ class _Descent:
         """
         free = np.flatnonzero((self.u > 0) & (self.u < 1))
         curvatures, axes = np.linalg.eigh(self.hessian[free[:, None], free])
-        if not len(free) or curvatures[0] > ROUND * curvatures[-1]:
+        if not len(free) or curvatures[0] > self._settings.round * curvatures[-1]:
             return True
         x = np.zeros(len(self.u))
         x[free] = distance / self._radius * axes[:, 0]
@@ -167,11 +172,11 @@ class _Descent:
         self._unconfirmed += 1
         value = yield from self._evaluate(there[None])
         self._radius = distance
-        return bool(abs(value - model.value(x)) <= SURE * abs(curvatures[0]) * distance**2)
+        return bool(abs(value - model.value(x)) <= self._settings.sure * abs(curvatures[0]) * distance**2)
 
     def _outlook(self, model: TaylorModel) -> tuple[Array, float]:
         """Return the least point (dim,) of the model in a wider box, and the value there."""
-        x = self._step(model, OUTLOOK)
+        x = self._step(model, self._settings.outlook)
         return self.u + self._radius * x, model.value(x)
 
     def _step(self, model: TaylorModel, radii: float) -> Array:
@@ -179,7 +184,7 @@ class _Descent:
         low = np.maximum(-self.u / self._radius, -radii)
         high = np.minimum((1.0 - self.u) / self._radius, radii)
         x, lowest, stride = np.zeros(len(self.u)), model.fun, radii
-        for _ in range(3):
+        for _ in range(self._settings.quadratics):
             gradient, hessian = model.gradient(x), model.hessian(x)
             s = minimize_on_box(gradient, hessian, np.maximum(low - x, -stride), np.minimum(high - x, stride))
             value, length = model.value(x + s), np.abs(s).max()
@@ -192,12 +197,12 @@ class _Descent:
         return x
 
 
-def _without_cliffs(values: Array) -> Array:
+def _without_cliffs(values: Array, cliff: float) -> Array:
     """Return values (n,) fit for a polynomial: failed ones as high as the highest other, and none immensely high.
 
-    Immense is CLIFF times as far above the lowest as the lower quarter reaches, or beyond HUGE.
+    Immense is `cliff` times as far above the lowest as the lower quarter reaches, or beyond HUGE.
     """
     finite = values[np.isfinite(values)]
     lowest, quarter = finite.min(), np.partition(finite, len(finite) // 4)[len(finite) // 4]
-    ceiling = min(finite.max(), lowest + CLIFF * (quarter - lowest), HUGE) if quarter > lowest else finite.max()
+    ceiling = min(finite.max(), lowest + cliff * (quarter - lowest), HUGE) if quarter > lowest else finite.max()
     return np.clip(values, -HUGE, min(ceiling, HUGE))

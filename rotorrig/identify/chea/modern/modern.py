@@ -5,8 +5,6 @@ around it and is given up when it makes for a known minimum, the minima show a f
 number and their ties say when to stop.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,43 +12,13 @@ from rotorrig.identify.chea.modern.funnel import fit_funnel
 from rotorrig.identify.chea.modern.local_search import descend
 from rotorrig.identify.chea.modern.natural_stop import NaturalStop
 from rotorrig.identify.chea.modern.recombination import offspring, spacing
+from rotorrig.identify.chea.modern.settings import MODERN, ModernSettings
 from rotorrig.identify.chea.session import Evaluations, Record, StopReason
 from rotorrig.identify.chea.steps import far_points, heads, spread, sqp
 
+__all__ = ["MODERN", "search"]
+
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ModernSettings:
-    """Control parameters. Lengths are in the unit cube, where every parameter runs from 0 to 1."""
-
-    sample: int = 16  # points gathered first, times one more than there are parameters
-    neighbours: int = 3  # that the head of a cluster is no worse than, beyond one per parameter
-    children: int = 6  # bred from the minima per round
-    far: int = 2  # points far from all others per round
-
-    # Local searches
-    radius: float = 0.1  # within which a descent from a gathered point trusts its first model
-    same_point: float = 2e-3  # ends of local searches this close are one minimum
-    heading: float = 0.03  # of the way to go: a descent that makes for a known minimum this closely is given up
-    stint: int = 24  # calls after which a descent ends, times one more than there are parameters
-    promising: float = 0.1  # of the way from the best value to the sample's median: a child as low is descended from
-    funnel_error: float = 0.8  # up to which a trend is followed, in standard deviations of what it describes
-
-    # The natural end
-    tie: float = 1e-5  # of the way from the best value to the sample's median: minima as low share the best value
-    patience: float = 2.0  # calls without a find, times those until the last, for one best minimum among many,
-    idle: int = 200  # or this, times one more than there are parameters, if that is less
-    per_minimum: int = 4  # descents each further minimum asks for,
-    descents: int = 6  # up to so many,
-    descents_per_parameter: int = 3  # and so many more per parameter
-
-
-BASIN = 0.25  # of the distance between minima: how far the basin of one is trusted to reach
-HOPS = (1e-3, 0.3)  # the shortest and the longest
-
-#: One set of values for every function.
-MODERN = ModernSettings()
 
 
 def search(record: Record, rng: np.random.Generator, settings: ModernSettings) -> Evaluations[StopReason]:
@@ -76,6 +44,8 @@ class _Plan:
             idle=settings.idle * (record.dim + 1),
             per_minimum=settings.per_minimum,
             most=settings.descents + settings.descents_per_parameter * record.dim,
+            agreeing=settings.agreeing,
+            shared=settings.shared,
         )
 
     def run(self) -> Evaluations[StopReason]:
@@ -146,9 +116,9 @@ class _Plan:
         away = self._rng.normal(size=self._record.dim)
         start = np.clip(lowest + self._hop_length * away / np.abs(away).max(), 0.0, 1.0)
         value = float((yield start[None])[0])
-        end = yield from self._descend(start, value, radius=BASIN * self._hop_length, wary=False)
+        end = yield from self._descend(start, value, radius=self._settings.basin * self._hop_length, wary=False)
         back = np.abs(end - lowest).max() <= self._settings.same_point
-        self._hop_length = float(np.clip(self._hop_length * (1.5 if back else 0.75), *HOPS))
+        self._hop_length = float(np.clip(self._hop_length * (1.5 if back else 0.75), *self._settings.hops))
         yield from self._follow_funnels()
 
     def _follow_funnels(self) -> Evaluations[None]:
@@ -167,7 +137,7 @@ class _Plan:
                     break
                 self._bottoms = np.vstack([self._bottoms, funnel.bottom])
                 value = float((yield funnel.bottom[None])[0])
-                yield from self._descend(funnel.bottom, value, radius=BASIN * self._apart(minima))
+                yield from self._descend(funnel.bottom, value, radius=self._settings.basin * self._apart(minima))
 
     def _breed(self) -> Evaluations[None]:
         """Evaluate the offspring of the minima; descend from what is promising, and as low as half of the minima."""
@@ -175,14 +145,21 @@ class _Plan:
         if len(minima) < 2:
             return
         apart = self._apart(minima)
-        children = offspring(minima, self._points, number=self._settings.children, apart=0.1 * apart, rng=self._rng)
+        children = offspring(
+            minima,
+            self._points,
+            number=self._settings.children,
+            apart=0.1 * apart,
+            rng=self._rng,
+            attempts=self._settings.breeding,
+        )
         rows = yield from self._gather(children)
         self._record.step("breed")
         for i in rows[np.argsort(self._values[rows], kind="stable")]:
             best = self._record.best[1]
             promising = best + self._settings.promising * (self._usual - best)
             if self._values[i] <= min(promising, float(np.median(fun))):
-                yield from self._descend_from(i, radius=BASIN * apart)
+                yield from self._descend_from(i, radius=self._settings.basin * apart)
                 yield from self._follow_funnels()
 
     def _look_far(self) -> Evaluations[None]:
@@ -211,7 +188,15 @@ class _Plan:
         """Return the end (dim,) of a descent; wary, it is given up when it makes for a known minimum."""
         stop_if = self._makes_for_known if wary else None
         limit = self._settings.stint * (self._record.dim + 1)
-        end = yield from descend(self._record, start, value, radius=radius, stop_if=stop_if, max_calls=limit)
+        end = yield from descend(
+            self._record,
+            start,
+            value,
+            radius=radius,
+            stop_if=stop_if,
+            max_calls=limit,
+            settings=self._settings.descent,
+        )
         if end.kind == "minimum" or (end.kind == "stuck" and end.fun <= self._record.best[1]):
             self._take_in(end.u, end.fun)
         if end.kind == "minimum":

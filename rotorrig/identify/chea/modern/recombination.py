@@ -10,18 +10,26 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from rotorrig.identify.chea.modern.settings import MODERN
+
 Array = NDArray[np.float64]
 
-ATTEMPTS = 16  # per child wanted: with few minima most lead to known places
 
-
-def offspring(minima: Array, known: Array, *, number: int, apart: float, rng: np.random.Generator) -> Array:
+def offspring(
+    minima: Array,
+    known: Array,
+    *,
+    number: int,
+    apart: float,
+    rng: np.random.Generator,
+    attempts: int = MODERN.breeding,
+) -> Array:
     """Return up to `number` points (m, dim) of the unit cube bred from `minima` (n, dim), which are sorted best first.
 
-    Many are bred, and those of the best parents taken. No child is within `apart` of a minimum, a `known` point
-    (k, dim) or another child, in every parameter.
+    So many `attempts` are made per child, and those of the best parents taken. No child is within `apart` of a minimum,
+    a `known` point (k, dim) or another child, in every parameter.
     """
-    parents = rng.integers(0, len(minima), (ATTEMPTS * number, 3))
+    parents = rng.integers(0, len(minima), (attempts * number, 3))
     a, b, c = (minima[parents[:, i]] for i in range(3))
     crossed = rng.random(len(parents)) < 0.5
     bred = np.where(crossed[:, None], np.where(rng.random(a.shape) < 0.5, a, b), a + b - c)

@@ -16,7 +16,7 @@ from rotorrig.identify.chea.residuals.levenberg_marquardt import (
     take_step,
 )
 from rotorrig.identify.chea.residuals.linear_model import LinearModel, triangular_factor
-from rotorrig.identify.chea.residuals.residual_search import RESIDUAL, ResidualSettings, residual_search
+from rotorrig.identify.chea.residuals.residual_search import RESIDUAL, ResidualResult, ResidualSettings, residual_search
 
 __all__ = [
     "FIT",
@@ -29,6 +29,7 @@ __all__ = [
     "Point",
     "Progress",
     "Residual",
+    "ResidualResult",
     "ResidualSettings",
     "Settings",
     "Stop",

@@ -11,12 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.chea.residuals.settings import ABSOLUTE
+
 Array = NDArray[np.float64]
 
-_LEVEL = 1e-10  # of what it could be: a slope or a rate below is rounding
-_ROUNDING = 1e-14  # of the fastest parameter: one that moves less does not move
-_EDGES = 20  # per parameter; 300 random residuals take 2, at most 4
-_APART = 1e-9  # of the largest residual
 _GOLDEN = (np.sqrt(5.0) - 1) / 2  # multiples of it, less their whole parts, are all apart
 _TINY = np.finfo(float).tiny
 
@@ -24,9 +22,9 @@ _TINY = np.finfo(float).tiny
 def minimize_absolute_on_box(r: Array, J: Array, low: Array, high: Array) -> Array:
     """Return the step s (dim,) of least sum |r + J s| within low <= 0 <= high; J is (figure, dim).
 
-    Where corners coincide the walk may go round in circles, as it does among small integers. After `_EDGES` edges per
-    parameter the residuals are moved apart by up to `_APART` of the largest, and it begins anew. Nil if anything is not
-    finite.
+    Where corners coincide the walk may go round in circles, as it does among small integers. After `ABSOLUTE.edges`
+    edges per parameter the residuals are moved apart by up to `ABSOLUTE.apart` of the largest, and it begins anew. Nil
+    if anything is not finite.
 
     >>> J = np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]])  # a median, and a side of the box
     >>> minimize_absolute_on_box(np.array([-0.2, -0.3, -0.9, -2.0]), J, -np.ones(2), np.ones(2)).tolist()
@@ -37,7 +35,7 @@ def minimize_absolute_on_box(r: Array, J: Array, low: Array, high: Array) -> Arr
     s, ended = _walk(r, J, low, high)
     if not ended:
         spread = np.modf(np.arange(1, len(r) + 1) * _GOLDEN)[0]
-        s, _ = _walk(r + _APART * np.abs(r).max() * spread, J, low, high)
+        s, _ = _walk(r + ABSOLUTE.apart * np.abs(r).max() * spread, J, low, high)
     return s
 
 
@@ -45,7 +43,7 @@ def _walk(r: Array, J: Array, low: Array, high: Array) -> tuple[Array, bool]:
     """Walk from s = 0 to a corner without a falling edge; return it, or where the edges were used up, and False."""
     figures, dim = J.shape
     corner, s = _Corner(figures, dim), np.zeros(dim)
-    for _ in range(_EDGES * dim):
+    for _ in range(ABSOLUTE.edges * dim):
         off = r + J @ s
         edge = corner.steepest(off, J)
         if edge is None:
@@ -90,7 +88,7 @@ class _Corner:
         slopes = way * slopes + self._rise
         shares = slopes / np.maximum(np.abs(J).sum(axis=0) @ np.abs(edges), _TINY)
         place = int(shares.argmin())
-        if not shares[place] < -_LEVEL:
+        if not shares[place] < -ABSOLUTE.level:
             return None
         along = way[place] * edges[:, place]
         held = ~self.open[len(off) :]
@@ -120,7 +118,7 @@ class _Corner:
 def _turn(off: Array, edge: _Edge, free: NDArray[np.bool_]) -> tuple[int, float]:
     """Return the residual at which the sum stops falling along an edge, and how far that is; infinity: nowhere."""
     speeds = np.where(off < 0, edge.rates, -edge.rates)
-    crossing = np.flatnonzero(free & (speeds > _LEVEL * np.abs(edge.rates).max()))
+    crossing = np.flatnonzero(free & (speeds > ABSOLUTE.level * np.abs(edge.rates).max()))
     speeds = speeds[crossing]
     lengths = np.abs(off[crossing]) / speeds
     order = lengths.argsort(kind="stable")
@@ -133,7 +131,7 @@ def _turn(off: Array, edge: _Edge, free: NDArray[np.bool_]) -> tuple[int, float]
 
 def _way_out(s: Array, along: Array, low: Array, high: Array) -> tuple[int, float]:
     """Return the parameter whose side of the box is the first in the way from `s`, and how far it is."""
-    moving = np.flatnonzero(np.abs(along) > _ROUNDING * np.abs(along).max())
+    moving = np.flatnonzero(np.abs(along) > ABSOLUTE.still * np.abs(along).max())
     lengths = (np.where(along > 0, high, low)[moving] - s[moving]) / along[moving]
     first = int(lengths.argmin())
     return int(moving[first]), max(float(lengths[first]), 0.0)

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.chea.residuals.box_lp import minimize_absolute_on_box
 from rotorrig.identify.chea.residuals.levenberg_marquardt import Residual
+from rotorrig.identify.chea.residuals.settings import ABSOLUTE
 
 Array = NDArray[np.float64]
-
-_SHORTEST = 1e-12  # trust region at which the cube has no finer points
 
 
 def descend_absolute(
@@ -26,7 +25,7 @@ def descend_absolute(
     u = start
     r, J = fun(u)
     value, calls = float(np.abs(r).sum()), 1
-    while calls < max_calls and radius > _SHORTEST:
+    while calls < max_calls and radius > ABSOLUTE.shortest:
         step = minimize_absolute_on_box(r, J, np.maximum(-u, -radius), np.minimum(1 - u, radius))
         promised = value - float(np.abs(r + J @ step).sum())
         if promised <= tolerance * value:
@@ -35,10 +34,10 @@ def descend_absolute(
         r_moved, J_moved = fun(moved)
         value_moved, calls = float(np.abs(r_moved).sum()), calls + 1
         gain = (value - value_moved) / promised
-        if gain < 0.25 or not np.isfinite(gain):
-            radius = 0.25 * float(np.abs(step).max())
-        elif gain > 0.75:
-            radius = max(radius, 2 * float(np.abs(step).max()))
+        if gain < ABSOLUTE.poor or not np.isfinite(gain):
+            radius = ABSOLUTE.shrink * float(np.abs(step).max())
+        elif gain > ABSOLUTE.good:
+            radius = max(radius, ABSOLUTE.grow * float(np.abs(step).max()))
         if value_moved < value:
             u, r, J, value = moved, r_moved, J_moved, value_moved
     return u, value, calls

@@ -40,7 +40,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.residuals.linear_model import LEAST_DAMPING, LinearModel
+from rotorrig.identify.chea.residuals.linear_model import LinearModel
+from rotorrig.identify.chea.residuals.settings import LINEAR_MODEL
 
 Array = NDArray[np.float64]
 Residual = Callable[[Array], tuple[Array, Array]]  # u (dim,) -> r (figure,) and dr/du (figure, dim)
@@ -225,7 +226,7 @@ def take_step(
     steps, after every one.
     """
     if settings.full_steps and (point := _take_full_step(model, evaluate, settings)) is not None:
-        return Step(point=point, damping=max(0.1 * damping, LEAST_DAMPING))
+        return Step(point=point, damping=max(0.1 * damping, LINEAR_MODEL.least_damping))
     growth = 2.0
     for _ in range(settings.trials):
         aimed = model.best(damping)
@@ -237,7 +238,7 @@ def take_step(
         if gained > 0:
             share = min(gained / max(promised, _TINY), 1.0)
             damping *= max(0.1, 1 - (2 * share - 1) ** 3)  # Nielsen, eq. (2.5)
-            return Step(point=point, damping=max(damping, LEAST_DAMPING))
+            return Step(point=point, damping=max(damping, LINEAR_MODEL.least_damping))
         damping, growth = damping * growth, 2 * growth
     return None
 
@@ -256,7 +257,7 @@ def _take_full_step(model: LinearModel, evaluate: Evaluate, settings: Settings) 
     """
     promise = model.full_promise
     floor = model.cost - promise
-    point = evaluate(model.best(LEAST_DAMPING))
+    point = evaluate(model.best(LINEAR_MODEL.least_damping))
     for _ in range(settings.bends):
         left = point.cost - floor
         if not settings.left * promise < left < np.inf:

@@ -7,12 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
+from rotorrig.identify.chea.residuals.settings import LINEAR_MODEL
 from rotorrig.identify.chea.steps import minimize_on_box
 
 Array = NDArray[np.float64]
-
-INDEPENDENT = 1e-4  # of a column's length lies beyond those before it: the normal equations keep 8 digits
-LEAST_DAMPING = 1e-14  # of a full step, in units of the columns: no more than rounding
 
 
 class LinearModel:
@@ -32,7 +30,7 @@ class LinearModel:
         columns = J[:, self._moving] / self._length
         self._normal = columns.T @ columns
         self._root, self._onto = triangular_factor(columns, self._normal)
-        self._independent = bool(np.abs(self._root.diagonal()).min(initial=1.0) > INDEPENDENT)
+        self._independent = bool(np.abs(self._root.diagonal()).min(initial=1.0) > LINEAR_MODEL.independent)
         self._aim = -self._onto(r)
         self._p = p
         self._bounds = bounds
@@ -47,7 +45,7 @@ class LinearModel:
 
     def further(self, p: Array, r: Array) -> Array:
         """Return where an undamped step from elsewhere ends, where the residual is `r` and the derivatives the same."""
-        return self._move(p, self._least(-self._onto(r), LEAST_DAMPING, *self._scale_room(p, np.inf)))
+        return self._move(p, self._least(-self._onto(r), LINEAR_MODEL.least_damping, *self._scale_room(p, np.inf)))
 
     def promise(self, aimed: Array) -> float:
         """Return by how much the sum of squares falls on the way there if the model holds."""
@@ -57,7 +55,7 @@ class LinearModel:
     @cached_property
     def full_promise(self) -> float:
         """Fall of the sum of squares that an undamped step promises."""
-        return self.promise(self.best(LEAST_DAMPING))
+        return self.promise(self.best(LINEAR_MODEL.least_damping))
 
     def _scale_room(self, p: Array, reach: float | Array) -> tuple[Array, Array]:
         low, high = self._bounds
@@ -67,7 +65,7 @@ class LinearModel:
     def _least(self, aim: Array, damping: float, low: Array, high: Array) -> Array:
         """Return the scaled step s of least |root s - aim|^2 + damping |s|^2 within low <= s <= high."""
         size = len(self._length)
-        if self._independent or damping > INDEPENDENT**2:
+        if self._independent or damping > LINEAR_MODEL.independent**2:
             damped, slope = self._normal + damping * np.eye(size), -self._root.T @ aim
             step = -np.linalg.solve(damped, slope)
             if (step >= low).all() and (step <= high).all():
@@ -93,7 +91,7 @@ def triangular_factor(columns: Array, normal: Array | None = None) -> tuple[Arra
         root: Array = np.asarray(np.linalg.cholesky(normal).T, dtype=np.float64)
     except np.linalg.LinAlgError:
         root = np.zeros((1, 1))
-    if root.diagonal().min(initial=1.0) > INDEPENDENT:
+    if root.diagonal().min(initial=1.0) > LINEAR_MODEL.independent:
         return root, lambda r: np.asarray(np.linalg.solve(root.T, columns.T @ r))
     Q, R = (np.asarray(factor, dtype=np.float64) for factor in np.linalg.qr(columns))
     return R, lambda r: Q.T @ r

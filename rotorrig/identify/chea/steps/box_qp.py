@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.chea.steps.settings import STEPS
+
 Array = NDArray[np.float64]
 
 NEGLIGIBLE = 1e-14  # a gain, of what the first slope would give over the whole box
@@ -21,7 +23,7 @@ def minimize_on_box(gradient: Array, hessian: Array, low: Array, high: Array) ->
     s = np.zeros(len(gradient))
     held = np.where(gradient > 0, low >= 0, high <= 0)
     negligible = NEGLIGIBLE * float(np.abs(gradient) @ (high - low))
-    for _ in range(8 * len(s)):
+    for _ in range(STEPS.passes * len(s)):
         slope = gradient + hessian @ s
         direction = _newton(slope, hessian, np.flatnonzero(~held))
         if -float(slope @ direction) > negligible:

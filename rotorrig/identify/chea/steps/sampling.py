@@ -4,10 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.chea.steps.far_search import farthest
+from rotorrig.identify.chea.steps.settings import STEPS
 
 Array = NDArray[np.float64]
-
-CANDIDATES = 64  # of the far points, times one more than there are parameters
 
 
 def spread(n: int, dim: int, rng: np.random.Generator) -> Array:
@@ -30,7 +29,7 @@ def far_points(n: int, visited: Array, rng: np.random.Generator) -> Array:
     The efficient random search of the chapter, section 2.5, with more candidates than its five.
     """
     dim = visited.shape[1]
-    candidates = rng.random((CANDIDATES * (dim + 1), dim))
+    candidates = rng.random((STEPS.candidates * (dim + 1), dim))
     chosen = np.empty((0, dim))
     for _ in range(n):
         chosen = np.vstack([chosen, farthest(candidates, np.vstack([visited, chosen]))])

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.chea.session import Evaluations, Record
 from rotorrig.identify.chea.steps.box_qp import minimize_on_box
+from rotorrig.identify.chea.steps.settings import STEPS
 
 Array = NDArray[np.float64]
 
 STEP = 1.5e-8  # of the forward differences: the square root of the float's resolution
-FIRST = 0.05  # length of the first step, in the steepest parameter: a start is most often in its basin already
 
 
 def descend(
@@ -37,7 +37,7 @@ def descend(
     scale = float(np.abs(slope).max())
     if scale == 0.0:
         return u, f
-    hessian = np.eye(len(u)) * scale / FIRST
+    hessian = np.eye(len(u)) * scale / STEPS.first
     for i in range(max_steps):
         step = minimize_on_box(slope, hessian, -u, 1.0 - u)
         expected = -float(slope @ step)
@@ -65,10 +65,10 @@ def _is_at_known_minimum(record: Record, u: Array, f: float, near: float) -> boo
 def _line_search(u: Array, f: float, step: Array, expected: float) -> Evaluations[tuple[Array, float]]:
     """Return the first point along `step` with a sufficient decrease (Armijo) and its value; `u` and `f` if none."""
     length = 1.0
-    while length > 1e-6:
+    while length > STEPS.shortest:
         moved = np.clip(u + length * step, 0.0, 1.0)
         f_moved = float((yield moved[None])[0])
-        if f_moved <= f - 1e-4 * length * expected:
+        if f_moved <= f - STEPS.sufficient * length * expected:
             return moved, f_moved
         length = _shorter(length, f, f_moved, expected)
     return u, f
@@ -85,11 +85,12 @@ def gradient(record: Record, u: Array, value: float) -> Evaluations[Array]:
 
 
 def _shorter(length: float, f: float, f_moved: float, expected: float) -> float:
-    """Return the minimum of the parabola through the two values and the slope, between a tenth and a half."""
+    """Return the minimum of the parabola through the two values and the slope, within `STEPS.shortening`."""
     if not np.isfinite(f_moved):
-        return 0.1 * length
+        return STEPS.shortening[0] * length
     best = expected * length**2 / (2 * (f_moved - f + expected * length))
-    return float(np.clip(best, 0.1 * length, 0.5 * length))
+    least, most = STEPS.shortening
+    return float(np.clip(best, least * length, most * length))
 
 
 def _inward(u: Array, slope: Array) -> float:
