@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 from docs.chea_drawing import coloured_by_cluster, counted, square
 from docs.chea_runs import BANANA, MULTIMODAL, RASTRIGIN, bred, clustered
 from docs.svg_plot import COLOURS, FAINT, INK, Figure, Panel
+from rotorrig.identify.chea import SEED
 from rotorrig.identify.chea.chapter.art_knn import classify
 from rotorrig.identify.chea.chapter.clustering import cef
 from rotorrig.identify.chea.chapter.genetic import gray_to_integer
-from rotorrig.identify.chea.chapter.settings import SEED
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.chea import SEED, Profile, Search
 from rotorrig.identify.chea.chapter.clustering import Clustering, cluster
 from rotorrig.identify.chea.chapter.genetic import Colony
-from rotorrig.identify.chea.chapter.settings import SEED
-from rotorrig.identify.chea.profiles import Profile
-from rotorrig.identify.chea.search import Search
 from rotorrig.identify.chea.session import Evaluations, Record
 
 Array = NDArray[np.float64]

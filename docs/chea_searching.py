@@ -7,7 +7,7 @@ from scipy.spatial.distance import cdist
 from docs.chea_drawing import square
 from docs.chea_runs import BANANA, MULTIMODAL, Function, answered, bred, clustered
 from docs.svg_plot import COLOURS, FAINT, INK, Figure
-from rotorrig.identify.chea.chapter.settings import SEED
+from rotorrig.identify.chea import SEED
 from rotorrig.identify.chea.session import Record
 from rotorrig.identify.chea.steps import descend, farthest
 

@@ -7,7 +7,7 @@ from scipy.spatial.distance import cdist
 from docs.chea_drawing import square
 from docs.chea_runs import MULTIMODAL, PEAKS, RASTRIGIN, Stage, watched
 from docs.svg_plot import COLOURS, HAIR, INK, Figure, Panel
-from rotorrig.identify.chea.chapter.settings import SEED
+from rotorrig.identify.chea import SEED
 
 Array = NDArray[np.float64]
 

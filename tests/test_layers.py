@@ -97,7 +97,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "chapter modern residuals",
         "profiles",
         "search",
-        "chea",
+        "minimize",
     ),
     "app": ("plot_data text", "report terminal", "viewer", "commands", "verbs", "cli"),
     "app.viewer": ("blueprint plots sinks", "live result", "open"),

@@ -17,10 +17,8 @@ from scipy.stats import qmc
 
 from benchmarks.parts.chea.counting import BudgetSpent, Counted
 from benchmarks.parts.chea.functions import Array
+from rotorrig.identify.chea import SEED, Profile, chea
 from rotorrig.identify.chea.chapter.genetic import Colony
-from rotorrig.identify.chea.chapter.settings import SEED
-from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.profiles import Profile
 
 UNIMPROVED = 10  # generations after which the elitist genetic algorithm ends
 STARTS = 32

@@ -10,8 +10,8 @@ from scipy.optimize import least_squares
 from benchmarks.parts.identification import valley_search
 from rotorrig.identify.base_model import ObjectiveName
 from rotorrig.identify.base_model.objectives import Amplitudes
-from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.residuals import Residual, descend_absolute
+from rotorrig.identify.chea import Residual, chea
+from rotorrig.identify.chea.residuals import descend_absolute
 from rotorrig.identify.chea.session import Record
 
 Real = NDArray[np.float64]

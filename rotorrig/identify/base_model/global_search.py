@@ -14,16 +14,9 @@ from threadpoolctl import threadpool_limits
 
 from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, ObjectiveName
 from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.identify.chea.residuals import (
-    RESIDUAL,
-    SEARCH,
-    Counted,
-    ResidualSettings,
-    descend_absolute,
-    minimize_squares,
-    residual_search,
-)
-from rotorrig.identify.chea.session import Minima, StopReason
+from rotorrig.identify.chea import RESIDUAL, ResidualSettings, StopReason, residual_search
+from rotorrig.identify.chea.residuals import SEARCH, Counted, descend_absolute, minimize_squares
+from rotorrig.identify.chea.session import Minima
 from rotorrig.identify.identification import Optimum
 from rotorrig.identify.measurement import Measurement
 from rotorrig.processing import OrderTrackedResponse

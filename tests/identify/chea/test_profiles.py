@@ -5,9 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.chapter.settings import SEED
-from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.modern.modern import MODERN
+from rotorrig.identify.chea import MODERN, SEED, chea
 from rotorrig.identify.chea.profiles import begin
 
 SETTINGS = {"seed": SEED, "modern": MODERN}

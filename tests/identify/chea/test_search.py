@@ -10,10 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.search import Search
-from rotorrig.identify.chea.session.result import CheaResult
-from rotorrig.identify.chea.session.stopping import StopReason
+from rotorrig.identify.chea import CheaResult, Search, StopReason, chea
 
 BOX = [(-1.0, 1.0), (-1.0, 1.0)]
 

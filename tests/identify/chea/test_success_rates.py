@@ -9,8 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.chapter.settings import SEED
-from rotorrig.identify.chea.chea import chea
+from rotorrig.identify.chea import SEED, chea
 
 pytestmark = pytest.mark.campaign
 

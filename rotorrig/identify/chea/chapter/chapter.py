@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.chea.chapter.clustering import Clustering, cluster
 from rotorrig.identify.chea.chapter.genetic import Colony
-from rotorrig.identify.chea.chapter.settings import SEED, Settings
+from rotorrig.identify.chea.chapter.settings import SEED, SeedSettings
 from rotorrig.identify.chea.session import Evaluations, Record, StopReason, one_point
 from rotorrig.identify.chea.steps import descend, farthest
 
@@ -17,13 +17,13 @@ __all__ = ["SEED", "search"]
 Array = NDArray[np.float64]
 
 
-def search(record: Record, rng: np.random.Generator, settings: Settings) -> Evaluations[StopReason]:
+def search(record: Record, rng: np.random.Generator, settings: SeedSettings) -> Evaluations[StopReason]:
     """Reduce boxes until every cluster holds one minimum, then search far from all points (Fig. 1)."""
     return (yield from _FlowChart(record, rng, settings).run())
 
 
 class _FlowChart:
-    def __init__(self, record: Record, rng: np.random.Generator, settings: Settings) -> None:
+    def __init__(self, record: Record, rng: np.random.Generator, settings: SeedSettings) -> None:
         self._record = record
         self._rng = rng
         self._settings = settings

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from rotorrig.identify.chea.chapter.art_knn import classify
-from rotorrig.identify.chea.chapter.settings import Settings
+from rotorrig.identify.chea.chapter.settings import SeedSettings
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ class Clustering:
         return [np.flatnonzero(self.labels == j) for j in range(self.labels.max() + 1)]
 
 
-def cluster(points: Array, settings: Settings) -> Clustering:
+def cluster(points: Array, settings: SeedSettings) -> Clustering:
     """Return the clustering of points (n, dim) of the unit cube that has the least CEF (section 2.3, steps 2 and 3).
 
     Clusterings with fewer than `min_cluster_size` points per cluster on average are left out: eq. (1) gives a cluster
@@ -42,7 +42,7 @@ def cluster(points: Array, settings: Settings) -> Clustering:
     return min(clusterings, key=lambda clustering: clustering.cef)
 
 
-def cef(points: Array, labels: NDArray[np.intp], *, similarity: float, settings: Settings) -> float:
+def cef(points: Array, labels: NDArray[np.intp], *, similarity: float, settings: SeedSettings) -> float:
     """Return eq. (1) of points (n, dim) classified as `labels` (n,).
 
     The spread delta_j is the sum of squares, as printed, where the text speaks of an average. A lone cluster has no

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.chapter.settings import Settings
+from rotorrig.identify.chea.chapter.settings import SeedSettings
 from rotorrig.identify.chea.session import Evaluations
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ class Colony:
     - A chromosome met before keeps its value and costs no call.
     """
 
-    def __init__(self, box: Array, *, rng: np.random.Generator, settings: Settings) -> None:
+    def __init__(self, box: Array, *, rng: np.random.Generator, settings: SeedSettings) -> None:
         self.generation = 1
         self._box = box  # (2, dim) lower and upper corner
         self._rng = rng

@@ -1,4 +1,4 @@
-"""`Settings`: the control parameters of the search, with the values of the source's Tables 1 and 6.
+"""`SeedSettings`: the control parameters of the search, with the values of the source's Tables 1 and 6.
 
 The source is the chapter "A Hybrid Evolutionary Algorithm and its Application to Parameter Identification of Rolling
 Elements Bearings"; equation, table and section numbers in this package are that chapter's.
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
+class SeedSettings:
     """Control parameters. Lengths are in the unit cube, where every parameter runs from 0 to 1."""
 
     # Table 1
@@ -41,4 +41,4 @@ class Settings:
 
 
 #: The source's own parameters.
-SEED = Settings()
+SEED = SeedSettings()

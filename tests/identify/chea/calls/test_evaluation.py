@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import rosen
 
+from rotorrig.identify.chea import StopReason, chea
 from rotorrig.identify.chea.calls.evaluation import Evaluation
-from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.session.stopping import StopReason
 
 BOX = [(-2.0, 2.0), (-2.0, 2.0)]
 FIVE = np.random.default_rng(0).uniform(-2, 2, (5, 2))

@@ -20,7 +20,7 @@ POINTS = np.arange(12.0)[:, None]
 #: A search whose objective takes a minute from the 31st call on; says so on the way.
 SLOW = """
 import os, sys, time
-from rotorrig.identify.chea.chea import chea
+from rotorrig.identify.chea import chea
 
 def fun(x):
     if os.path.exists(sys.argv[1]):
@@ -169,7 +169,7 @@ def test_a_script_without_its_guard_is_told_so_where_processes_begin_afresh(tmp_
 import multiprocessing
 multiprocessing.set_start_method("spawn", force=True)
 from scipy.optimize import rosen
-from rotorrig.identify.chea.chea import chea
+from rotorrig.identify.chea import chea
 chea(rosen, [(-1, 1)] * 2, workers=2)
 """
     with started(tmp_path, script) as process:

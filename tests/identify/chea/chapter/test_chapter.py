@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.chea import StopReason
 from rotorrig.identify.chea.chapter.chapter import search
-from rotorrig.identify.chea.chapter.settings import SEED, Settings
+from rotorrig.identify.chea.chapter.settings import SEED, SeedSettings
 from rotorrig.identify.chea.session.record import Record
-from rotorrig.identify.chea.session.stopping import StopReason
 from tests.identify.chea.driving import drive
 
 NO_FAR = replace(SEED, far_iterations=0)
@@ -29,7 +29,7 @@ def egg_box(u: np.ndarray) -> np.ndarray:
     return np.cos(6 * np.pi * u).sum(axis=1)
 
 
-def run(fun, seed: int = 0, settings: Settings = SEED) -> tuple[StopReason, Record]:
+def run(fun, seed: int = 0, settings: SeedSettings = SEED) -> tuple[StopReason, Record]:
     record = Record(2, same_point=settings.same_point)
     return drive(search(record, np.random.default_rng(seed), settings), fun, record), record
 

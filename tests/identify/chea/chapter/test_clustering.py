@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.chea import SEED
 from rotorrig.identify.chea.chapter.clustering import cef, cluster
-from rotorrig.identify.chea.chapter.settings import SEED
 
 
 def test_cef_of_two_pairs_is_the_value_worked_out_by_hand() -> None:

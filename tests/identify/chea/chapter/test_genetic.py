@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.chea.chapter.genetic import Colony, gray_to_integer
-from rotorrig.identify.chea.chapter.settings import SEED, Settings
+from rotorrig.identify.chea.chapter.settings import SEED, SeedSettings
 from rotorrig.identify.chea.session.record import Record
 from tests.identify.chea.driving import drive
 
@@ -29,7 +29,9 @@ def bowl(u: np.ndarray) -> np.ndarray:
 class Bred:
     """A colony on the bowl, and the record of what it asked for."""
 
-    def __init__(self, seed: int, *, box: np.ndarray = CUBE, settings: Settings = SEED, generations: int = 0) -> None:
+    def __init__(
+        self, seed: int, *, box: np.ndarray = CUBE, settings: SeedSettings = SEED, generations: int = 0
+    ) -> None:
         self.record = Record(2, same_point=0.01)
         self.colony = Colony(box, rng=np.random.default_rng(seed), settings=settings)
         drive(self.colony.create_founders(), bowl, self.record)

@@ -5,10 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.modern.modern import MODERN
-from rotorrig.identify.chea.session.result import CheaResult
-from rotorrig.identify.chea.session.stopping import StopReason
+from rotorrig.identify.chea import MODERN, CheaResult, StopReason, chea
 
 PEAKS = np.array([[a * 0.43880, b * 0.30585] for a in (1, -1) for b in (1, -1)])  # chapter, Table 3
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.residuals.residual_search import residual_search
-from rotorrig.identify.chea.session.stopping import StopReason
+from rotorrig.identify.chea import StopReason, residual_search
 
 
 def peak(level=0.0):

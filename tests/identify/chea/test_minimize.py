@@ -6,9 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.chea import chea
-from rotorrig.identify.chea.session.result import CheaResult
-from rotorrig.identify.chea.session.stopping import StopReason
+from rotorrig.identify.chea import CheaResult, StopReason, chea
 
 BOX = [(-5.0, 5.0), (-5.0, 5.0)]
 

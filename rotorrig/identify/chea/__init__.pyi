@@ -1,0 +1,33 @@
+from .chapter.settings import SEED as SEED
+from .chapter.settings import SeedSettings as SeedSettings
+from .minimize import chea as chea
+from .modern.settings import MODERN as MODERN
+from .modern.settings import ModernSettings as ModernSettings
+from .profiles import Profile as Profile
+from .residuals import RESIDUAL as RESIDUAL
+from .residuals import Residual as Residual
+from .residuals import ResidualResult as ResidualResult
+from .residuals import ResidualSettings as ResidualSettings
+from .residuals import residual_search as residual_search
+from .search import Search as Search
+from .session import CheaResult as CheaResult
+from .session import SearchState as SearchState
+from .session import StopReason as StopReason
+
+__all__ = [
+    "MODERN",
+    "RESIDUAL",
+    "SEED",
+    "CheaResult",
+    "ModernSettings",
+    "Profile",
+    "Residual",
+    "ResidualResult",
+    "ResidualSettings",
+    "Search",
+    "SearchState",
+    "SeedSettings",
+    "StopReason",
+    "chea",
+    "residual_search",
+]
