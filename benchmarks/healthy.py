@@ -85,27 +85,27 @@ def page(summary: dict[str, float], first: int) -> str:
     upper = 1 - 0.05 ** (1 / n) if alarms == 0 else float("nan")
     bound = f" (95 % upper bound of the rate: {upper:.1%})" if alarms == 0 else ""
     chi2_limit, sigma_limit = ADEQUACY.global_limit, ADEQUACY.focused_limit
-    return f"""# The adequacy test, and how often it cries wolf
+    return f"""# The adequacy test and its false alarm rate
 
 Written by `benchmarks/healthy.py --write`; do not edit.
 
 A fit is called adequate if chi2 per degree of freedom of the 1X residuals is at most {chi2_limit:g} and no stretch
-of neighbouring rows of one run, probe and order exceeds {sigma_limit:g} sigma rms. The sigmas hold the noise found
-in the data and `prior.probe_linearity` of the reading. Healthy simulated rigs of `configs/rk4.toml`, every one with
-its own stiffness, damping, unbalance, modulus, mass, probe gains and angles, runout and noise, seeds {first} to
-{first + n - 1}:
+of neighbouring rows of one run, probe and order exceeds {sigma_limit:g} sigma rms. The sigmas combine the noise found
+in the data with `prior.probe_linearity` of the reading. It was run on healthy simulated rigs of `configs/rk4.toml`,
+each with its own stiffness, damping, unbalance, modulus, mass, probe gains and angles, runout and noise (seeds
+{first} to {first + n - 1}):
 
 | | |
 |---|---|
 | cases | {n} |
-| called not adequate | {alarms}{bound} |
+| found not adequate | {alarms}{bound} |
 | chi2 per degree of freedom, median and largest | {summary["chi2_median"]:.2f}, {summary["chi2_max"]:.2f} |
 | worst stretch, median and largest | {summary["worst_median"]:.2f}, {summary["worst_max"]:.2f} sigma |
 | identified values within two sigmas of the truth | {summary["within_2_sigma"]:.0%} |
 | root mean square error in sigmas | {summary["rms_sigma"]:.2f} |
 
-The thresholds were set on other seeds of the same rig. Of real rigs this says nothing yet: their noise is rougher and
-their deviations have other causes.
+The thresholds were set on other seeds of the same rig. None of this was measured on real rigs: their noise is rougher
+and their deviations have other causes.
 """
 
 

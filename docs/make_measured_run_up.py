@@ -77,7 +77,7 @@ def text(both: tuple[Model, Model], found: Diagnosis) -> str:
     lines = [
         *textwrap.wrap(found.sentence, 118, initial_indent="> ", subsequent_indent="> "),
         "",
-        "| model | chi2 per degree of freedom | worst stretch | held-out error | times the noise floor |",
+        "| model | chi2 per degree of freedom | worst stretch | error on unseen data | times the noise floor |",
         "|---|---|---|---|---|",
         *(_row(model) for model in both),
     ]

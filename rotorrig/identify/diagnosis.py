@@ -110,9 +110,9 @@ def diagnose(
         extended = base
         if selection.problem is not base.problem:
             extended = joint_fit.assess_fit(selection.problem, selection.polished)
-        progress("held-out data", 0.7)
+        progress("unseen data", 0.7)
         unseen = _recordings([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
-        predictions = gain.predict_held_out(selection, holdout=unseen)
+        predictions = gain.predict_unseen(selection, holdout=unseen)
         verdict = conclude(
             selection,
             adequate_before=base.adequacy.adequate,

@@ -96,7 +96,7 @@ def test_a_holdout_is_what_the_gain_is_measured_on(rig: RigConfig, late: OrderTr
     effect = find(rig, "delay, probe 2y")
     unseen = swept_response(rig, rng=np.random.default_rng(32), hidden=[(effect, {"delay": DELAY})])
     found = judged(late, tried={"delay"}, holdout=unseen)
-    assert found.gain.on == "the recording held out"
+    assert found.gain.on == "the recording no fit saw"
     assert found.gain.heldout_after == pytest.approx(DRAWN * SIGMA * np.sqrt(2), rel=0.2)
     assert found.gain.heldout_before > 1.5 * found.gain.heldout_after
 
@@ -177,7 +177,7 @@ def test_what_the_data_cannot_show_is_told_with_what_is_missing(one_plane: RigCo
         assert "a run with a known trial mass" in each.missing
 
 
-@pytest.mark.parametrize("stage", ["base model", "causes", "cause 1", "held-out data"])
+@pytest.mark.parametrize("stage", ["base model", "causes", "cause 1", "unseen data"])
 def test_an_interrupt_ends_it_at_once_and_leaves_nothing_behind(
     late: OrderTrackedResponse, named: Diagnosis, stage: str
 ) -> None:
@@ -187,7 +187,7 @@ def test_an_interrupt_ends_it_at_once_and_leaves_nothing_behind(
 
     with pytest.raises(KeyboardInterrupt):
         judged(late, progress=stop)
-    if stage == "held-out data":
+    if stage == "unseen data":
         assert judged(late).causes[0] == named.causes[0]
 
 

@@ -25,7 +25,7 @@ WORDS = {
     "outsiders_unexplained": "called unexplained, of the outsiders found wrong",
     "pairs_contained": "both causes named, of the pairs",
     "pairs_contained_nameable": "both causes named, of the pairs each of which could be named if it were alone",
-    "heldout_at_floor": "held-out error after extension <= 1.2 noise floors",
+    "heldout_at_floor": "error on unseen data after extension <= 1.2 noise floors",
     "coverage95": "hidden parameters inside their 95 % intervals",
     "failed": "ended in an error",
 }
@@ -114,7 +114,7 @@ def _complete(scores: Sequence[Score], summary: Mapping[str, Any]) -> str:
 def _others(summary: Mapping[str, Any]) -> str:
     """Return the figures that are no rates, each with how many cases or estimates are behind it."""
     lines = [
-        _figure("held-out error after extension, median", "heldout_over_floor", "noise floors", summary),
+        _figure("error on unseen data after extension, median", "heldout_over_floor", "noise floors", summary),
         _figure("stiffness and unbalance error, rms", "rms_sigma", "Cramer-Rao standard deviations", summary),
         _figure("the same, mean", "mean_sigma", "Cramer-Rao standard deviations", summary),
         _figure("diagnosis, mean", "seconds_per_case", "s a case", summary),

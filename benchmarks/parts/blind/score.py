@@ -36,7 +36,7 @@ class Score:
     named: frozenset[str] = frozenset()  # those, and what is tied with one
     right: tuple[frozenset[str], ...] = ()  # of every hidden fault, the labels that are the right answer
     lam: Lam | None = None  # what the data could show of it, of two faults of each; None: not computed
-    over_floor: float | None = None  # held-out error of the extended model over the noise floor
+    over_floor: float | None = None  # error of the extended model on unseen data over the noise floor
     covered: tuple[bool, ...] = ()  # hidden parameters inside their 95 % intervals
     errors: tuple[float, ...] = ()  # of `JUDGED`, in standard deviations
     seconds: float = math.nan  # of the diagnosis

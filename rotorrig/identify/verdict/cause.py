@@ -25,7 +25,7 @@ class Cause:
     plausible: bool  # its parameters are within their plausible ranges
     evidence: float  # BIC of the base less BIC with it; > 0 speaks for it
     lam: float  # chi2 of the base less chi2 with it
-    heldout_before: float  # m, rms prediction error on held-out data, base; NaN: not measured
+    heldout_before: float  # m, rms prediction error on unseen data, base; NaN: not measured
     heldout_after: float  # m, with it
     parameters: dict[str, ParameterValue]
     theta: dict[str, float]  # the effect's own unknowns, as a config carries them

@@ -17,7 +17,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Prediction:
-    """Prediction error of 1X on held-out rows."""
+    """Prediction error of 1X on rows the fit did not see."""
 
     error: float  # m, root mean square of |measured - model|
     floor: float  # m, the same of what the noise alone would be

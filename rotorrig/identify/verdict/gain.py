@@ -29,7 +29,7 @@ class Gain:
     heldout_before: float  # m, rms prediction error of the base
     heldout_after: float  # m, of the extended model
     noise_floor: float  # m, the same of noise alone
-    on: str  # what was held out, in words
+    on: str  # the unseen data, in words
     base: dict[str, Shift]  # by name: what the base's parameters had absorbed
 
     @property
@@ -40,12 +40,12 @@ class Gain:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Predictions:
-    """Of held-out data: by the base, by the extended model, and by the base with single causes."""
+    """Of unseen data: by the base, by the extended model, and by the base with single causes."""
 
     before: Prediction
     after: Prediction
     by_label: dict[str, tuple[Prediction, Prediction]]
-    on: str  # what was held out, in words
+    on: str  # the unseen data, in words
 
     @property
     def worse(self) -> bool:
@@ -53,8 +53,8 @@ class Predictions:
         return self.after.error > VERDICT.worse * self.before.error
 
 
-def predict_held_out(selection: Selection, *, holdout: Recording | None = None) -> Predictions:
-    """Measure predictions of `holdout`, or of the recordings or blocks of speeds that a fit is not shown in turn."""
+def predict_unseen(selection: Selection, *, holdout: Recording | None = None) -> Predictions:
+    """Measure predictions of `holdout`, or cross-validate over blocks of speeds."""
     steps = selection.steps
     base = steps[0].before if steps else selection.base
     problem = selection.start
@@ -73,7 +73,7 @@ def predict_held_out(selection: Selection, *, holdout: Recording | None = None) 
     elif selection.problem.effects != problem.effects:
         p, where = selection.polished.p, selection.problem
         after = measure_prediction(where.on([holdout]), p) if holdout else cross_validate(where, p)
-    on = "the recording held out" if holdout else "blocks of speeds in turn"
+    on = "the recording no fit saw" if holdout else "blocks of speeds in turn"
     return Predictions(before=before, after=after, by_label=by_label, on=on)
 
 

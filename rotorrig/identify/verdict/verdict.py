@@ -146,7 +146,7 @@ def _missing(selection: Selection, effect: Effect) -> str:
 def rank_causes(selection: Selection, predictions: dict[str, tuple[Prediction, Prediction]]) -> tuple[Cause, ...]:
     """Rank the causes: the chosen effects as finally fitted, then every other one that was fitted, by its evidence.
 
-    `predictions` holds held-out errors before and after, by label, of those they were measured for.
+    `predictions` holds the errors on unseen data before and after, by label, of those they were measured for.
     """
     final = selection.problem
     chosen = [
