@@ -7,8 +7,8 @@ import pytest
 from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
 from rotorrig.acquisition.replay import ReplayDaq, trim_before
-from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.errors import ConfigError, LinkLost
+from tests.manual_clock import ManualClock
 
 
 def test_a_replay_hands_out_the_blocks_gaps_and_all(recording: RawRecording) -> None:

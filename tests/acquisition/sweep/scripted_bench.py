@@ -8,12 +8,12 @@ from rotorrig.acquisition.recording import RawRecording
 from rotorrig.acquisition.sweep.engine import SweepResult, run_sweep
 from rotorrig.acquisition.sweep.motor_control import DirectControl
 from rotorrig.acquisition.sweep.plans import Coast, Dwell, Mark, Ramp, Step
-from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
 from tests.acquisition.sweep.scripted_rig import ScriptedDaq, ScriptedMotor, Shaft
+from tests.manual_clock import ManualClock
 
 PLAN: tuple[Step, ...] = (
     Mark(label="slow roll"),

@@ -7,10 +7,10 @@ from typing import Self
 
 import numpy as np
 
-from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.motor.base import MotorInfo, MotorState, Stop
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
+from tests.manual_clock import ManualClock
 
 SCANS = 200
 

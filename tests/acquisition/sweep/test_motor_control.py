@@ -9,10 +9,10 @@ import pytest
 
 from rotorrig.acquisition.sweep import motor_control
 from rotorrig.acquisition.sweep.motor_control import DirectControl, Reading, ThreadedControl
-from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.rig.motor.base import Stop
 from tests.acquisition.sweep.scripted_rig import ScriptedMotor, Shaft
+from tests.manual_clock import ManualClock
 
 SOON = 5.0  # s of patience on a busy machine; what is waited for takes milliseconds
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.config.devices import ModbusRtu
 from rotorrig.sims.wire import emulation
+from tests.manual_clock import ManualClock
 
 
 class ToyPlant:

@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 import serial
 
-from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.config.description import load
 from rotorrig.sims.plant.draw import draw
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.wire.motors.powerflex400 import PowerFlex400
+from tests.manual_clock import ManualClock
 
 CONFIG = Path(__file__).parents[3] / "configs" / "rk4.toml"
 

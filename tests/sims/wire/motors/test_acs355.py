@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.errors import ConfigError
 from rotorrig.sims.wire.motors.acs355 import Acs355
+from tests.manual_clock import ManualClock
 
 # ABB drives profile: ready to switch on, ready to operate, operation enabled; OFF1, OFF2, OFF3 are bits 0, 1, 2 at 0
 ON, READY, RUN, RESET = 0x476, 0x477, 0x47F, 0x4F6

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from rotorrig.rig.clock import ManualClock
 from rotorrig.sims.wire.motors.cia402 import Cia402, Refused
+from tests.manual_clock import ManualClock
 
 RPM = math.pi / 30
 SWITCH_ON_DISABLED, READY, SWITCHED_ON, ENABLED, QUICK_STOP, FAULT = 0x40, 0x21, 0x23, 0x27, 0x07, 0x08

@@ -13,10 +13,11 @@ import serial
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rotorrig.rig.clock import ManualClock, WallClock
+from rotorrig.rig.clock import WallClock
 from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
 from rotorrig.sims.wire.motors import line_motor
 from rotorrig.sims.wire.motors.line_motor import LineDevice
+from tests.manual_clock import ManualClock
 from tests.sims.wire.conftest import ToyPlant
 
 RPM = math.pi / 30

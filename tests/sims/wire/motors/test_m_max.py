@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.errors import ConfigError
 from rotorrig.sims.wire.motors.m_max import MMax
 from rotorrig.sims.wire.motors.modbus_motor import Unanswered
+from tests.manual_clock import ManualClock
 
 FROM_BUS = 1 << 8 | 1 << 9
 RUN, REVERSE, RESET, COAST, RAMP, BLOCK = (FROM_BUS | 1 << bit for bit in (0, 1, 2, 3, 4, 12))

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.errors import ConfigError
 from rotorrig.sims.wire.motors.powerflex400 import PowerFlex400
+from tests.manual_clock import ManualClock
 
 STOP, START, CLEAR = 1, 2, 8
 READY, ACTIVE, ACCELERATING, DECELERATING, FAULTED, AT_REFERENCE = 1 << 0, 1 << 1, 1 << 4, 1 << 5, 1 << 7, 1 << 8

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from rotorrig.rig.clock import ManualClock
 from rotorrig.rig.errors import ConfigError
 from rotorrig.sims.wire.motors.vfd_ed import VfdEd
+from tests.manual_clock import ManualClock
 
 STOP, RUN, FORWARD, REVERSE = 0b01, 0b10, 0b01 << 4, 0b10 << 4
 RAD_PER_HZ = 2 * math.pi  # two poles: 60 rpm per Hz
