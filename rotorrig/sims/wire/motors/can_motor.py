@@ -1,7 +1,7 @@
-"""A CiA 402 drive as a CANopen node, behind an slcan adapter on a tty or on any bus of python-can.
+"""A CiA 402 drive as a CANopen node, behind an slcan adapter on a tty.
 
 SDO server, NMT and emergencies are the `canopen` library's LocalNode; what the objects mean is `Cia402`'s. Everything
-happens in the event loop: python-can's own threads, where a bus needs them, only pass frames on to it.
+happens in the event loop.
 """
 
 import asyncio
@@ -10,7 +10,6 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Any
 
-import can
 import canopen
 from canopen import objectdictionary as od
 
@@ -34,7 +33,7 @@ _NODES = 127
 @asynccontextmanager
 async def serve_slcan(device: Cia402, *, port: str, node: int = 1, bitrate: int = 500_000) -> AsyncIterator[None]:
     """Be node `node` behind an slcan adapter on the tty `port`, on a bus of `bitrate`, for the length of the block."""
-    served = _Node(device, node)
+    served = Node(device, node)
     adapter = Adapter(bitrate=bitrate, on_frame=served.take)
     served.transmit = adapter.deliver
     async with open_serial_end(port, received=adapter.take) as send, served.alive():
@@ -42,26 +41,7 @@ async def serve_slcan(device: Cia402, *, port: str, node: int = 1, bitrate: int 
         yield
 
 
-@asynccontextmanager
-async def serve_on_bus(device: Cia402, bus: can.BusABC, *, node: int = 1) -> AsyncIterator[None]:
-    """Be node `node` on `bus` for the length of the block; the bus stays open."""
-    served = _Node(device, node)
-
-    def take(message: can.Message) -> None:
-        if not (message.is_error_frame or message.is_remote_frame or message.is_extended_id):
-            served.take(message.arbitration_id, bytes(message.data))
-
-    def transmit(can_id: int, data: bytes) -> None:
-        bus.send(can.Message(arbitration_id=can_id, data=data, is_extended_id=False))
-
-    served.transmit = transmit
-    # the loop given to the notifier is where `take` is called, whatever thread reads the bus
-    with can.Notifier(bus, [take], timeout=0.1, loop=asyncio.get_running_loop()):
-        async with served.alive():
-            yield
-
-
-class _Node:
+class Node:
     """The drive as a node: frames in by `take`, out by `transmit`."""
 
     def __init__(self, device: Cia402, node: int) -> None:

@@ -1,4 +1,4 @@
-"""The drive as a CANopen node: frames of CiA 301 on an slcan line over a real tty and on a virtual bus."""
+"""The drive as a CANopen node: frames of CiA 301 on an slcan line over a real tty."""
 
 import asyncio
 import math
@@ -15,12 +15,11 @@ from canopen.profiles.p402 import BaseNode402
 
 from rotorrig.rig.clock import WallClock
 from rotorrig.sims.wire.cables.pty_bridge import PtyBridge
-from rotorrig.sims.wire.motors.can_motor import serve_on_bus, serve_slcan
+from rotorrig.sims.wire.motors.can_motor import Node, serve_slcan
 from rotorrig.sims.wire.motors.cia402 import Cia402
 
 RPM = math.pi / 30
 NODE = 5
-CHANNEL = "test_can_motor"
 
 
 @pytest.fixture
@@ -33,7 +32,21 @@ Serving = Callable[[], AbstractContextManager[serial.Serial]]
 
 @pytest.fixture
 def slcan(device: Cia402, background: Any) -> Serving:
-    """An open adapter on a tty, its boot-up message read."""
+    """An open adapter on a tty."""
+
+    @contextmanager
+    def start() -> Iterator[serial.Serial]:
+        with serving(device, background) as port, serial.Serial(port, timeout=2.0) as line:
+            line.write(b"S6\rO\r")
+            assert line.read(2) == b"\r\r"
+            yield line
+
+    return start
+
+
+@contextmanager
+def serving(device: Cia402, background: Any) -> Iterator[str]:
+    """Serve the drive on a tty; yields the other end."""
     ports: list[str] = []
 
     async def job(end: asyncio.Event) -> None:
@@ -45,16 +58,9 @@ def slcan(device: Cia402, background: Any) -> Serving:
             carrying.cancel()
             await asyncio.wait([carrying])
 
-    @contextmanager
-    def start() -> Iterator[serial.Serial]:
-        with background(job):
-            _wait(lambda: ports)
-            with serial.Serial(ports[0], timeout=2.0) as line:
-                line.write(b"S6\rO\r")
-                assert line.read(2) == b"\r\r"
-                yield line
-
-    return start
+    with background(job):
+        _wait(lambda: ports)
+        yield ports[0]
 
 
 def ask(line: serial.Serial, request: str) -> str:
@@ -121,22 +127,24 @@ def test_a_lost_heartbeat_is_an_emergency_and_leaves_operational(slcan: Serving,
         assert line.read_until(b"\r") == b"t08580000000000000000\r"  # no error
 
 
-def test_on_any_bus_of_python_can_a_master_of_another_make_drives_it(
-    device: Cia402, plant: Any, background: Any
-) -> None:
-    begun: list[bool] = []
+def test_it_says_that_it_has_booted(device: Cia402) -> None:
+    node = Node(device, NODE)
+    sent: list[tuple[int, bytes]] = []
+    node.transmit = lambda can_id, data: sent.append((can_id, bytes(data)))
 
-    async def job(end: asyncio.Event) -> None:
-        with can.Bus(interface="virtual", channel=CHANNEL) as bus:
-            async with serve_on_bus(device, bus, node=NODE):
-                begun.append(True)
-                await end.wait()
+    async def boot() -> None:
+        async with node.alive():
+            pass
 
-    with can.Bus(interface="virtual", channel=CHANNEL) as bus, background(job):
-        boot = bus.recv(5.0)
-        assert boot is not None
-        assert (boot.arbitration_id, bytes(boot.data)) == (0x700 + NODE, b"\x00")
-        _wait(lambda: begun)
+    asyncio.run(boot())
+    assert sent[0] == (0x700 + NODE, b"\x00")
+
+
+def test_a_master_of_another_make_drives_it(device: Cia402, plant: Any, background: Any) -> None:
+    with (
+        serving(device, background) as port,
+        can.Bus(interface="slcan", channel=port, bitrate=500_000, sleep_after_open=0) as bus,
+    ):
         network = canopen.Network(bus)
         network.NOTIFIER_CYCLE = 0.1
         network.connect()
