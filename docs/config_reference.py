@@ -33,7 +33,7 @@ bare numbers. Amplitudes are 0-peak. A key that is not in these tables is refuse
 SHOWN = {"length": "um", "unbalance": "g mm", "stiffness": "N/m", "angle": "deg", "time": "s"}
 PLACES = 4  # digits of a default
 NUMBERS = {float: "number", int: "whole number", str: "text", bool: "`true` or `false`"}
-CODE, NAME = "`{}`", "NAME"
+NAME = "NAME"
 
 
 def text() -> str:

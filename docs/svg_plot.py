@@ -68,11 +68,11 @@ class Figure:
             head = [places[-1], places[-1] - along + across, places[-1] - along - across]
             self._parts.append(f'<path d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in head)}Z" fill="{colour}"/>')
 
-    def key(self, x: float, y: float, entries: Sequence[tuple[str, str]], *, step: float = 18) -> None:
+    def key(self, x: float, y: float, entries: Sequence[tuple[str, str]]) -> None:
         """List (colour, meaning) from a place in px downwards."""
         for i, (colour, meaning) in enumerate(entries):
-            self.box((x, y + i * step - 9, 10, 10), fill=colour)
-            self.words(x + 16, y + i * step, meaning, size=12)
+            self.box((x, y + 18 * i - 9, 10, 10), fill=colour)
+            self.words(x + 16, y + 18 * i, meaning, size=12)
 
     def key_row(self, x: float, y: float, entries: Sequence[tuple[str, str]]) -> None:
         """List (colour, meaning) from a place in px to the right."""
@@ -132,14 +132,10 @@ class Panel:
         path = "".join(f"M{x}h0" for x in self._places(points))
         self._stroke(path, colour, size, 'stroke-linecap="round"')
 
-    def crosses(self, points: ArrayLike, *, colour: str = INK, size: float = 4.0, width: float = 1.5) -> None:
+    def crosses(self, points: ArrayLike, *, colour: str = INK) -> None:
         """Draw crosses at (n, 2)."""
-        s = f"{size:g}"
-        path = "".join(
-            f"M{x}m-{s} -{s}l{2 * size:g} {2 * size:g}m-{2 * size:g} 0l{2 * size:g} -{2 * size:g}"
-            for x in self._places(points)
-        )
-        self._stroke(path, colour, width)
+        path = "".join(f"M{x}m-4 -4l8 8m-8 0l8 -8" for x in self._places(points))
+        self._stroke(path, colour, 1.5)
 
     def rings(self, points: ArrayLike, *, colour: str = INK, radius: float = 6.0, width: float = 1.5) -> None:
         """Draw circles of a radius in px about (n, 2)."""
@@ -184,9 +180,9 @@ class Panel:
         (x0, y0), (x1, y1) = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
         self.line([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0], colour=colour, width=1.2, dash="5 3")
 
-    def levels(self, fun: Callable[[NDArray], NDArray], values: Sequence[float], *, cells: int = 60) -> None:
+    def levels(self, fun: Callable[[NDArray], NDArray], values: Sequence[float]) -> None:
         """Draw the level curves of fun, (n, 2) -> (n,), thin and grey."""
-        x, y = np.linspace(*self._x, cells + 1), np.linspace(*self._y, cells + 1)
+        x, y = np.linspace(*self._x, 61), np.linspace(*self._y, 61)
         grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
         f = fun(grid.reshape(-1, 2)).reshape(grid.shape[:2])
         path = "".join("M" + "L".join(piece) for value in values for piece in self._crossings(grid, f - value))

@@ -66,13 +66,13 @@ def _plain(label: str, names: Mapping[str, str], *, same: bool = True) -> Callab
 
 
 def _turning(
-    label: str, name: str, amount: str, angle: str, *, order: int = 1, same: bool = True
+    label: str, name: str, amount: str, angle: str, *, order: int = 1
 ) -> Callable[[RigConfig, Truth, Values], Answer]:
     """Return a rule for one phasor that turns with the shaft."""
 
     def rule(rig: RigConfig, truth: Truth, values: Values) -> Answer:
         theta = _phasor(name, values[amount], order * (values[angle] + truth.keyphasor_offset))
-        return _one(label, theta, same=tuple(theta) if same else ())
+        return _one(label, theta, same=tuple(theta))
 
     return rule
 

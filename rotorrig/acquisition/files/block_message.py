@@ -50,12 +50,6 @@ def pack_block(block: Block) -> dict[str, Any]:
     }
 
 
-def unpack_block(message: Any) -> Block:
-    """Return the block in a WAVEFORM message. Raises ValueError if its fields contradict one another."""
-    samples, channels = shape_of(message)
-    return _unpack_into(message, np.empty((samples, channels), dtype=np.int32))
-
-
 def counts_of(message: Any) -> NDArray[Any]:
     """Return the counts (channel, sample) in a WAVEFORM message, as narrow as they came. Raises ValueError."""
     samples, channels = shape_of(message)
@@ -66,10 +60,11 @@ def counts_of(message: Any) -> NDArray[Any]:
 
 
 def unpack_blocks(messages: list[Any]) -> tuple[Block, ...]:
-    """Return the blocks of many WAVEFORM messages, emptying the list; raises ValueError as `unpack_block` does.
+    """Return the blocks of many WAVEFORM messages, emptying the list.
 
     Consecutive blocks lie side by side in memory, so that joining them copies nothing; and each message is released
     once it is decoded, so that both forms of a long recording are never held at once.
+    Raises ValueError if the fields of a message contradict one another.
     """
     blocks: list[Block] = []
     for run in _runs(messages):

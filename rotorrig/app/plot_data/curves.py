@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rotorrig.processing import OrderTrackedResponse, measured_planes, whirl
 from rotorrig.rig.config import RPM, UM
 
+BINS = 110  # of speed, across a page's width
 STRONG = 0.1  # of the largest vector: below, a phase is mostly noise and has no say in where the axis is cut
 
 
@@ -128,7 +129,7 @@ def break_at_wraps(lag: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def residual_grid(
-    response: OrderTrackedResponse, sigmas: NDArray[np.float64], *, order: float = 1.0, bins: int = 110
+    response: OrderTrackedResponse, sigmas: NDArray[np.float64], *, order: float = 1.0, bins: int = BINS
 ) -> tuple[list[str], NDArray[np.float64], NDArray[np.float64]]:
     """Return labels (row,), speed edges [rpm] (bin + 1,) and the residual's rms in sigma (row, bin) per probe and run.
 
@@ -145,15 +146,15 @@ def residual_grid(
 
 
 def whirl_grid(
-    response: OrderTrackedResponse, residual: NDArray[np.complex128], *, order: float = 1.0, bins: int = 110
+    response: OrderTrackedResponse, residual: NDArray[np.complex128]
 ) -> tuple[list[str], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the same of forward and backward whirl, rms in um 0-peak (row, bin), per pair of probes and run.
+    """Return the same of forward and backward 1X whirl, rms in um 0-peak (row, bin), per pair of probes and run.
 
     `residual` is (speed, probe, order) [m] as in `Diagnosis`; no row where no plane has two probes.
     """
     labels, grid = [], []
-    z = residual[:, :, response.orders.index(order)]
-    edges = speed_edges(response, bins)
+    z = residual[:, :, response.orders.index(1.0)]
+    edges = speed_edges(response, BINS)
     for plane, pair in measured_planes(response.rig, response.probes):
         seen = whirl(plane, z[:, pair], rotation=response.rig.rotation)
         for i in sweeps(response):

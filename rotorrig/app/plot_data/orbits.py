@@ -6,14 +6,12 @@ from numpy.typing import NDArray
 from rotorrig.processing import OrderTrackedResponse, Plane
 
 
-def orbit(
-    plane: Plane, z: NDArray[np.complex128], *, orders: tuple[float, ...] = (1.0,), points: int = 91
-) -> NDArray[np.float64]:
-    """Return one turn (point, 2) of x and y from z (2 probes, order); the first point is the keyphasor edge.
+def orbit(plane: Plane, z: NDArray[np.complex128], *, points: int = 91) -> NDArray[np.float64]:
+    """Return one turn (point, 2) of x and y from the 1X vectors z (2 probes,); the first point is the keyphasor edge.
 
     >>> rows = np.eye(2)  # probes at 0 and 90 degrees
     >>> plane = Plane(position=0.1, probes=("x", "y"), to_xy=rows)
-    >>> orbit(plane, np.array([[2.0], [-2.0j]]), points=5).round(9) + 0.0  # a forward circle, at +x at the edge
+    >>> orbit(plane, np.array([2.0, -2.0j]), points=5).round(9) + 0.0  # a forward circle, at +x at the edge
     array([[ 2.,  0.],
            [ 0.,  2.],
            [-2.,  0.],
@@ -21,7 +19,7 @@ def orbit(
            [ 2.,  0.]])
     """
     theta = np.linspace(0.0, 2 * np.pi, points)
-    readings = (z @ np.exp(1j * np.outer(orders, theta))).real  # x = Re(z e^{j n theta}), summed over orders
+    readings = np.outer(z, np.exp(1j * theta)).real  # x = Re(z e^{j theta})
     return (plane.to_xy @ readings).T
 
 

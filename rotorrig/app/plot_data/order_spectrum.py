@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data.curves import binned_rms, slow_roll_known, speed_edges, sweeps
+from rotorrig.app.plot_data.curves import BINS, binned_rms, slow_roll_known, speed_edges, sweeps
 from rotorrig.processing import OrderTrackedResponse, Plane
 from rotorrig.processing.tracking import whirl_vectors
 from rotorrig.rig.config import RPM, UM
@@ -25,11 +25,11 @@ class OrderSpectrum:
     at_peak: NDArray[np.float64]  # (order,) µm 0-peak there
 
 
-def order_spectra(response: OrderTrackedResponse, *, bins: int = 110) -> Iterator[OrderSpectrum]:
+def order_spectra(response: OrderTrackedResponse) -> Iterator[OrderSpectrum]:
     """Yield the full spectrum of every plane of two probes in every run whose speed changes."""
     positive = sorted(order for order in response.orders if order > 0)
     orders = (*reversed(positive), *(-order for order in positive))
-    edges = speed_edges(response, bins)
+    edges = speed_edges(response, BINS)
     by_order = [whirl_vectors(response, order=o, compensated=slow_roll_known(response, o)) for o in positive]
     for whirl in zip(*by_order, strict=True):  # a plane
         forward = [np.abs(vectors.forward) * UM for vectors in reversed(whirl)]

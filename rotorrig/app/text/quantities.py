@@ -47,17 +47,17 @@ NEAR_BOUND = 1e-3  # relative: closer than this, an estimate is at its bound
 UNDETERMINED = "not determined by this data"
 
 
-def quantity_text(value: float, unit: str, *, sigma: float = math.nan) -> str:
-    """Return `value` [SI] in its display unit, rounded to two digits of `sigma` or to four digits without one.
+def quantity_text(value: float, unit: str) -> str:
+    """Return `value` [SI] in its display unit, rounded to four digits.
 
-    >>> quantity_text(33912.7, "N/m", sigma=120.0), quantity_text(1.5e-5, "kg m"), quantity_text(math.nan, "N/m")
+    >>> quantity_text(33912.7, "N/m"), quantity_text(1.5e-5, "kg m"), quantity_text(math.nan, "N/m")
     ('33.91 kN/m', '15 g mm', '–')
     """
     name, factor = SHOWN.get(unit, (unit, 1.0))
     if not math.isfinite(value):
         return "–"
     gap = "" if name in ("", "°") else " "
-    return f"{_round(value * factor, sigma * factor)}{gap}{name}"
+    return f"{_round(value * factor, math.nan)}{gap}{name}"
 
 
 def estimate_text(estimate: Estimate) -> str:

@@ -35,7 +35,6 @@ from rotorrig.sims.rotor.nonlinear import (
 from rotorrig.sims.rotor.steady import Derivatives, load_columns, steady_derivatives
 from rotorrig.sims.rotor.swept import Timeline, swept_columns, swept_derivatives, tracked_rows
 
-Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 ORDERS = (1, 2, 3)  # that a model may predict, where they were tracked

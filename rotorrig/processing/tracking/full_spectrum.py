@@ -90,21 +90,18 @@ def full_spectra(
     rows: Rows,
     *,
     rig: RigConfig,
-    highest: float = HIGHEST,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[FullSpectra, ...]:
-    """Return the full spectrum of every row and plane up to order `highest`; `progress` gets the fraction done."""
+    """Return the full spectrum of every row and plane up to order HIGHEST; `progress` gets the fraction done."""
     planes = list(measured_planes(rig, tuple(probe.name for probe in rig.probes)))
-    points = points_per_turn(highest)
-    order = _orders(rows.turns, highest)
+    points = points_per_turn(HIGHEST)
+    order = _orders(rows.turns, HIGHEST)
     amplitude = np.full((len(planes), len(rows.t), len(order)), np.nan)
     for row in range(len(rows.t)):
         x = row_waveform(waveforms, shaft, rows, row, points=points)
         if x is not None:
             for n, (plane, places) in enumerate(planes):
-                _, amplitude[n, row] = full_spectrum(
-                    x[:, places], plane=plane, rotation=rig.rotation, turns=rows.turns, highest=highest
-                )
+                _, amplitude[n, row] = full_spectrum(x[:, places], plane=plane, rotation=rig.rotation, turns=rows.turns)
         if progress:
             progress((row + 1) / len(rows.t))
     return tuple(FullSpectra(plane=plane, order=order, amplitude=amplitude[n]) for n, (plane, _) in enumerate(planes))

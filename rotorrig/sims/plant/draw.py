@@ -85,13 +85,13 @@ def draw_fault(rig: RigConfig, name: str, *, seed: int, runs: int = 1) -> FaultS
     return FaultSpec(name=name, parameters=drawn)
 
 
-def nameplate(rig: RigConfig, *, seed: int = 0, faults: Iterable[FaultSpec] = ()) -> Truth:
+def nameplate(rig: RigConfig, *, faults: Iterable[FaultSpec] = ()) -> Truth:
     """Return the rig exactly as its nameplate says: round, silent, linear. Raises as `draw`."""
     _check_can_be_simulated(rig)
     ones = (1.0,) * len(rig.probes)
     return Truth(
         config_hash=rig.hash,
-        seed=seed,
+        seed=0,
         bearings=tuple(_bearing(b, dict.fromkeys(COEFFICIENTS, 1.0)) for b in rig.bearings),
         unbalances=tuple(
             UnbalanceTruth(

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from rotorrig.acquisition.files.block_message import WAVEFORM, pack_block, unpack_block, unpack_blocks
+from rotorrig.acquisition.files.block_message import WAVEFORM, pack_block, unpack_blocks
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block
 from rotorrig.sims.plant.draw import draw
@@ -20,7 +20,7 @@ def block(counts: np.ndarray) -> Block:
     counts=hnp.arrays(np.int32, st.tuples(st.integers(0, 30), st.integers(1, 9))),
 )
 def test_any_counts_come_back_as_they_were(counts: np.ndarray) -> None:
-    read = unpack_block(WAVEFORM.cls(**pack_block(block(counts))))
+    (read,) = unpack_blocks([WAVEFORM.cls(**pack_block(block(counts)))])
     assert read.counts.dtype == np.int32
     assert np.array_equal(read.counts, counts)
     assert (read.first_sample, read.t_ns, read.overrun) == (7, 11, True)
@@ -38,7 +38,7 @@ def test_a_difference_beyond_the_range_wraps_and_comes_back() -> None:
     counts = np.array([[-32768], [32767], [-32768]], dtype=np.int32)  # 65535 is -1 modulo 2^16, folded 1
     fields = pack_block(block(counts))
     assert fields["counts"] == bytes.fromhex("ff0102 ff0000")  # -32768 folds to 65535, then 1, then +1 to 2
-    assert np.array_equal(unpack_block(WAVEFORM.cls(**fields)).counts, counts)
+    assert np.array_equal(unpack_blocks([WAVEFORM.cls(**fields)])[0].counts, counts)
 
 
 def test_plain_counts_of_version_1_are_read() -> None:
@@ -46,7 +46,7 @@ def test_plain_counts_of_version_1_are_read() -> None:
         "coding": "",
         "counts": bytes.fromhex("01000200ffff0201"),
     }
-    assert np.array_equal(unpack_block(WAVEFORM.cls(**fields)).counts, [[1, -1], [2, 258]])
+    assert np.array_equal(unpack_blocks([WAVEFORM.cls(**fields)])[0].counts, [[1, -1], [2, 258]])
 
 
 def test_blocks_that_follow_each_other_lie_side_by_side() -> None:
@@ -91,4 +91,4 @@ def test_sixteen_bits_are_used_only_where_they_suffice(value: int, dtype: str) -
 def test_fields_that_contradict_one_another_are_refused(wrong: dict[str, object]) -> None:
     message = WAVEFORM.cls(**(pack_block(block(np.zeros((2, 5), dtype=np.int32))) | wrong))
     with pytest.raises(ValueError, match=r"dtype|coding|counts for"):
-        unpack_block(message)
+        unpack_blocks([message])

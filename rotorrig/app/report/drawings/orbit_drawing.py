@@ -28,7 +28,7 @@ def orbit_pictures(response: OrderTrackedResponse) -> list[tuple[Plane, list[str
         columns = [response.probes.index(name) for name in plane.probes]
         z = vectors(response)[:, columns]
         rows = representative_rows(response, z, run=run)
-        pictures.append((plane, [_picture(response, row, orbit(plane, z[row][:, None]) * UM, columns) for row in rows]))
+        pictures.append((plane, [_picture(response, row, orbit(plane, z[row]) * UM, columns) for row in rows]))
     return pictures
 
 

@@ -57,11 +57,11 @@ class CentrelinePicture:
             marks = rr.Points2D(places, labels=words, show_labels=True, colors=INK, radii=-2.2, draw_order=3.0)
             self._log("labels", marks)
 
-    def dot(self, xy: NDArray[np.float64], *, name: str = "now") -> None:
+    def dot(self, xy: NDArray[np.float64]) -> None:
         """Draw one point (2,) [µm] as a dot on top: where the shaft is."""
         self._grow(_reach(xy - self._middle))
         place = self._panel.place(xy[:1], xy[1:])
-        self._stream.log(f"{self._path}/{name}", rr.Points2D(place, radii=-4.5, colors=MARK, draw_order=4.0))
+        self._stream.log(f"{self._path}/now", rr.Points2D(place, radii=-4.5, colors=MARK, draw_order=4.0))
 
     def _grow(self, reach: float) -> None:
         if reach > self._reach:

@@ -57,12 +57,12 @@ def _orbits(
     result: Result, row: int, plane: Plane, columns: list[int], waveforms: Waveforms | None
 ) -> tuple[list[tuple[str, NDArray[np.float64], tuple[int, int, int]]], NDArray[np.float64]]:
     """Return the orbits of a plane at a row and their keyphasor dots, µm; the plainest lies at the bottom."""
-    xy = orbit(plane, result.z[row, columns][:, None]) * UM
+    xy = orbit(plane, result.z[row, columns]) * UM
     orbits = [("measured-1X", xy, UP)]
     if result.model is not None:
-        orbits.append(("model-1X", orbit(plane, result.model[row, columns][:, None]) * UM, MODEL_UP))
+        orbits.append(("model-1X", orbit(plane, result.model[row, columns]) * UM, MODEL_UP))
     if slow_roll_known(result.response):
-        raw = orbit(plane, result.response.order(1.0)[row, columns][:, None]) * UM
+        raw = orbit(plane, result.response.order(1.0)[row, columns]) * UM
         orbits.insert(0, ("raw-1X", raw, RAW))
     if waveforms and (recorded := _recorded_orbit(waveforms, result, row, plane)) is not None:
         orbits.insert(0, ("recorded", recorded, RECORDED))

@@ -5,8 +5,6 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.chea.residuals.levenberg_marquardt import Point
 
-Array = NDArray[np.float64]
-
 
 class Valleys:
     """Ends of descents; one that explains the data as another does is that one, kept at its lowest.

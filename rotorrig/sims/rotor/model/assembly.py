@@ -75,7 +75,6 @@ class RotorModel:
     bearings: tuple[BearingAttachment, ...]  # the elastic ones; x = y = 0 at a rigid one is in the coordinates
     rigid: tuple[str, ...]  # names of the rigid bearings
     probes: NDArray[np.float64]  # (probe, dof): displacement towards each probe, angles applied
-    probe_names: tuple[str, ...]
     rotation: int  # +1 x to y, -1 y to x
     z: NDArray[np.float64]  # (node,) m from the coupling, for drawing
     centreline: NDArray[np.float64]  # (2, node, dof): x and y of every node
@@ -133,7 +132,6 @@ def assemble(rig: RigConfig, *, element: Element = "timoshenko", max_element: fl
         bearings=tuple(attach_bearing(b, rows(b.position, 2)) for b in rig.bearings if not b.rigid),
         rigid=tuple(b.name for b in rig.bearings if b.rigid),
         probes=np.array([[math.cos(p.angle), math.sin(p.angle)] @ rows(p.position, 2) for p in rig.probes]),
-        probe_names=tuple(p.name for p in rig.probes),
         rotation=1 if rig.rotation == "x-to-y" else -1,
         z=z,
         centreline=np.stack([x, y]),

@@ -13,14 +13,14 @@ def shaft_mass(shaft: Shaft) -> float:
     return sum(tube.density * area(tube) * tube.length for tube in shaft.tubes)
 
 
-def bearing_loads(rig: RigConfig, *, max_element: float = 0.02) -> NDArray[np.float64]:
+def bearing_loads(rig: RigConfig) -> NDArray[np.float64]:
     """Return the force of the rotor at rest on each of its bearings, (bearing, 2) N along x and y.
 
     Rigid ones too: they are left out of the model's stiffness here, and the forces that hold x = y = 0 are Lagrange's
     multipliers. Raises ValueError if the bearings do not hold the shaft.
     """
     freed = [b.model_copy(update={"rigid": False, "kxx": 0.0, "kyy": 0.0}) if b.rigid else b for b in rig.bearings]
-    model = assemble(rig.model_copy(update={"bearings": tuple(freed)}), max_element=max_element)
+    model = assemble(rig.model_copy(update={"bearings": tuple(freed)}))
     K = matrices(model, 0.0).K
     rows = np.vstack([np.zeros((0, model.dof)), *(b.rows for b in model.bearings if rig.bearing(b.name).rigid)])
     scale = np.abs(K).max()  # so that the pins' equations weigh as much as the others

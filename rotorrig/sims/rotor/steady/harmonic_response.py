@@ -104,9 +104,7 @@ def columns(
     return model.probes @ _solve(model, omega, right, order)
 
 
-def load_columns(
-    model: RotorModel, omega: ArrayLike, loads: Sequence[Load], *, alpha: ArrayLike = 0.0
-) -> NDArray[np.complex128]:
+def load_columns(model: RotorModel, omega: ArrayLike, loads: Sequence[Load]) -> NDArray[np.complex128]:
     """Return the steady response to each load, each at its own order, (speed, probe, load) m.
 
     A stiffness that turns with the shaft is felt at order 1, and the response is then that to a real amount alone.
@@ -117,7 +115,7 @@ def load_columns(
     pattern = patterns(model, loads)
     for order in {each.order for each in loads}:
         which = [i for i, each in enumerate(loads) if each.order == order]
-        law = np.stack([law_of(loads[i], omega, np.asarray(alpha)) for i in which], axis=-1)
+        law = np.stack([law_of(loads[i], omega, np.zeros(())) for i in which], axis=-1)
         at_probes[..., which] = model.probes @ _solve(model, omega, law[:, None] * pattern[:, which], order)
     return at_probes
 

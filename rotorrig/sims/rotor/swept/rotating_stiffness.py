@@ -26,7 +26,6 @@ from rotorrig.sims.rotor.swept.passed_modes_derivatives import differentiate_pas
 from rotorrig.sims.rotor.swept.time_stepping import SMOOTH, STRAIGHT
 from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
 
-Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 CONVERGED = 1e-10  # of the amplitude

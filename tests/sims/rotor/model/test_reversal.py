@@ -60,7 +60,7 @@ def test_in_a_mirror_it_turns_forwards(rig_config: RigConfig) -> None:
     for label, theta in (("internal_damping", {"beta": 4e-5}), ("skew_stiffness", {"k": 2e3})):
         seen = find(rig_config, label).change_matrices(seen, theta)
     forwards = load_columns(seen, OMEGA, [unbalanced(seen, np.conj(U))])[..., 0]
-    along_y = np.array([np.sin(rig_config.probe(name).angle) for name in model.probe_names])
+    along_y = np.array([np.sin(probe.angle) for probe in rig_config.probes])
     sign = np.where(np.abs(along_y) > 0.5, -1, 1)  # the probes stand along x or y
     np.testing.assert_allclose(backwards(model, unbalanced(model)), sign * forwards, rtol=1e-9)
 

@@ -19,7 +19,6 @@ class SlowRollSoFar:
         self._speeds = slow_roll_speeds(rig)
         self._omega = 0.0  # sums, over the turns
         self._z: NDArray[np.complex128] = np.zeros(len(rig.probes), dtype=complex)
-        self._gap = np.zeros(len(rig.probes))
         self._shape = np.zeros((POINTS, len(rig.probes)))
         self._shapes = 0  # turns in _shape
         self._seen = 0.0  # s: turns before are in _shape already
@@ -33,11 +32,6 @@ class SlowRollSoFar:
     def z(self) -> NDArray[np.complex128]:
         """The 1X vector (probe,) [m 0-peak]."""
         return self._z / max(self.turns, 1)
-
-    @property
-    def gap(self) -> NDArray[np.float64]:
-        """The mean position (probe,) [m]."""
-        return self._gap / max(self.turns, 1)
 
     @property
     def shape(self) -> NDArray[np.float64]:
@@ -59,7 +53,6 @@ class SlowRollSoFar:
         self.turns += int(slow.sum())
         self._omega += float(turns.omega[slow].sum())
         self._z = self._z + turns.z[slow].sum(axis=0)
-        self._gap = self._gap + turns.gap[slow].sum(axis=0)
         if waveform is not None and slow.any():
             fresh = waveform.edges[1:] > self._seen
             fresh &= self._is_slow(2 * np.pi / np.diff(waveform.edges))

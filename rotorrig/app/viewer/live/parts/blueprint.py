@@ -30,9 +30,9 @@ def live_blueprint(rig: RigConfig, *, tab: str = "Sweep") -> rrb.Blueprint:
     return _tabs(rig, events=False, tab=tab)
 
 
-def replay_blueprint(rig: RigConfig, *, tab: str = "Sweep") -> rrb.Blueprint:
-    """Return the layout of a recording, opened at one of TABS: that of a sweep, with its events."""
-    return _tabs(rig, events=True, tab=tab)
+def replay_blueprint(rig: RigConfig) -> rrb.Blueprint:
+    """Return the layout of a recording: that of a sweep, with its events."""
+    return _tabs(rig, events=True, tab="Sweep")
 
 
 def _tabs(rig: RigConfig, *, events: bool, tab: str) -> rrb.Blueprint:

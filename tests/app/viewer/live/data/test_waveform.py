@@ -64,7 +64,6 @@ def test_the_slow_roll_is_the_runout_at_the_plans_speed(rig: RigConfig) -> None:
     slow = rolled(rig, turns=20)
     assert slow.known and slow.turns == 20
     assert slow.z == pytest.approx(RUNOUT)
-    assert slow.gap == pytest.approx(10e-6)
     assert slow.shape == pytest.approx(rolling() - 10e-6, abs=1e-12)
     assert slow.words == "slow roll of 20 turns at 240 rpm"
 
