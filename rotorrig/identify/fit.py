@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.base_model import MOST_STEPS, ObjectiveName, Problem, Reals, SearchResult, search
+from rotorrig.identify.base_model import BASE_MODEL, ObjectiveName, Problem, Reals, SearchResult, search
 from rotorrig.identify.identification import Fit, Identification
 from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.measurement import Measurement, measure
@@ -29,11 +29,20 @@ from rotorrig.rig import ConfigError, DataError, code_version
 from rotorrig.rig.config import RigConfig
 
 WHOLE = "whole sweep"
-_STARTS = 2  # minima of the search that are refined, beside the nameplate, unless an earlier start is good
-_FIRST_STEPS = 12  # of a fit that others only begin from
-_SEEN = 0.3  # sine of the least angle between a probe and the other axis for it to count as looking along this one
 
 Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitSettings:
+    """Starts and steps of a fit, and what a probe sees."""
+
+    starts: int = 2  # minima of the search that are refined, beside the nameplate, unless an earlier start is good
+    first_steps: int = 12  # of a fit that others only begin from
+    seen: float = 0.3  # sine of the least angle between a probe and the other axis: then it looks along this one
+
+
+FIT = FitSettings()
 
 
 def identify(
@@ -101,7 +110,7 @@ def first_fit(response: OrderTrackedResponse, *, seed: int = 0) -> Solution:
         return _search_and_refine(
             response,
             _band(response, WHOLE),
-            _Options(objective="residual", seed=seed, profile=False, steps=_FIRST_STEPS),
+            _Options(objective="residual", seed=seed, profile=False, steps=FIT.first_steps),
         )[1]
 
 
@@ -112,7 +121,7 @@ class _Options:
     objective: ObjectiveName  # of the global search
     seed: int
     profile: bool
-    steps: int = MOST_STEPS  # of the least squares with all unknowns free
+    steps: int = BASE_MODEL.most_steps  # of the least squares with all unknowns free
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,7 +170,7 @@ def _refine_starts(problem: Problem, optima: list[Reals], near: Reals | None, *,
     """
     if near is not None:
         yield problem.solve(near)
-    for theta in (*optima[:1], problem.parameters.space.nameplate, *optima[1:_STARTS]):
+    for theta in (*optima[:1], problem.parameters.space.nameplate, *optima[1 : FIT.starts]):
         yield problem.refine(theta, max_steps=steps)
 
 
@@ -220,7 +229,7 @@ def unseen_axes(response: OrderTrackedResponse, measured: Measurement) -> str:
     """
     angles = [response.rig.probe(name).angle for name in np.array(response.probes)[measured.usable[:-1].any(axis=0)]]
     seen = {"x": np.abs(np.cos(angles)).max(), "y": np.abs(np.sin(angles)).max()}
-    return "".join(axis for axis, most in seen.items() if most < _SEEN)
+    return "".join(axis for axis, most in seen.items() if most < FIT.seen)
 
 
 def _caveats(problem: Problem) -> tuple[str, ...]:

@@ -12,8 +12,16 @@ from rotorrig.identify.fit import first_fit
 from rotorrig.identify.least_squares import Solution
 from rotorrig.sims.effects import Effect
 
-_SETTLED = 0.1  # of chi2
-_STEPS = 15  # a model that is wrong wanders on among its nuisances
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointFitSettings:
+    """End of a joint fit."""
+
+    settled: float = 0.1  # of chi2: a step of a third of a standard deviation
+    steps: int = 15  # a model that is wrong wanders on among its nuisances
+
+
+JOINT_FIT = JointFitSettings()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +47,7 @@ def fit_base(
     problem = ExtendedProblem(ExtendedModel(recordings, [effect for effect, _ in known]))
     start = problem.parameters.start(first.p)
     start[problem.parameters.own] = [theta[q.name] / q.size for effect, theta in known for q in effect.parameters]
-    return assess_fit(problem, problem.solve(start, tolerance=_SETTLED, max_steps=_STEPS))
+    return assess_fit(problem, problem.solve(start, tolerance=JOINT_FIT.settled, max_steps=JOINT_FIT.steps))
 
 
 def assess_fit(problem: ExtendedProblem, polished: Solution) -> AssessedFit:

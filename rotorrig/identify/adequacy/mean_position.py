@@ -21,6 +21,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.identify.extended_model import CURVED_AT
 from rotorrig.identify.measurement import SLOW_ROLL
 from rotorrig.processing import OrderTrackedResponse, measured_planes
@@ -29,15 +30,14 @@ Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 MEAN = 0.0  # the order of the gap
-FEWEST = 16  # rows of a run that tell a change from scatter
 NORMAL = 0.6745  # of a standard deviation: the median of what is normally distributed, without its sign
 
 
 def departures(response: OrderTrackedResponse) -> tuple[Reals, Reals]:
     """Return the change of the mean position along its run, (speed, probe) m, and the same in sigmas.
 
-    Above zero it is nearer to the probe. NaN in a slow roll, in a run of fewer than `FEWEST` rows, where a row is not
-    usable, and everywhere if the gap was not tracked.
+    Above zero it is nearer to the probe. NaN in a slow roll, in a run of fewer than `ADEQUACY.fewest_rows`, where a row
+    is not usable, and everywhere if the gap was not tracked.
     """
     change = np.full(response.z.shape[:2], np.nan)
     sigma = np.full(response.z.shape[:2], np.nan)
@@ -61,7 +61,7 @@ def _usable_runs(response: OrderTrackedResponse, gap: Reals) -> Iterator[tuple[N
     for i, run in enumerate(response.runs):
         for probe in range(gap.shape[1]):
             rows = np.flatnonzero((response.run == i) & usable[:, probe])
-            if run.name != SLOW_ROLL and len(rows) >= FEWEST:
+            if run.name != SLOW_ROLL and len(rows) >= ADEQUACY.fewest_rows:
                 yield rows, probe
 
 
@@ -89,7 +89,7 @@ def _apparent_shift(response: OrderTrackedResponse) -> Reals:
             along += np.abs(z) ** 2
             across += np.abs(_across(response, z)) ** 2
     curved = response.rig.prior.probe_linearity * along / (2 * CURVED_AT)
-    round_shaft = across / (2 * response.rig.shaft.diameter) / 2
+    round_shaft = ADEQUACY.roundness * across / (2 * response.rig.shaft.diameter)
     return np.hypot(curved, round_shaft)
 
 

@@ -3,12 +3,14 @@
 from rotorrig.identify.base_model.global_search import SearchResult, search
 from rotorrig.identify.base_model.objectives import ObjectiveName
 from rotorrig.identify.base_model.parameters import Parameters, Reals
-from rotorrig.identify.base_model.problem import MOST_STEPS, Problem
+from rotorrig.identify.base_model.problem import Problem
+from rotorrig.identify.base_model.settings import BASE_MODEL, BaseModelSettings
 from rotorrig.identify.base_model.structure import StructuralModel
 from rotorrig.identify.base_model.unknowns import Space, Unknown
 
 __all__ = [
-    "MOST_STEPS",
+    "BASE_MODEL",
+    "BaseModelSettings",
     "ObjectiveName",
     "Parameters",
     "Problem",

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, ObjectiveName
+from rotorrig.identify.base_model.settings import BASE_MODEL
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.chea import RESIDUAL, ResidualSettings, StopReason, residual_search
 from rotorrig.identify.chea.residuals import SEARCH, Counted, descend_absolute, minimize_squares
@@ -22,10 +23,6 @@ from rotorrig.identify.measurement import Measurement
 from rotorrig.processing import OrderTrackedResponse
 
 Real = NDArray[np.float64]
-
-ROUNDING = 1e-9  # of the response: so good are the receptances
-_NEAR = 0.02  # of the cube: first step from a minimum of the shape to that of an objective
-_DESCENT = 100  # calls from the one to the other
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,7 +68,7 @@ def search_residual(
 ) -> Outcome:
     """Return the minima of the whitened residual's sum of squares, the calls of the model, and why the search ended."""
     steady = problem.steady
-    floor = ROUNDING**2 * problem.size
+    floor = BASE_MODEL.rounding**2 * problem.size
     found = residual_search(problem, steady.dim, rng=rng, floor=floor, starts=steady.starts, settings=settings)
     optima = [
         Optimum(theta=(*map(float, steady.values(u)), *map(float, np.abs(problem.amounts(u)))), cost=float(cost))
@@ -87,7 +84,7 @@ def search_amplitudes(
     if objective not in ("f1", "f2", "f3"):
         raise ValueError(f"objective is {objective!r}, want 'residual', 'f1', 'f2' or 'f3'")
     steady = amplitudes.steady
-    floor = amplitudes.figures * (ROUNDING / np.log(10.0)) ** 2
+    floor = amplitudes.figures * (BASE_MODEL.rounding / np.log(10.0)) ** 2
     found = residual_search(amplitudes.shape, steady.dim, rng=rng, floor=floor, starts=steady.starts, settings=settings)
     solved = found.stop is StopReason.TARGET
     minima, calls = Minima(amplitudes.dim, tolerance=settings.same_point), found.calls
@@ -110,15 +107,15 @@ def _followed(amplitudes: Amplitudes, v: Real, objective: ObjectiveName) -> tupl
     """Return the minimum of the objective next to `v`, its value, and the calls that took."""
     fun = amplitudes.vector(objective)
     if objective != "f1":
-        return descend_absolute(fun, v, radius=_NEAR, max_calls=_DESCENT)
+        return descend_absolute(fun, v, radius=BASE_MODEL.first_step, max_calls=BASE_MODEL.descent)
     counted = Counted(fun)
     end = minimize_squares(
         counted,
         counted(v),
         bounds=(np.zeros(len(v)), np.ones(len(v))),
-        settings=replace(SEARCH, reach=_NEAR),
-        share=1e-10,
-        max_steps=_DESCENT,
-        max_calls=_DESCENT,
+        settings=replace(SEARCH, reach=BASE_MODEL.first_step),
+        share=BASE_MODEL.fine,
+        max_steps=BASE_MODEL.descent,
+        max_calls=BASE_MODEL.descent,
     )
     return end.point.p, end.point.cost, counted.calls

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.settings import BASE_MODEL
 from rotorrig.identify.base_model.steady_forward import Steady
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.identify.measurement import Measurement, trial_unbalance
@@ -21,9 +22,6 @@ Complex = NDArray[np.complex128]
 ObjectiveName = Literal["residual", "f1", "f2", "f3"]
 Vector = Callable[[Real], tuple[Real, Real]]  # a point of the unit cube -> residuals (figure,) and their Jacobian
 
-AMPLITUDES = 120  # rows of which amplitudes are compared; what their objectives find is not refined
-VECTORS = 60  # rows whose vectors a search looks at; more tell it nothing new, and all take part in the refinement
-_PLANES_APART = 1e-14  # of the normal matrix: two planes in one place are not told apart, but no error either
 _MICROMETRE = 1e-6
 _LN10 = np.log(10.0)
 
@@ -63,11 +61,11 @@ class Amplitudes:
     def of(cls, response: OrderTrackedResponse, measured: Measurement, space: Space) -> "Amplitudes":
         """Take the runs without a trial mass. Raises DataError if there is none, ConfigError as above."""
         bare = np.array([not response.runs[i].trial_unbalance for i in response.run[measured.rows]])
-        chosen = thin_rows(np.flatnonzero(bare), AMPLITUDES)
+        chosen = thin_rows(np.flatnonzero(bare), BASE_MODEL.amplitude_rows)
         if len(chosen) == 0:
             raise DataError(f"{response.source.source}: every run carries a trial mass, want one without")
         amplitude = np.abs(measured.z[chosen] - np.nan_to_num(measured.z[-1]))
-        weak = amplitude < 3 * np.sqrt(2) * measured.sigma[chosen]  # its logarithm would be noise
+        weak = amplitude < BASE_MODEL.faint * np.sqrt(2) * measured.sigma[chosen]  # its logarithm would be noise
         amplitude[weak | ~measured.usable[chosen]] = np.nan
         compensated = bool(np.isfinite(response.slow_roll_omega))
         omega = response.omega[measured.rows[chosen]]
@@ -188,7 +186,7 @@ class ComplexResidual:
     @classmethod
     def of(cls, response: OrderTrackedResponse, measured: Measurement, space: Space) -> "ComplexResidual":
         """Take all runs, the slow roll as one more row."""
-        chosen = thin_rows(np.arange(len(measured.rows)), VECTORS)
+        chosen = thin_rows(np.arange(len(measured.rows)), BASE_MODEL.vector_rows)
         rows = np.append(chosen, len(measured.rows))
         trials = trial_unbalance(response, measured.rows)
         planes = tuple(dict.fromkeys((*space.planes, *trials)))
@@ -229,7 +227,7 @@ class ComplexResidual:
             trials = self._cleared((whole * self._known[..., None]).sum(axis=1))
             off, by = off + trials[:, 0], trials[:, 1:]
         normal = columns.T @ columns
-        normal.flat[:: 2 * n + 1] += _PLANES_APART * normal.diagonal().sum()
+        normal.flat[:: 2 * n + 1] += BASE_MODEL.planes_apart * normal.diagonal().sum()
         inverse = np.linalg.inv(normal)
         x = -inverse @ (columns.T @ off)
         by = by + np.einsum("fpdk,pk->fd", change, x.reshape(2, n))

@@ -9,13 +9,12 @@ every time.
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.settings import BASE_MODEL
 from rotorrig.identify.base_model.structure import Structure
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.config import RigConfig
 
 Reals = NDArray[np.float64]
-
-_NAMEPLATE_RANGE = 0.3  # relative: beyond that the nameplate is not of this rig
 
 
 class Parameters:
@@ -62,7 +61,7 @@ class Parameters:
         """Lower and upper bounds of `p`."""
         low, high = np.full(len(self), -np.inf), np.full(len(self), np.inf)
         low[self.sought], high[self.sought] = self.space.working_bounds.T
-        low[self.nameplate], high[self.nameplate] = -_NAMEPLATE_RANGE, _NAMEPLATE_RANGE
+        low[self.nameplate], high[self.nameplate] = -BASE_MODEL.nameplate_range, BASE_MODEL.nameplate_range
         return low, high
 
     def values(self, p: Reals) -> Reals:

@@ -9,14 +9,12 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.forward import Forward, UnitResponse
 from rotorrig.identify.base_model.parameters import Parameters, Reals
+from rotorrig.identify.base_model.settings import BASE_MODEL
 from rotorrig.identify.least_squares import NONE_FIXED, TOLERANCE, Solution, solve
 from rotorrig.identify.measurement import Measurement, trial_unbalance
 from rotorrig.processing import OrderTrackedResponse
 
 Complex = NDArray[np.complex128]
-
-MOST_STEPS = 50
-_NEAR = 1.0  # of chi2: from here on all parameters are freed
 
 
 class Problem:
@@ -52,14 +50,14 @@ class Problem:
         p[self.parameters.sought] = np.clip(space.to_working(values), *space.working_bounds.T)
         return self.solve_linear(p, np.arange(len(p)))
 
-    def refine(self, values: Reals, *, max_steps: int = MOST_STEPS) -> Solution:
+    def refine(self, values: Reals, *, max_steps: int = BASE_MODEL.most_steps) -> Solution:
         """Refine from the unknowns in SI: first as if the nameplate and the probes were exact, then with all free.
 
         Far from the minimum a nuisance would take what the unknowns have not reached yet, and find back only slowly.
         """
         names = self.parameters
         nuisances = [i for part in (names.nameplate, names.gain, names.angle) for i in range(part.start, part.stop)]
-        near = self.solve(self.start(values), fixed=dict.fromkeys(nuisances, 0.0), tolerance=_NEAR)
+        near = self.solve(self.start(values), fixed=dict.fromkeys(nuisances, 0.0), tolerance=BASE_MODEL.near)
         return self.solve(near.p, max_steps=max_steps)
 
     @property
@@ -78,7 +76,7 @@ class Problem:
         *,
         fixed: Mapping[int, float] = NONE_FIXED,
         tolerance: float = TOLERANCE,
-        max_steps: int = MOST_STEPS,
+        max_steps: int = BASE_MODEL.most_steps,
     ) -> Solution:
         """Refine by least squares within the bounds, the parameters in `fixed` held: least_squares.solve."""
         # damped: a search may end far off, where full steps of a wrong model run to the bounds
@@ -86,7 +84,7 @@ class Problem:
 
     def at_bound(self, p: Reals, i: int) -> bool:
         """Say whether unknown number `i` ended within a per cent of its bound."""
-        return bool(np.abs(self.parameters.space.working_bounds[i] - p[i]).min() < 0.01)
+        return bool(np.abs(self.parameters.space.working_bounds[i] - p[i]).min() < BASE_MODEL.at_bound)
 
     def predict(self, p: Reals) -> Complex:
         """Return 1X vectors (row + 1, probe) [m] as they should have been measured, the slow roll last."""

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.settings import BASE_MODEL
 from rotorrig.identify.base_model.unknowns import Space
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.rotor.model import assemble, unbalance_direction
@@ -23,7 +24,6 @@ _FIELDS = {
     "c": ReceptanceDerivatives._fields.index("by_damping"),
 }
 _END = 1e-12  # of the unit interval: mobility is nil or infinite there
-_ELEMENT = 0.05  # m: 2e-5 of the peak from a mesh of 20 mm on configs/rk4.toml, made in half the time
 
 
 class Steady:
@@ -53,7 +53,7 @@ class Steady:
     def of(cls, rig: RigConfig, omega: Real, space: Space, *, planes: Sequence[str], probes: Sequence[str]) -> "Steady":
         """Condense the rig's rotor at the speeds [rad/s], for unbalance in `planes`, seen by `probes`."""
         seen = rig.model_copy(update={"probes": tuple(rig.probe(name) for name in probes)})
-        model = assemble(seen, max_element=_ELEMENT)
+        model = assemble(seen, max_element=BASE_MODEL.element)
         patterns = [unbalance_direction(model.plane(name), model.rotation) for name in planes]
         forces = omega[:, None, None] ** 2 * np.stack(patterns, axis=-1)
         receptance = condense_groups(model, omega, groups=space.groups, forces=forces)

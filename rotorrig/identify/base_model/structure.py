@@ -7,6 +7,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_model.settings import BASE_MODEL
 from rotorrig.rig.config import Plane, RigConfig
 from rotorrig.sims.rotor.model import (
     Direction,
@@ -21,7 +22,6 @@ from rotorrig.sims.rotor.model import (
     with_bearing,
 )
 
-_MODES = 6  # beside the static shapes: 3e-10 of the peak from the full model on the RK4, twice as fast as ten
 NOWHERE: Mapping[str, float] = MappingProxyType({})
 
 
@@ -55,7 +55,7 @@ class StructuralModel:
         """
         self._groups = groups
         self._others = others
-        self.nominal = reduce(assemble(_with_cross_probes(with_places(rig, places), probes)), modes=_MODES)
+        self.nominal = reduce(assemble(_with_cross_probes(with_places(rig, places), probes)), modes=BASE_MODEL.modes)
 
     def __call__(self, values: Structure) -> RotorModel:
         """Return the model of those values."""

@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rotorrig.identify.base_model.settings import BASE_MODEL
 from rotorrig.rig import ConfigError
 from rotorrig.rig.config import Identify, RigConfig
 
@@ -21,7 +22,6 @@ Real = NDArray[np.float64]
 Scale = Literal["log", "linear"]
 
 UNITS = {"k": "N/m", "c": "N s/m"}
-_FREE = 3.0  # modulus and density from a third to three times the nameplate's: any metal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -178,7 +178,12 @@ def _of_the_shaft(rig: RigConfig, key: str) -> Unknown:
     name, unit = _SHAFT[key]
     nameplate = getattr(rig.shaft, key)
     return Unknown(
-        name=name, unit=unit, low=nameplate / _FREE, high=nameplate * _FREE, nameplate=nameplate, scale="log"
+        name=name,
+        unit=unit,
+        low=nameplate / BASE_MODEL.free_range,
+        high=nameplate * BASE_MODEL.free_range,
+        nameplate=nameplate,
+        scale="log",
     )
 
 
