@@ -10,25 +10,25 @@ import scipy
 from rotorrig.rig import code_version
 
 _TABLE7 = """
-The rotor of Lalanne and Ferraris, 75 speeds from 200 to 15,000 rpm, amplitudes at nodes 2 and 12, the box of eq. (20).
-The data are another program's. A call is one response, with its derivatives where they are used; finite differences
-count as the calls they are. {seeds} runs of every search. f1, f2 and f3 alone are black boxes, shown values of the
-objective and no more: rounds of CHEA and a descent along the valley its best point lies in, until a fit is exact to
-1e-6 of the amplitudes. "vector": the search that is given residuals and their derivatives."""
+The rotor of Lalanne and Ferraris, 75 speeds from 200 to 15,000 rpm, amplitudes at nodes 2 and 12, the bounds of
+eq. (20). The data were computed by another program. A call is one response, with its derivatives where they are used;
+each response of a finite difference counts as a call. {seeds} runs of every search. "f1", "f2" and "f3" see only the
+value of the objective: rounds of CHEA, and a descent along the valley of its best point, until the fit is exact to 1e-6
+of the amplitudes. "vector": the search that uses residuals and their derivatives."""
 
 _TABLE8 = """
-Each amplitude of Table 7's data times 1 + 0.1 N(0, 1), anew for every draw. Errors are |error| of the minimum found
+Each amplitude of Table 7's data times 1 + 0.1 N(0, 1), drawn anew each time. Errors are |error| of the minimum found
 with the residual vector, medians and quartiles over the draws. "global minimum": how often a search ended within 1e-6
-of the least value that any search met, a brute-force multistart ({starts} starts) and a descent from the true values
-among them. A black box shows CHEA the value alone. Whose an error of the chapter was is read from our draws; its own
-noise is not known."""
+of the lowest value found by any search, including a brute-force multistart ({starts} starts) and a descent from the
+true values. In "black box" CHEA sees only the value of the objective. Which of the chapter's errors come from its
+objective, and which from its optimiser, is inferred from our draws; its own noise is not known."""
 
 _TABLE10 = """
-The chapter's rig cannot be measured again; the blind plant stands in, another rig for every seed: coefficients,
-unbalance and nameplate drawn within their tolerances, probes with errors of gain, angle and linearity, run-out. One
-plane of two probes, speed-up with a row every 20 rpm from 480 to 2140 rpm, slow-roll vector at 500 rpm, bearing force
-until the 1X amplitude fluctuates by 5 % as in Fig. 12. f1 to f3 see the amplitudes less the slow roll; "residual" is
-what `rotor identify` makes of the vectors. The chapter's errors are against static tests of the stiffness; it has no
+The chapter's rig cannot be measured again; simulated rigs stand in, a different one for every seed: coefficients,
+unbalance and nameplate drawn within their tolerances, probes with errors of gain, angle and linearity, runout. One
+plane of two probes, run-up with a row every 20 rpm from 480 to 2140 rpm, slow-roll vector at 500 rpm, bearing force
+such that the 1X amplitude fluctuates by 5 % as in Fig. 12. f1 to f3 use the amplitudes minus the slow roll; "residual"
+is `rotor identify` on the vectors. The chapter's errors are relative to static tests of the stiffness; it has no
 reference for the damping. Bounds are standard deviations, medians over the rigs; "nameplate exact": noise alone."""
 
 

@@ -215,8 +215,8 @@ def text(cases: list[Case]) -> str:
     readings = "\n".join(f"- {line}" for line in _readings(summary))
     return (
         f"### Table 10: {len(cases)} simulated rigs\n\n{_errors(summary)}\n\n"
-        "The slow roll subtracted from the measurement alone, as in the chapter, and from the prediction too; medians "
-        f"of the errors with their signs:\n\n{_uncompensated(summary)}\n\n{readings}"
+        "Slow roll subtracted from the measurement only, as in the chapter (one side), or from the prediction "
+        f"too (both): medians of the signed errors:\n\n{_uncompensated(summary)}\n\n{readings}"
     )
 
 
@@ -226,15 +226,15 @@ def _readings(summary: dict[str, Any]) -> list[str]:
     one_side = ", ".join(f"{name} {_off(summary[name]['uncompensated'])}" for name in OBJECTIVES)
     both = ", ".join(f"{name} {_off(summary[name])}" for name in OBJECTIVES)
     return [
-        f"An unbiased estimate that attains a bound has a median |error| of {HALF} of it. The residual's come to "
-        f"{attained} of those of vectors; the simulated nameplates err less than the priors allow for. The bounds are "
-        "linear: of a damping they put at half its value or worse, they say no more than that.",
-        f"Of the {crb['kxx']:.2g} % that vectors leave of kxx, noise alone makes {exact['kxx']:.2g} %. The rest is "
-        "what the nameplate leaves open of shaft, disk, other bearings and probes, which f1 to f3 take as exact.",
-        f"With phases the bounds of cxx and cyy are {crb['cxx']:.2g} % and {crb['cyy']:.2g} %, from amplitudes "
+        f'An unbiased estimate that attains a bound has a median |error| of {HALF} of it. Those of "residual" are '
+        f"{attained} of the bounds for vectors; the simulated nameplates err less than the priors allow. The bounds "
+        "are linear: one of half a damping's value or more means no more than that the damping is poorly determined.",
+        f"Of the bound of {crb['kxx']:.2g} % of kxx from vectors, noise alone makes {exact['kxx']:.2g} %. The rest is "
+        "the nameplate's uncertainty of shaft, disk, other bearings and probes, which f1 to f3 take as exact.",
+        f"From vectors the bounds of cxx and cyy are {crb['cxx']:.2g} % and {crb['cyy']:.2g} %, from amplitudes "
         f"{amplitudes['cxx']:.2g} % and {amplitudes['cyy']:.2g} %.",
-        f"Slow roll subtracted on one side, kxx and u are off by {one_side}; on both, by {both}. In the chapter's "
-        "table f1 and f2 have both too low.",
+        f"With the slow roll subtracted on one side, kxx and u are in error by {one_side}; on both, by {both}. In the "
+        "chapter's table f1 and f2 give both too low.",
     ]
 
 

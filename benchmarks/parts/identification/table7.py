@@ -101,10 +101,10 @@ def text(measured: dict[str, Any]) -> str:
     random = summary["random"]
     return (
         f"### Table 7: no noise\n\n{markdown(head, rows)}\n\n"
-        f"{random['truths']} random truths of the whole box: the response to {SAME_RESPONSE:.0e} in "
-        f"{random['residual_ok']:.1%}, in a median of {random['calls_median']:.0f} calls (90 %: "
-        f"{random['calls_p90']:.0f}); there, parameters the data determine within {EXACT:.1%} in "
-        f"{random['parameters_ok']:.1%}. In {random['undetermined']:.1%} some parameter is not determined."
+        f"{random['truths']} sets of true values drawn at random within the bounds: the response agrees to "
+        f"{SAME_RESPONSE:.0e} in {random['residual_ok']:.1%}, in a median of {random['calls_median']:.0f} calls (90 %: "
+        f"{random['calls_p90']:.0f}); there, the parameters that the data determine are within {EXACT:.1%} in "
+        f"{random['parameters_ok']:.1%}. In {random['undetermined']:.1%} some parameter is undetermined."
     )
 
 

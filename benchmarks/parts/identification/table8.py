@@ -182,15 +182,15 @@ def _reading(objective: ObjectiveName, row: dict[str, Any], crb: dict[str, float
         said.append(f"The minimum is in no draw as wrong as the chapter's {', '.join(never)}: its optimiser's errors.")
     if shared:
         said.append(
-            f"It is as wrong as the chapter's {', '.join(shared)} of the draws: the objective's and the noise's."
+            f"It is as wrong as the chapter's {', '.join(shared)} of the draws: errors of the objective and the noise."
         )
     times = row["chapter_over_least"] / row["truth_over_least"]
     said.append(
-        f"The chapter's values are worse than the true ones in {row['chapter_worse_than_truth']:.0%} of the draws, "
-        f"{times:.3g} times in the median."
+        f"The chapter's values have a higher objective than the true ones in {row['chapter_worse_than_truth']:.0%} of "
+        f"the draws, {times:.3g} times in the median."
     )
     said.append(
         f"Median errors of the minimum are {min(times_bound):.1f} to {max(times_bound):.1f} times those of an estimate "
-        "that attains the bound."
+        "that attains the Cramer-Rao bound."
     )
     return f"{objective}. {' '.join(said)}"

@@ -67,7 +67,7 @@ def text(measured: dict[str, Any]) -> str:
     """Return the figures in Markdown."""
     return (
         "### Time\n\n"
-        f"On a simulated RK4 (configs/rk4.toml): the search, the condensing of the rotor included, takes "
+        f"On a simulated RK4 (configs/rk4.toml): the search, including model reduction, takes "
         f"{measured['search_ms']:.0f} ms ({measured['search_cpu_ms']:.0f} ms of CPU), `rotor identify` from start-up "
         f"to fit.json, two bands, {measured['wall_s']:.1f} s ({measured['cpu_s']:.1f} s of CPU). Medians of {SEARCHES} "
         f"and {COMMANDS}."
