@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK = 1
 .PHONY: setup demo test test-all lint types check docs tutorial pictures bench chea-tables identification-tables blind recorder tracking soak fuzz clean
 
 demo: .venv/ready
-	$(BIN)/rotor demo --out demo
+	$(BIN)/rotor demo --out demo --force
 
 # Both on every core and one job more, as many tests wait for programs they have started; a file of tests at a time, so
 # that what a file has set up is made once. The programs find their modules compiled, whatever the shell says of bytecode.

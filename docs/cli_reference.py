@@ -18,6 +18,11 @@ program (`rotor init` lists them) where no file is called so.
 A command that cannot do what it was asked says in one sentence what it got, what it wants and where, and ends with a
 status other than 0. Angles are from the keyphasor mark in the sense of rotation; amplitudes are 0-peak
 ([conventions](conventions.md)).
+
+A command never writes to a file it reads, to a device, or over a file of another kind, whatever its name: the kind is
+told by the content. An existing file of the same kind is replaced with `--force` alone. This is checked before the work
+begins, for `rotor demo` file by file, and a file is written whole or not at all
+([more](files.md#when-something-goes-wrong)).
 """
 NOTE = re.compile(r"\s*\[((?:required|default|env|x)[^\]]*)\]$")  # what stands in brackets behind an option's help
 HELP = "--help"

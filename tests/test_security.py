@@ -210,7 +210,7 @@ def test_names_are_no_markup_of_the_terminal(
     assert run(monkeypatch, capsys, "export", f"{word}.mcap", "--out", f"{word}.uff")[1] == (
         f"{word}.uff: 5 time responses in volts\n"
     )
-    code, _, err = run(monkeypatch, capsys, "export", f"no{word}.mcap", "--out", f"{word}.uff")
+    code, _, err = run(monkeypatch, capsys, "export", f"no{word}.mcap", "--out", f"{word}.uff", "--force")
     assert (code, err) == (1, f"error: no{word}.mcap: is not there, want a run.mcap or a response.mcap\n")
 
 
@@ -249,10 +249,11 @@ def test_an_import_writes_its_target_and_nothing_else(rig_config: RigConfig, tmp
 
 def test_an_import_never_replaces_its_source(rig_config: RigConfig, tmp_path: Path) -> None:
     path = tmp_path / "waves.csv"
-    path.write_text("time [s]\n")
-    with pytest.raises(DataError, match="would overwrite the file to import"):
+    table = "time [s],keyphasor [V],1x [V],1y [V],2x [V],2y [V]\n"
+    path.write_text(table + "".join(f"{i * 1e-4:.4f},0,-9,-9,-9,-9\n" for i in range(20)))
+    with pytest.raises(DataError, match=r"waves\.csv: is there already, want a name that is free"):
         bring_in(path, rig=rig_config, mapping=None, out=path)
-    assert path.read_text() == "time [s]\n"
+    assert path.read_text().startswith(table)
 
 
 def test_a_small_file_does_not_unpack_to_more_memory_than_it_may(

@@ -57,7 +57,8 @@ def test_a_bundled_config_is_written_once_and_found_by_its_name(installed: Path,
     assert rotor(installed, tmp_path, "init", "rk4").returncode == 0
     assert (tmp_path / "rk4.toml").read_bytes() == (ROOT / "configs/rk4.toml").read_bytes()
     again = rotor(installed, tmp_path, "init", "rk4")
-    assert (again.returncode, again.stderr) == (1, "error: rk4.toml: is there already, want --out with another name\n")
+    refusal = "error: rk4.toml: is there already, want another name, or --force to replace it\n"
+    assert (again.returncode, again.stderr) == (1, refusal)
 
 
 @pytest.mark.campaign

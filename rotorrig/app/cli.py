@@ -13,6 +13,7 @@ from typer.core import TyperGroup
 
 from rotorrig.app.terminal import err, out
 from rotorrig.app.verbs import data, model, rig
+from rotorrig.app.verbs.output_guard import guard
 from rotorrig.rig import RigError
 
 __all__ = ["app", "err", "main", "out"]
@@ -77,7 +78,7 @@ def options(
 
 
 for name, (in_a_line, verb) in VERBS.items():
-    app.command(name, short_help=in_a_line)(verb)
+    app.command(name, short_help=in_a_line)(guard(verb))
 
 
 def main() -> None:

@@ -16,7 +16,7 @@ from rotorrig.identify.adequacy import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
 from rotorrig.identify.verdict import Cause, Gain, HiddenEffect, NextRun, ParameterValue, Shift
-from rotorrig.rig import DataError, Provenance
+from rotorrig.rig import DataError, Provenance, write_whole_text
 
 _FIT = "rotorrig fit"
 _DIAGNOSIS = "rotorrig diagnosis"
@@ -284,10 +284,7 @@ def _complex_in(table: dict[str, Any]) -> NDArray[np.complex128]:
 def _write(path: Path, kind: str, body: dict[str, Any], source: Provenance) -> None:
     made = {name: getattr(source, name) for name in ("config_hash", "code_version", "source", "source_hash")}
     table = {"kind": kind, "version": VERSIONS[kind], "conventions": CONVENTIONS, **body, "source": made}
-    try:
-        path.write_text(json.dumps(table, allow_nan=False) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise DataError(f"{path}: cannot be written ({error.strerror})") from error
+    write_whole_text(path, json.dumps(table, allow_nan=False) + "\n")
 
 
 def _read(path: Path, kind: str) -> dict[str, Any]:

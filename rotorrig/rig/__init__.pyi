@@ -9,6 +9,11 @@ from .interlock import Interlock as Interlock
 from .provenance import Provenance as Provenance
 from .provenance import code_version as code_version
 from .provenance import file_hash as file_hash
+from .whole_file import provisional_file as provisional_file
+from .whole_file import provisional_path as provisional_path
+from .whole_file import sync_folder as sync_folder
+from .whole_file import write_whole_file as write_whole_file
+from .whole_file import write_whole_text as write_whole_text
 
 __all__ = [
     "Clock",
@@ -22,4 +27,9 @@ __all__ = [
     "WallClock",
     "code_version",
     "file_hash",
+    "provisional_file",
+    "provisional_path",
+    "sync_folder",
+    "write_whole_file",
+    "write_whole_text",
 ]

@@ -91,10 +91,13 @@ def test_a_bundled_config_is_written_where_nothing_is(
     monkeypatch.chdir(tmp_path)
     assert run(monkeypatch, capsys, "init", "rk4", "--out", "my.toml")[0] == 0
     assert Path("my.toml").read_text() == Path(RK4).read_text()
-    Path("my.toml").write_text("mine")
+    with Path("my.toml").open("a") as file:
+        file.write("# mine\n")
     code, _, err = run(monkeypatch, capsys, "init", "rk4", "--out", "my.toml")
-    assert (code, err) == (1, "error: my.toml: is there already, want --out with another name\n")
-    assert Path("my.toml").read_text() == "mine"
+    assert (code, err) == (1, "error: my.toml: is there already, want another name, or --force to replace it\n")
+    assert Path("my.toml").read_text().endswith("# mine\n")
+    assert run(monkeypatch, capsys, "init", "rk4", "--out", "my.toml", "--force")[0] == 0
+    assert Path("my.toml").read_text() == Path(RK4).read_text()
 
 
 def test_without_a_name_the_bundled_configs_are_listed(
@@ -131,7 +134,16 @@ def test_intervals_come_from_the_profile_or_the_bootstrap_when_asked(
     write_response(tmp_path / "r.mcap", few_rows(rig_config))
     for words, made_by in ((["--profile"], "profile likelihood"), (["--bootstrap", "40"], "bootstrap")):
         code, out, _ = run(
-            monkeypatch, capsys, "identify", tmp_path / "r.mcap", "-o", tmp_path / "fit.json", "--seed", "3", *words
+            monkeypatch,
+            capsys,
+            "identify",
+            tmp_path / "r.mcap",
+            "-o",
+            tmp_path / "fit.json",
+            "--seed",
+            "3",
+            "--force",
+            *words,
         )
         assert code == 0
         kxx = read_identification(tmp_path / "fit.json").fits[0].estimate("kxx")

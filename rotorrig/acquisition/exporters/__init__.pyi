@@ -9,7 +9,6 @@ from .uff58 import Axis as Axis
 from .uff58 import Function as Function
 from .uff58 import ascii_function as ascii_function
 from .uff58 import units_in_si as units_in_si
-from .whole_file import write_whole_file as write_whole_file
 
 __all__ = [
     "DISPLACEMENT",
@@ -23,5 +22,4 @@ __all__ = [
     "units_in_si",
     "write_csv",
     "write_uff",
-    "write_whole_file",
 ]

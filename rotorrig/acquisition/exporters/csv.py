@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from rotorrig.acquisition.exporters.channels import named_channels
-from rotorrig.acquisition.exporters.whole_file import write_whole_file
 from rotorrig.acquisition.recording import RawRecording
+from rotorrig.rig import write_whole_file
 
 PIECE = 8192  # rows formatted at a time
 DECIMALS = 3  # more than the last digit of a count: rounding is a thousandth of it

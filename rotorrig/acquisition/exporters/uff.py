@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition.exporters.channels import named_channels
 from rotorrig.acquisition.exporters.uff58 import GENERAL, TIME, TIME_RESPONSE, Axis, Function, binary_function
-from rotorrig.acquisition.exporters.whole_file import write_whole_file
 from rotorrig.acquisition.recording import RawRecording
+from rotorrig.rig import write_whole_file
 from rotorrig.rig.config import RigConfig
 from rotorrig.rig.probes import channel_volts
 

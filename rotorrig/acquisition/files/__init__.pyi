@@ -1,3 +1,5 @@
+from .file_kind import KINDS as KINDS
+from .file_kind import content_kind as content_kind
 from .file_kind import read_file_kind as read_file_kind
 from .foxglove_schemas import INFO as INFO
 from .foxglove_schemas import LOG as LOG
@@ -5,7 +7,8 @@ from .foxglove_schemas import POINT_CLOUD as POINT_CLOUD
 from .foxglove_schemas import WARNING as WARNING
 from .foxglove_schemas import cloud_values as cloud_values
 from .foxglove_schemas import log_values as log_values
-from .part_file import PartFile as PartFile
+from .part_file import part_path as part_path
+from .part_file import refuse_leftover as refuse_leftover
 from .recording_mcap import Contents as Contents
 from .recording_mcap import FileKind as FileKind
 from .recording_mcap import FileWriter as FileWriter
@@ -20,6 +23,7 @@ from .schemas import message_type as message_type
 
 __all__ = [
     "INFO",
+    "KINDS",
     "LOG",
     "POINT_CLOUD",
     "WARNING",
@@ -27,15 +31,17 @@ __all__ = [
     "FileKind",
     "FileWriter",
     "MessageType",
-    "PartFile",
     "RecordingWriter",
     "cloud_values",
+    "content_kind",
     "log_values",
     "message_type",
     "open_recording",
+    "part_path",
     "read_file",
     "read_file_kind",
     "read_recording",
+    "refuse_leftover",
     "salvage",
     "write_recording",
 ]

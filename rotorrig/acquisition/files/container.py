@@ -1,7 +1,7 @@
 """MCAP container common to all files of this program: writing, reading, salvage.
 
 Each carries the rig's config (TOML as read, and checked SI values as JSON), its kind and version, and where it came
-from. While it is being written it is called `<name>.part`, see part_file.
+from. While it is being written it has a provisional name, `<name>.part` for a recording: see part_file.
 """
 
 import json
@@ -75,16 +75,17 @@ class FileWriter:
         overwrite: bool = True,
         flush_every_ns: int | None = None,
     ) -> None:
-        """Begin the file as `<path>.part`.
+        """Begin the file under a provisional name.
 
-        With `flush_every_ns` it holds data that cannot be made again: messages are handed to the system after that
-        much log time at the latest and put on the medium about once a second, on a thread of its own; and a full disk
-        leaves a valid file of what was flushed rather than none.
-        Raises DataError if it cannot be created or, unless `overwrite`, if `path` or its `.part` is there already.
+        With `flush_every_ns` it holds data that cannot be made again: it is called `<path>.part`, messages are handed
+        to the system after that much log time at the latest and put on the medium about once a second, on a thread of
+        its own; and a full disk leaves a valid file of what was flushed rather than none.
+        Raises DataError if it cannot be created, if a `.part` with data was left or, unless `overwrite`, if `path` is
+        there already.
         """
         self._path = path
         try:
-            self._file = PartFile(path, overwrite=overwrite)
+            self._file = PartFile(path, overwrite=overwrite, salvageable=flush_every_ns is not None)
             self._syncer = Syncer(self._file.fileno()) if flush_every_ns is not None else None
             if self._syncer:
                 self._file.keep_name()

@@ -1,14 +1,16 @@
-"""File under a provisional name, `<name>.part`, that takes its own name only when whole.
+"""File under a provisional name that takes its own name only when whole; a recording's is `<name>.part`.
 
 So a file of that name is never half a file, a crash leaves the `.part` with everything written until then, and the
 good file of an earlier run is not lost to a bad one.
 """
 
+import errno
+import fcntl
 import os
 from collections import deque
 from pathlib import Path
 
-from rotorrig.rig import DataError
+from rotorrig.rig import DataError, provisional_path, sync_folder
 
 
 def part_path(path: Path) -> Path:
@@ -20,22 +22,37 @@ def refuse_existing(path: Path) -> None:
     """Raise DataError if `path` exists, or a `.part` that a crash left."""
     if path.exists():
         raise DataError(f"{path}: is there already, want a name that is free")
-    if part_path(path).exists():
+    refuse_leftover(path)
+
+
+def refuse_leftover(path: Path) -> None:
+    """Raise DataError if a crash left a `.part` of `path` that holds anything."""
+    part = part_path(path)
+    if os.path.lexists(part) and not (part.is_file() and part.stat().st_size == 0):
         raise DataError(
-            f"{part_path(path)}: is there, of a recording cut short or under way; "
-            f"`rotor salvage {part_path(path)} --out saved.mcap` saves what it holds, then remove it"
+            f"{part}: is there, of a recording cut short or under way; "
+            f"`rotor salvage {part} --out saved.mcap` saves what it holds, then remove it"
         )
 
 
 class PartFile:
     """Unbuffered binary file with one writer; what was written outlives this process at once."""
 
-    def __init__(self, path: Path, *, overwrite: bool) -> None:
-        """Create `<path>.part`. Raises OSError; DataError unless `overwrite` if that or `path` is there already."""
-        if not overwrite:
-            refuse_existing(path)
-        self._path = path
-        self._file = part_path(path).open("wb" if overwrite else "xb", buffering=0)
+    def __init__(self, path: Path, *, overwrite: bool, salvageable: bool = False) -> None:
+        """Create the provisional file of `path`: `<path>.part` if it is worth a salvage, else a hidden one.
+
+        Raises OSError; DataError unless `overwrite` if `path` is there already, and for a `.part` that holds anything.
+        """
+        if path.exists() and not overwrite:
+            raise DataError(f"{path}: is there already, want a name that is free")
+        self._path = path = path.resolve() if path.is_symlink() else path  # the file it points to, not the link
+        self._part = part_path(path) if salvageable else provisional_path(path)
+        if salvageable:
+            refuse_leftover(path)
+            self._file = self._part.open("ab", buffering=0)  # an empty one holds nothing that could be lost
+            _lock(self._file.fileno(), self._part)
+        else:
+            self._file = self._part.open("xb", buffering=0)
         self._marks: deque[int] = deque(maxlen=4)  # newest last
 
     def write(self, data: bytes) -> int:
@@ -54,7 +71,7 @@ class PartFile:
 
     def keep_name(self) -> None:
         """Have the provisional name outlive a power cut. Raises OSError."""
-        _sync_folder(self._path.parent)
+        sync_folder(self._path.parent)
 
     def fileno(self) -> int:
         """Return the file's descriptor."""
@@ -91,18 +108,19 @@ class PartFile:
     def take_name(self) -> None:
         """Close the file and give it its name, replacing an older one. Raises OSError."""
         self._file.close()
-        part_path(self._path).replace(self._path)
-        _sync_folder(self._path.parent)  # the new name outlives a power cut too
+        self._part.replace(self._path)
+        sync_folder(self._path.parent)  # the new name outlives a power cut too
 
     def discard(self) -> None:
         """Close the file and remove it."""
         self._file.close()
-        part_path(self._path).unlink(missing_ok=True)
+        self._part.unlink(missing_ok=True)
 
 
-def _sync_folder(path: Path) -> None:
-    folder = os.open(path, os.O_RDONLY)
+def _lock(number: int, part: Path) -> None:
+    """Hold the file until it is closed. Raises DataError if another program does; one that cannot be held is left."""
     try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno == errno.EWOULDBLOCK:
+            raise DataError(f"{part}: is being written by another program, want another name") from error

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.progress import Progress
 
-from rotorrig.acquisition.files import read_recording
+from rotorrig.acquisition.files import part_path, read_recording
 from rotorrig.acquisition.sweep import Step
 from rotorrig.app.commands import diagnose
 from rotorrig.app.commands.sweep import record_sweep
@@ -18,6 +18,7 @@ from rotorrig.app.viewer import write_result_rrd
 from rotorrig.identify import Diagnosis, Identification, identify, write_diagnosis, write_identification
 from rotorrig.processing import OrderTrackedResponse, track
 from rotorrig.processing.files import read_response, write_response
+from rotorrig.rig import write_whole_text
 from rotorrig.rig.config import RPM, RigConfig
 from rotorrig.sims.plant import FaultSpec, Truth, draw, expected_estimates, seal, unseal
 from rotorrig.sims.wire import simulated_bench
@@ -46,6 +47,22 @@ def cases(seed: int) -> tuple[Case, ...]:
             faults=(FaultSpec(name="bow", parameters={"amount": 20e-6, "angle": math.radians(110.0)}),),
         ),
     )
+
+
+def files_in(out: Path) -> dict[Path, str]:
+    """Return every file that `run_demo` writes into a folder, and its kind."""
+    kinds = {
+        SEALED: "truth",
+        "run.mcap": "run",
+        "response.mcap": "response",
+        "fit.json": "fit",
+        "diagnosis.json": "diagnosis",
+        "report.html": "report",
+        "demo.rrd": "rrd",
+        "extended.toml": "config",
+        "diagnosis-extended.json": "diagnosis",
+    }
+    return {out / case.folder / name: kind for case in cases(0) for name, kind in kinds.items()}
 
 
 def run_demo(rig: RigConfig, *, out: Path, seed: int = 1, rate: float = 20.0) -> None:
@@ -90,7 +107,7 @@ def extend(rig: RigConfig, case: Case, folder: Path, diagnosis: Diagnosis) -> No
     extended = diagnose.extend_rig(rig, diagnosis)
     if extended is None:
         return
-    (folder / "extended.toml").write_text(extended.text, encoding="utf-8")
+    write_whole_text(folder / "extended.toml", extended.text)
     response = diagnose.with_model_of(read_response(folder / "response.mcap"), extended)
     again = diagnose.diagnose_responses([response], seed=case.seed)
     write_diagnosis(folder / "diagnosis-extended.json", again)
@@ -106,6 +123,7 @@ def _sweep(rig: RigConfig, folder: Path, case: Case, rate: float, bars: Progress
     def show(step: Step, fraction: float, speed: float) -> None:
         bars.update(task, completed=fraction, note=f"{speed * RPM:.0f} rpm")
 
+    part_path(folder / "run.mcap").unlink(missing_ok=True)  # of a demo that was killed: it can be made again
     with simulated_bench(rig.text, seed=case.seed, hidden=folder / SEALED, rate=rate) as ports:
         bars.update(task, description="sweeping")
         result = record_sweep(rig, out=folder / "run.mcap", ports=ports, overwrite=True, progress=show)

@@ -13,7 +13,7 @@ from rotorrig.identify import Diagnosis, Verdict, diagnose
 from rotorrig.identify.verdict import Cause
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import read_response
-from rotorrig.rig import DataError
+from rotorrig.rig import DataError, write_whole_text
 from rotorrig.rig.config import Extension, RigConfig, extend
 
 
@@ -87,10 +87,7 @@ def write_extended(path: Path, rig: RigConfig, found: Diagnosis) -> RigConfig:
     extended = extend_rig(rig, found)
     if extended is None:
         raise DataError(f"{path}: not written: no cause was named that extends the model")
-    try:
-        path.write_text(extended.text, encoding="utf-8")
-    except OSError as error:
-        raise DataError(f"{path}: cannot be written ({error.strerror})") from error
+    write_whole_text(path, extended.text)
     return extended
 
 

@@ -6,6 +6,15 @@ from rotorrig.acquisition.files import read_file_kind
 from rotorrig.rig import DataError
 
 LAYOUT = ".json"
+_KINDS = {".csv": "csv", ".uff": "uff", ".unv": "uff", LAYOUT: "layout"}
+
+
+def kind_made(out: Path) -> str:
+    """Return the kind of file that an export of this name is. Raises DataError for another ending."""
+    if out.suffix.lower() not in _KINDS:
+        want = f"a name that ends in .csv or .uff, or {LAYOUT} for Foxglove"
+        raise DataError(f"{out}: ends in '{out.suffix}', want {want}")
+    return _KINDS[out.suffix.lower()]
 
 
 def write_out(file: Path, out: Path) -> str:
@@ -13,13 +22,9 @@ def write_out(file: Path, out: Path) -> str:
 
     A .json is a Foxglove layout for the response.
     """
-    if out.suffix.lower() not in (".csv", ".uff", ".unv", LAYOUT):
-        want = f"a name that ends in .csv or .uff, or {LAYOUT} for Foxglove"
-        raise DataError(f"{out}: ends in '{out.suffix}', want {want}")
-    if out.exists() and file.exists() and out.samefile(file):
-        raise DataError(f"{out}: would overwrite the file to export, want another name")
+    kind = kind_made(out)
     write = _response if read_file_kind(file) == "response" else _run
-    if write is _run and out.suffix.lower() == LAYOUT:
+    if write is _run and kind == "layout":
         raise DataError(f"{out}: a layout needs a response.mcap, {file} is a run")
     return f"{out}: {write(file, out)}"
 

@@ -12,7 +12,7 @@ from typing import Any
 from rotorrig.app.plot_data import slow_roll_known
 from rotorrig.processing import OrderTrackedResponse, measured_planes
 from rotorrig.processing.files import FRAME
-from rotorrig.rig import DataError
+from rotorrig.rig import DataError, write_whole_text
 
 SPEED = "exact_speed_rpm"
 COLOURS = ("#4aa3df", "#f28e2b", "#62be78", "#ce74be", "#dcc85a", "#78c8d2")
@@ -23,7 +23,7 @@ Node = str | dict[str, Any]  # a panel's name, or two nodes side by side
 def write_foxglove_layout(path: Path, response: OrderTrackedResponse) -> int:
     """Write the layout for `response` to `path`; return the number of its panels. Raises DataError."""
     layout = foxglove_layout(response)
-    path.write_text(json.dumps(layout, indent=2) + "\n", encoding="utf-8")
+    write_whole_text(path, json.dumps(layout, indent=2) + "\n")
     return len(layout["configById"])
 
 

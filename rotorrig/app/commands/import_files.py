@@ -11,15 +11,18 @@ _BEGINNINGS = {b"TDSm": "tdms", b"RIFF": "wav", b"RF64": "wav", b"BW64": "wav", 
 _ENDINGS = {".csv": "csv", ".txt": "csv", ".uff": "uff", ".unv": "uff", ".tdms": "tdms", ".wav": "wav"}
 
 
-def bring_in(file: Path, *, rig: RigConfig, mapping: Path | None, out: Path) -> str:
-    """Convert `file` to `out` and return a summary. Raises DataError, ConfigError.
-
-    A mapping with [[vectors]] makes a response of a Bode table, any other a recording of waveforms.
-    """
-    _refuse_source(file, out)
-    if mapping is not None and "channels" not in read_toml(mapping, want="a mapping")[0]:
+def bring_in(file: Path, *, rig: RigConfig, mapping: Path | None, out: Path, overwrite: bool = False) -> str:
+    """Convert `file` to `out` and return a summary. Raises DataError, ConfigError."""
+    if mapping is not None and kind_made(mapping) == "response":
         return _vectors(file, mapping, rig, out)
-    return _waveforms(file, mapping, rig, out)
+    return _waveforms(file, mapping, rig, out, overwrite=overwrite)
+
+
+def kind_made(mapping: Path | None) -> str:
+    """Return "response" for a mapping with [[vectors]], of a Bode table, else "run". Raises ConfigError."""
+    if mapping is None or "channels" in read_toml(mapping, want="a mapping")[0]:
+        return "run"
+    return "response"
 
 
 def kind_of(file: Path) -> str:
@@ -37,11 +40,6 @@ def kind_of(file: Path) -> str:
     return _ENDINGS[file.suffix.lower()]
 
 
-def _refuse_source(file: Path, out: Path) -> None:
-    if out.exists() and file.exists() and out.samefile(file):
-        raise DataError(f"{out}: would overwrite the file to import, want another name")
-
-
 def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
     from rotorrig.processing.files import read_table, write_response
 
@@ -51,11 +49,11 @@ def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
     return f"{out}: " + ", ".join(f"{n} {noun}{'s' * (n != 1)}" for n, noun in counted)
 
 
-def _waveforms(file: Path, mapping: Path | None, rig: RigConfig, out: Path) -> str:
+def _waveforms(file: Path, mapping: Path | None, rig: RigConfig, out: Path, *, overwrite: bool) -> str:
     from rotorrig.acquisition.files import write_recording
 
     recording = read_waveforms(file, rig, mapping)
-    write_recording(out, recording)
+    write_recording(out, recording, overwrite=overwrite)
     seconds = recording.samples / recording.daq.sample_rate
     return f"{out}: {seconds:.1f} s, {recording.samples} scans at {recording.daq.sample_rate:g} Hz"
 

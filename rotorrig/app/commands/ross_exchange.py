@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from rotorrig.rig import ConfigError
+from rotorrig.rig import ConfigError, write_whole_text
 from rotorrig.rig.config import load, parse, to_si
 from rotorrig.rig.ross import RossRotor, config_text, read_ross, ross_rotor, ross_text, sections
 
@@ -12,7 +12,7 @@ def bring_in(file: Path, *, out: Path, keep_nodes: bool) -> list[str]:
     rotor = read_ross(file)
     text = config_text(rotor, name=file.stem, source=file.name, keep_nodes=keep_nodes)
     parse(text, where=f"{file}, as a config")
-    _write(out, text, source=file)
+    write_whole_text(out, text)
     made = f"{_count_parts(rotor)}, in {_count(len(sections(rotor, keep_nodes=keep_nodes)), 'section')}"
     return [*rotor.notes, f"{out}: {made}; its two probes are placeholders"]
 
@@ -29,7 +29,7 @@ def write_out(config: Path, *, out: Path, max_element: str) -> list[str]:
     if not longest > 0:
         raise ConfigError(f"--max-element: got {max_element}, want a length above zero")
     rotor = ross_rotor(rig, nodes=assemble(rig, max_element=longest).z.tolist())
-    _write(out, ross_text(rotor, source=config.name), source=config)
+    write_whole_text(out, ross_text(rotor, source=config.name))
     return [*rotor.notes, f"{out}: {_count_parts(rotor)}"]
 
 
@@ -40,12 +40,3 @@ def _count_parts(rotor: RossRotor) -> str:
 
 def _count(number: int, noun: str) -> str:
     return f"{number} {noun}{'s' * (number != 1)}"
-
-
-def _write(out: Path, text: str, *, source: Path) -> None:
-    if out.resolve() == source.resolve():
-        raise ConfigError(f"{out}: is the input file, want another name")
-    try:
-        out.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise ConfigError(f"{out}: cannot be written ({error.strerror})") from error

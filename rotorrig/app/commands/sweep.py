@@ -33,6 +33,7 @@ def sweep(
     simulation: SimulatedRig | None,
     view: bool,
     yes: bool = False,
+    overwrite: bool = False,
 ) -> SweepResult:
     """Run `rotor sweep`, on the config's devices or a simulated rig, with progress and, with `view`, the live view.
 
@@ -58,7 +59,15 @@ def sweep(
             bars.update(task, completed=fraction, note=f"{speed * RPM:.0f} rpm")
 
         return record_sweep(
-            rig, out=out, plan=plan, trial=trial, ports=ports, view=view, progress=show, operator=operator
+            rig,
+            out=out,
+            plan=plan,
+            trial=trial,
+            ports=ports,
+            overwrite=overwrite,
+            view=view,
+            progress=show,
+            operator=operator,
         )
 
 

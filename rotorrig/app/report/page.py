@@ -29,7 +29,7 @@ from rotorrig.app.report.tracking import tracking_section
 from rotorrig.app.report.verdict import banner
 from rotorrig.identify import Diagnosis, Identification
 from rotorrig.processing import OrderTrackedResponse
-from rotorrig.rig import DataError
+from rotorrig.rig import DataError, write_whole_text
 
 
 def write_report(
@@ -63,11 +63,7 @@ def write_report(
         provenance_section(response, identification, diagnosis),
         conventions_section(response),
     )
-    page = _page(response, verdict, [part for part in parts if part])
-    try:
-        path.write_text(page, encoding="utf-8")
-    except OSError as error:
-        raise DataError(f"{path}: the report cannot be written ({error.strerror})") from error
+    write_whole_text(path, _page(response, verdict, [part for part in parts if part]))
 
 
 def _check(response: OrderTrackedResponse, identification: Identification | None) -> None:

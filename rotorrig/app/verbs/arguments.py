@@ -27,7 +27,8 @@ def plans_of_the_config(context: typer.Context, incomplete: str) -> list[str]:
 Config = Annotated[
     Path, typer.Argument(metavar="CONFIG", help="the rig's TOML file, or a bundled one's name", show_default=False)
 ]
-Out = Annotated[Path, typer.Option("--out", "-o", help="the file to write", show_default=False)]
+OUT = typer.Option("--out", "-o", help="the file to write", show_default=False)
+Force = Annotated[bool, typer.Option("--force", help="replace an existing file, if it is of the same kind")]
 Response = Annotated[Path, typer.Argument(metavar="RESPONSE", help="a response.mcap", show_default=False)]
 Recording = Annotated[Path, typer.Argument(metavar="RUN", help="a run.mcap", show_default=False)]
 Seed = Annotated[int, typer.Option(help="random seed: of the search, or of the simulated rig's hidden truth")]

@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 import typer
 
 from rotorrig.app.terminal import err, progress_bars, tell, working
-from rotorrig.app.verbs.arguments import AsJson, Out, Recording, Trial, View, load_config
+from rotorrig.app.verbs.arguments import OUT, AsJson, Force, Recording, Trial, View, load_config
+from rotorrig.app.verbs.output_guard import Arguments, Output
 from rotorrig.rig import ConfigError
 from rotorrig.rig.config import find_config
 
@@ -14,9 +15,12 @@ from rotorrig.rig.config import find_config
 def replay(
     run: Recording,
     rate: Annotated[str, typer.Option(help="playback speed: 'max', or recorded seconds per second")] = "max",
-    track: Annotated[Path | None, typer.Option(help="also track the orders into this response.mcap")] = None,
+    track: Annotated[
+        Path | None, typer.Option(help="also track the orders into this response.mcap"), Output(kind="response")
+    ] = None,
     begin: Annotated[float, typer.Option("--from", help="start time on the recording's clock, s")] = 0.0,
     view: View = False,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Play a recording as if it were live; with --track, track its orders as `rotor track` does."""
@@ -29,7 +33,7 @@ def replay(
 
 def track(
     run: Recording,
-    out_file: Out,
+    out_file: Annotated[Path, OUT, Output(kind="response")],
     trial: Trial = None,
     turns: Annotated[int, typer.Option(help="shaft turns per row: more average out more noise, and smear more")] = 8,
     orders: Annotated[str, typer.Option(help="multiples of shaft speed; 0 is the gap")] = "0,0.5,1,2,3",
@@ -44,6 +48,7 @@ def track(
         str | None,
         typer.Option(help="slow-roll speed range, '200 to 400 rpm'", show_default="the run named slow-roll"),
     ] = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Track the orders of a recording into a response file, with the slow-roll vector.
@@ -78,11 +83,23 @@ def track(
         err.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
+def _imported_kind(given: Arguments) -> str:
+    from rotorrig.app.commands import import_files
+
+    return "config" if given["ross"] else import_files.kind_made(given["mapping"])
+
+
+def _exported_kind(given: Arguments) -> str:
+    from rotorrig.app.commands import export_files
+
+    return "ross" if given["ross"] else export_files.kind_made(given["out_file"])
+
+
 def import_(
     file: Annotated[
         Path, typer.Argument(help="CSV, UFF, TDMS or WAV file; with --ross a ROSS rotor", show_default=False)
     ],
-    out_file: Out,
+    out_file: Annotated[Path, OUT, Output(kind=_imported_kind)],
     config: Annotated[Path | None, typer.Option("--config", help="the rig's TOML file", show_default=False)] = None,
     mapping: Annotated[
         Path | None,
@@ -92,6 +109,7 @@ def import_(
     keep_nodes: Annotated[
         bool, typer.Option("--keep-nodes", help="with --ross: one shaft section per element")
     ] = False,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Import waveforms to a run.mcap, a mapped Bode table to a response.mcap or, with --ross, a rotor to a config."""
@@ -105,15 +123,18 @@ def import_(
         raise ConfigError("--config: missing, want the rig's TOML file, which names the columns")
     else:
         with working(f"reading {file.name}"):
-            lines = [import_files.bring_in(file, rig=load_config(config), mapping=mapping, out=out_file)]
+            lines = [
+                import_files.bring_in(file, rig=load_config(config), mapping=mapping, out=out_file, overwrite=force)
+            ]
     tell("\n".join(lines), {"file": str(out_file), "said": lines}, as_json=as_json)
 
 
 def export(
     file: Annotated[Path, typer.Argument(help="run.mcap or response.mcap; with --ross a config", show_default=False)],
-    out_file: Out,
+    out_file: Annotated[Path, OUT, Output(kind=_exported_kind)],
     ross: Annotated[bool, typer.Option("--ross", help="export the rotor of a config to ROSS")] = False,
     max_element: Annotated[str, typer.Option(help="with --ross: maximum length of a shaft element")] = "20 mm",
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Export waveforms of a run or order vectors of a response to .csv or .uff; with --ross, a rotor to ROSS.
@@ -132,14 +153,19 @@ def export(
     tell("\n".join(lines), {"file": str(out_file), "said": lines}, as_json=as_json)
 
 
-def salvage(run: Recording, out_file: Out, as_json: AsJson = False) -> None:
+def salvage(
+    run: Recording,
+    out_file: Annotated[Path, OUT, Output(kind="run")],
+    force: Force = False,
+    as_json: AsJson = False,
+) -> None:
     """Recover a valid recording from a truncated one."""
     from dataclasses import asdict
 
     from rotorrig.acquisition.files import salvage as save
 
     with working(f"reading {run.name}"):
-        saved = save(run, out_file)
+        saved = save(run, out_file, overwrite=force)
     lost = "nothing lost" if saved.whole else f"{saved.lost_bytes} bytes unreadable"
     words = f"{out_file}: {saved.seconds:.2f} s recovered, {lost}"
     tell(words, {"file": str(out_file), **asdict(saved)}, as_json=as_json)

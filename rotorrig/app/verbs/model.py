@@ -7,12 +7,13 @@ from typing import Annotated, Literal
 import typer
 
 from rotorrig.app.terminal import err, out, tell, working
-from rotorrig.app.verbs.arguments import AsJson, Out, Response, Seed, load_config
+from rotorrig.app.verbs.arguments import OUT, AsJson, Force, Response, Seed, load_config
+from rotorrig.app.verbs.output_guard import Output
 
 
 def identify(
     response: Response,
-    out_file: Out,
+    out_file: Annotated[Path, OUT, Output(kind="fit")],
     objective: Annotated[
         Literal["residual", "f1", "f2", "f3"],
         typer.Option(help="cost function: complex residual, or the chapter's amplitude errors, eq. 14-16"),
@@ -22,6 +23,7 @@ def identify(
     ] = False,
     bootstrap: Annotated[int, typer.Option(min=0, help="95 % intervals by parametric bootstrap, this many draws")] = 0,
     workers: Annotated[int, typer.Option(min=1, help="bootstrap processes")] = 1,
+    force: Force = False,
     as_json: AsJson = False,
     seed: Seed = 0,
 ) -> None:
@@ -55,16 +57,19 @@ def diagnose(
     responses: Annotated[
         list[Path], typer.Argument(metavar="RESPONSE...", help="response.mcap files of one rig", show_default=False)
     ],
-    out_file: Out,
+    out_file: Annotated[Path, OUT, Output(kind="diagnosis")],
     holdout: Annotated[Path | None, typer.Option(help="response to validate on; no fit uses it")] = None,
     config: Annotated[
         Path | None,
         typer.Option(help="the rig's TOML file with an extended model, instead of the one in the responses"),
     ] = None,
-    rig_out: Annotated[Path | None, typer.Option(help="config to write, with the named cause in its model")] = None,
+    rig_out: Annotated[
+        Path | None, typer.Option(help="config to write, with the named cause in its model"), Output(kind="config")
+    ] = None,
     model: Annotated[
         Literal["swept", "quasi-static"], typer.Option(help="model the speed ramp, or take every row as steady state")
     ] = "swept",
+    force: Force = False,
     as_json: Annotated[bool, typer.Option("--json", help="print the result as JSON, without arrays")] = False,
     seed: Seed = 0,
 ) -> None:
@@ -93,9 +98,10 @@ def diagnose(
 
 def report(
     response: Response,
-    out_file: Out,
+    out_file: Annotated[Path, OUT, Output(kind="report")],
     fit: Annotated[Path | None, typer.Option(help="fit.json to include")] = None,
     diagnosis: Annotated[Path | None, typer.Option(help="diagnosis.json to include")] = None,
+    force: Force = False,
 ) -> None:
     """Write one self-contained HTML file: verdict, Bode plots, values, provenance."""
     from rotorrig.app.report import write_report
@@ -120,7 +126,9 @@ def view(
     out_file: Annotated[
         Path | None,
         typer.Option("--out", "-o", help="write an .rrd file instead of opening the viewer", show_default=False),
+        Output(kind="rrd"),
     ] = None,
+    force: Force = False,
 ) -> None:
     """Open a file in the Rerun viewer; a response together with its fit, diagnosis and recording."""
     from rotorrig.app.viewer import Evidence, save_result, view_file

@@ -1,14 +1,39 @@
 """Verbs for a rig: init, check, sweep, simulate, demo."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from rotorrig.app.terminal import err, out, tell
-from rotorrig.app.verbs.arguments import AsJson, Config, Faults, Hidden, Plan, Rate, Seed, Trial, View, load_config
+from rotorrig.app.verbs.arguments import (
+    OUT,
+    AsJson,
+    Config,
+    Faults,
+    Force,
+    Hidden,
+    Plan,
+    Rate,
+    Seed,
+    Trial,
+    View,
+    load_config,
+)
+from rotorrig.app.verbs.output_guard import Arguments, Output
 from rotorrig.rig import ConfigError, RigError
 from rotorrig.rig.config import bundled_config, bundled_configs, copy_config, load
+
+
+def _bundled_name(given: Arguments) -> Path | None:
+    return Path(f"{given['name']}.toml") if given["name"] else None
+
+
+def _demo_files(folder: Path) -> Mapping[Path, str]:
+    from rotorrig.app.commands.demo import files_in
+
+    return files_in(folder)
 
 
 def init(
@@ -16,8 +41,11 @@ def init(
         str | None, typer.Argument(metavar="[NAME]", help="of a bundled config; without it they are listed")
     ] = None,
     out_file: Annotated[
-        Path | None, typer.Option("--out", "-o", help="the file to write", show_default="NAME.toml")
+        Path | None,
+        typer.Option("--out", "-o", help="the file to write", show_default="NAME.toml"),
+        Output(kind="config", default=_bundled_name),
     ] = None,
+    force: Force = False,
 ) -> None:
     """Write a bundled config to start from; without NAME, list them."""
     if name:
@@ -65,7 +93,7 @@ def check(
 
 def sweep(
     config: Config,
-    out_file: Annotated[Path | None, typer.Option("--out", "-o", help="the file to write", show_default=False)] = None,
+    out_file: Annotated[Path | None, OUT, Output(kind="run", unless="dry_run")] = None,
     plan: Plan = "default",
     dry_run: Annotated[bool, typer.Option("--dry-run", help="preview the sweep; opens no device")] = False,
     simulate: Annotated[bool, typer.Option("--simulate", help="use a simulated rig instead of the devices")] = False,
@@ -76,6 +104,7 @@ def sweep(
     hidden: Hidden = None,
     rate: Rate = 20.0,
     faults: Faults = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Run a sweep and record it; with --dry-run, show its steps, limits and objections."""
@@ -94,7 +123,16 @@ def sweep(
 
     simulation = simulating.SimulatedRig(seed=seed, hidden=hidden, rate=rate, faults=faults) if simulate else None
     try:
-        result = sweep.sweep(rig, out=out_file, plan=plan, trial=trial or (), simulation=simulation, view=view, yes=yes)
+        result = sweep.sweep(
+            rig,
+            out=out_file,
+            plan=plan,
+            trial=trial or (),
+            simulation=simulation,
+            view=view,
+            yes=yes,
+            overwrite=force,
+        )
     except KeyboardInterrupt as interrupt:  # or SIGTERM, or the terminal was closed
         err.print(f"interrupted: the rotor was stopped; {out_file} holds the sweep so far", highlight=False)
         raise typer.Exit(130) from interrupt
@@ -121,9 +159,12 @@ def simulate(
 
 
 def demo(
-    folder: Annotated[Path, typer.Option("--out", help="the folder to write into")] = Path("demo"),
+    folder: Annotated[
+        Path, typer.Option("--out", help="the folder to write into"), Output(kind="", files=_demo_files)
+    ] = Path("demo"),
     config: Annotated[Path | None, typer.Option("--config", help="another rig", show_default="rk4")] = None,
     seed: Seed = 1,
+    force: Force = False,
 ) -> None:
     """Sweep, track, identify, diagnose and report a simulated RK4: once healthy, once with a bent shaft."""
     from rotorrig.app.commands.demo import run_demo

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rotorrig.acquisition.exporters import write_whole_file
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.tracking import WhirlVectors, whirl_vectors
+from rotorrig.rig import write_whole_file
 from rotorrig.rig.config import RPM, UM
 
 _HEAD = (

@@ -22,11 +22,11 @@ from rotorrig.acquisition.exporters import (
     ascii_function,
     direction,
     units_in_si,
-    write_whole_file,
 )
 from rotorrig.processing.probe_planes import whirl
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.processing.tracking import whirl_vectors
+from rotorrig.rig import write_whole_file
 from rotorrig.rig.config import units
 
 _CONVENTION = "m 0-peak, z = 2 mean(x e^-j theta), x = Re(z e^j theta); phase lag = -arg z"

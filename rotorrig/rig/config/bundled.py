@@ -4,6 +4,7 @@ from importlib import resources
 from pathlib import Path
 
 from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.whole_file import write_whole_text
 
 
 def bundled_configs() -> dict[str, Path]:
@@ -29,15 +30,9 @@ def find_config(given: Path) -> Path:
 
 
 def copy_config(name: str, to: Path) -> None:
-    """Write a copy of a bundled config. Raises ConfigError if there is none of that name, or `to` exists."""
+    """Write a copy of a bundled config. Raises ConfigError if there is none of that name, DataError if that fails."""
     text = bundled_config(name).read_text(encoding="utf-8")
-    try:
-        with to.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError as error:
-        raise ConfigError(f"{to}: is there already, want --out with another name") from error
-    except OSError as error:
-        raise ConfigError(f"{to}: cannot be written ({error.strerror})") from error
+    write_whole_text(to, text)
 
 
 def _folder() -> Path:

@@ -6,7 +6,7 @@ from dataclasses import asdict, fields, is_dataclass
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
-from rotorrig.rig import DataError
+from rotorrig.rig import DataError, write_whole_text
 from rotorrig.sims.plant.faults import check_faults
 from rotorrig.sims.plant.truth import Truth
 
@@ -15,11 +15,7 @@ SCHEMA = "rotorrig.plant.truth/2"
 
 def seal(truth: Truth, path: Path) -> None:
     """Write `truth` to a JSON file. Raises DataError if it cannot be written."""
-    text = json.dumps({"schema": SCHEMA, **asdict(truth)}, indent=1)
-    try:
-        path.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise DataError(f"{path}: cannot be written ({error.strerror}), want a place for the sealed truth") from error
+    write_whole_text(path, json.dumps({"schema": SCHEMA, **asdict(truth)}, indent=1) + "\n")
 
 
 def unseal(path: Path) -> Truth:

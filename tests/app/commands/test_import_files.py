@@ -83,9 +83,6 @@ def test_each_of_our_files_is_exported_as_what_it_holds(rig_config: RigConfig, t
         "3 rows",
         "8 order functions",  # of four probes, and forward and backward of two planes
     ]
-    with pytest.raises(DataError, match="would overwrite the file to export"):
-        (tmp_path / "a.uff").write_bytes((tmp_path / "a.mcap").read_bytes())
-        write_out(tmp_path / "a.uff", tmp_path / "a.uff")
 
 
 def test_a_response_whose_probes_its_config_lacks_is_refused(rig_config: RigConfig, tmp_path: Path) -> None:

@@ -19,9 +19,10 @@ from rotorrig.app.viewer.result.data import Result, result_of
 from rotorrig.app.viewer.result.rotor import RotorScene
 from rotorrig.app.viewer.result.rotor_motion import mode_words, rotor_motion
 from rotorrig.app.viewer.result.text import colour_words, verdict_words
-from rotorrig.app.viewer.sinks import to_file
+from rotorrig.app.viewer.sinks import Sink, to_file
 from rotorrig.identify import Diagnosis, Identification
 from rotorrig.processing import OrderTrackedResponse, Waveforms
+from rotorrig.rig import provisional_file
 
 
 def write_result_rrd(
@@ -33,11 +34,16 @@ def write_result_rrd(
 ) -> None:
     """Write an .rrd of a response with the model's prediction and residual.
 
-    `recording` adds the orbits and full spectra as recorded. Raises RigError if the file's folder is missing, DataError
-    if the diagnosis is of another response.
+    `recording` adds the orbits and full spectra as recorded. Raises DataError if the file cannot be written, or if the
+    diagnosis is of another response.
     """
     result = result_of(response, identification, diagnosis, recording)
-    sink = to_file(path)
+    with provisional_file(path) as made:
+        _draw_result(to_file(made), result, recording)
+
+
+def _draw_result(sink: Sink, result: Result, recording: RawRecording | None) -> None:
+    response = result.response
     waveforms = Waveforms(recording) if recording else None
     motion = rotor_motion(result, rows_to_show(result))
     titles = [mode_words(mode, rotation=response.rig.rotation) for mode in motion.modes]
