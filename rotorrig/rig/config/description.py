@@ -67,18 +67,18 @@ class Identify(Part):
 
     bearings: Annotated[
         tuple[Annotated[tuple[str, ...], Field(min_length=1)], ...], BeforeValidator(_as_groups), Field(min_length=1)
-    ]  # those sought; of one group alike
-    coefficients: Literal["direct", "all"] = "direct"  # kxx kyy cxx cyy, or the four cross ones too
+    ]  # to identify; one group shares its coefficients
+    coefficients: Literal["direct", "all"] = "direct"  # kxx kyy cxx cyy, or with the four cross coefficients
     unbalance: Annotated[tuple[str, ...], BeforeValidator(_as_list), Field(min_length=1)]  # disks or planes
-    also: tuple[Literal["youngs_modulus", "density"], ...] = ()  # of the shaft: sought instead of known by a prior
+    also: tuple[Literal["youngs_modulus", "density"], ...] = ()  # of the shaft: identified, without a prior
     k_bounds: tuple[Stiffness, Stiffness] = (1e2, 1e6)  # of kxx and kyy
     c_bounds: tuple[Damping, Damping] = (1.0, 1e3)  # of cxx and cyy
-    # of kxy and kyx; left out: of either sign, as large as the upper bound of the direct ones
+    # of kxy and kyx; default: either sign, up to the upper bound of the direct ones
     kxy_bounds: tuple[CrossStiffness, CrossStiffness] = Field(default_factory=_symmetric("k_bounds"))
-    # of cxy and cyx; left out: likewise
+    # of cxy and cyx; default: likewise
     cxy_bounds: tuple[CrossDamping, CrossDamping] = Field(default_factory=_symmetric("c_bounds"))
     u_bounds: tuple[UnbalanceAmount, UnbalanceAmount] = (1e-7, 1e-3)  # of the global search
-    bands: dict[str, tuple[Speed, Speed]] = Field(default_factory=dict)  # speeds to fit besides the whole sweep
+    bands: dict[str, tuple[Speed, Speed]] = Field(default_factory=dict)  # speed ranges to fit besides the whole sweep
 
     @property
     def coefficient_names(self) -> tuple[str, ...]:
@@ -120,40 +120,40 @@ class Identify(Part):
 
 
 class Prior(Part):
-    """Uncertainty of the nameplate, one standard deviation each: nuisances of every fit, never discoveries."""
+    """Uncertainty of the nameplate, one standard deviation each: nuisances of every fit, never reported as causes."""
 
     youngs_modulus: float = Field(0.01, gt=0)  # relative
     disk_mass: float = Field(0.01, gt=0)  # relative
-    bearing: float = Field(0.05, gt=0)  # relative, stiffness of the bearings that are not identified
+    bearing: float = Field(0.05, gt=0)  # relative, stiffness of the bearings not identified
     probe_gain: float = Field(0.01, gt=0)  # relative
-    probe_linearity: float = Field(0.003, ge=0)  # of the reading: what calibration leaves, and no parameter removes
+    probe_linearity: float = Field(0.003, ge=0)  # of the reading: nonlinearity that remains after calibration
     probe_angle: Annotated[Angle, Field(gt=0)] = 0.01745329  # 1 degree, of every probe
-    runout: Length = 10e-6  # per probe, 0-peak; only its slow-roll vector says more
-    keyphasor_angle: Annotated[Angle, Field(gt=0)] = 0.034906585  # 2 degrees, of the mark; trial masses show it
-    rotating_damping: Time = 5e-6  # of steel: stress by strain rate
-    line_hum: Length = 0.2e-6  # 0-peak, what the mains may leave in a probe
+    runout: Length = 10e-6  # per probe, 0-peak; the slow-roll vector narrows it
+    keyphasor_angle: Annotated[Angle, Field(gt=0)] = 0.034906585  # 2 degrees, of the mark; trial masses narrow it
+    rotating_damping: Time = 5e-6  # of the shaft: stress proportional to strain rate; of steel
+    line_hum: Length = 0.2e-6  # 0-peak, mains hum in a probe
 
 
 class RigConfig(Part):
     """The rig as its nameplate tells it, in SI units; `load` makes one from a TOML file."""
 
-    name: str  # for people
+    name: str  # for reports
     notes: str = ""  # for people
-    shaft: Shaft  # what turns
+    shaft: Shaft  # geometry, material, damping
     disks: tuple[Disk, ...] = Field(min_length=1)  # on the shaft
     planes: tuple[Plane, ...] = ()  # more places for unbalance or forces
-    bearings: tuple[Bearing, ...] = Field(min_length=1)  # what holds the shaft; two at least, with a span between
-    probes: tuple[Probe, ...] = Field(min_length=1)  # what looks at it
-    keyphasor: Keyphasor | None = None  # for a sweep and for tracking
-    motor: Motor | None = None  # for a sweep
-    daq: Daq | None = None  # for a sweep
-    limits: Limits | None = None  # what stops a sweep
-    rotation: Literal["x-to-y", "y-to-x"] = "x-to-y"  # the sense in which the shaft turns
-    gravity: Literal["-x", "-y", "none"] = "-y"  # where down is
-    plans: dict[str, Plan] = Field(default_factory=dict)  # `default` is run unless `--plan` names another
-    identify: Identify | None = None  # what to look for
-    prior: Prior = Prior()  # how well the nameplate is known
-    effects: tuple[Extension, ...] = ()  # what extends the model beyond the nameplate
+    bearings: tuple[Bearing, ...] = Field(min_length=1)  # at least two, some distance apart
+    probes: tuple[Probe, ...] = Field(min_length=1)  # proximity probes
+    keyphasor: Keyphasor | None = None  # needed for a sweep and for tracking
+    motor: Motor | None = None  # needed for a sweep
+    daq: Daq | None = None  # needed for a sweep
+    limits: Limits | None = None  # interlocks that stop a sweep
+    rotation: Literal["x-to-y", "y-to-x"] = "x-to-y"  # sense of rotation
+    gravity: Literal["-x", "-y", "none"] = "-y"  # direction of gravity
+    plans: dict[str, Plan] = Field(default_factory=dict)  # `default` runs unless `--plan` names another
+    identify: Identify | None = None  # unknowns to identify
+    prior: Prior = Prior()  # uncertainty of the nameplate
+    effects: tuple[Extension, ...] = ()  # causes that extend the model beyond the nameplate
     _text: str = PrivateAttr(default="")
 
     @property

@@ -28,10 +28,10 @@ class Keyphasor(Part):
     """The once-per-turn pulse; shaft angle is zero at the chosen edge."""
 
     channel: int = Field(ge=0)  # input of the DAQ, from 0
-    edge: Literal["falling", "rising"] = "falling"  # the one at which the mark's leading side arrives
-    pulses_per_revolution: int = Field(1, ge=1, le=1024)  # several: angle zero is the one after the widest spacing
-    threshold: Voltage | None = None  # left out: midway between the levels found in the data
-    #: width of the band about the threshold that a pulse has to leave on both sides; left out: by the levels
+    edge: Literal["falling", "rising"] = "falling"  # the one made by the leading side of the mark
+    pulses_per_revolution: int = Field(1, ge=1, le=1024)  # if several, angle zero is the pulse after the widest spacing
+    threshold: Voltage | None = None  # default: midway between the levels in the data
+    #: width of the band about the threshold that a pulse must leave on both sides; default: from the levels
     hysteresis: Annotated[Voltage, Field(gt=0)] | None = Field(None, exclude_if=is_none)
 
 
@@ -39,18 +39,18 @@ class _Controller(Part):
     """Settings of every motor controller."""
 
     max_speed: Speed  # of the shaft
-    watchdog: Time = 2.0  # silence after which the drive is to stop by itself, where it can
+    watchdog: Time = 2.0  # silence after which the drive stops by itself, if it has a watchdog
 
 
 class _Inverter(_Controller):
     """A variable-frequency drive."""
 
-    profile: ModbusProfile = "powerflex400"  # the family of drives
+    profile: ModbusProfile = "powerflex400"  # drive family
     rpm_per_hz: float = Field(60.0, gt=0)  # shaft speed over output frequency: 60 / pole pairs, times the gear
-    # silence after which the drive is to stop by itself, where it can; not shorter, for a lost reply is asked for
-    # again, nor longer than all families know
+    # silence after which the drive stops by itself, if it has a watchdog; long enough to repeat a lost request,
+    # within the range of every drive family
     watchdog: Annotated[Time, Field(ge=0.5, le=60.0)] = 2.0
-    ramp: RampRate | None = None  # the one set at the drive, for a profile that cannot be told its ramp
+    ramp: RampRate | None = None  # as set at the drive, for a profile whose ramp cannot be set remotely
 
     @model_validator(mode="after")
     def _knows_its_ramp(self) -> Self:
@@ -129,8 +129,8 @@ class StreamDaq(Part):
 
     driver: Literal["stream"]  # chooses this table
     port: str  # "/dev/ttyACM0"; better, "/dev/serial/by-id/..."
-    baudrate: int = Field(115200, ge=1200)  # of a UART; USB takes no notice
-    sample_rate: Rate  # what the board samples at; another is refused
+    baudrate: int = Field(115200, ge=1200)  # of a UART; ignored by USB
+    sample_rate: Rate  # of the board; any other is refused
 
 
 Setting = bool | int | float | str
@@ -141,9 +141,11 @@ class OpenDaq(Part):
 
     driver: Literal["opendaq"]  # chooses this table
     connection: str  # "daqref://device0", "daq.nd://192.168.1.5"
-    sample_rate: Rate  # asked of the device, which must then say the same
-    device_settings: dict[str, Setting] = Field(default_factory=dict)  # the device's properties, by their own names
-    channel_settings: dict[str, Setting] = Field(default_factory=dict)  # those of every channel: range, coupling
+    sample_rate: Rate  # requested; the device must confirm it
+    device_settings: dict[str, Setting] = Field(
+        default_factory=dict
+    )  # properties of the device, by the names it gives them
+    channel_settings: dict[str, Setting] = Field(default_factory=dict)  # properties of every channel: range, coupling
 
     @field_validator("connection")
     @classmethod
@@ -159,10 +161,10 @@ class NiDaqmx(Part):
 
     driver: Literal["nidaqmx"]  # chooses this table
     device: str  # "Dev1", "cDAQ1Mod1"
-    sample_rate: Rate  # one the device's clock can be divided to
+    sample_rate: Rate  # a rate that the device's clock can produce
     terminals: Literal["default", "rse", "nrse", "diff", "pseudo-diff"] = "default"  # how the inputs are wired
-    low: Voltage = -24.0  # the range asked for; an eddy-current probe's output is negative
-    high: Voltage = 24.0  # the other end of that range
+    low: Voltage = -24.0  # lower end of the requested range; an eddy-current probe's output is negative
+    high: Voltage = 24.0  # upper end of that range
 
     @field_validator("device")
     @classmethod
@@ -184,11 +186,11 @@ Daq = Annotated[StreamDaq | OpenDaq | NiDaqmx, Discriminator("driver")]
 
 
 class CriticalBand(Part):
-    """Speeds around a critical one, where more vibration is let pass and nothing dwells."""
+    """Speed range around a critical speed, with its own vibration limits and no dwells."""
 
     low: Speed  # lower end
     high: Speed  # upper end
-    vibration: Length  # 0-peak about the mean, any probe; instead of the limits outside
+    vibration: Length  # 0-peak about the mean, any probe; replaces the limit outside
     probes: dict[str, Length] = Field(default_factory=dict)  # the same for one probe
 
     @model_validator(mode="after")
@@ -199,14 +201,14 @@ class CriticalBand(Part):
 
 
 class Limits(Part):
-    """Interlocks, beyond any of which the rotor is stopped; and how critical speeds are passed."""
+    """Interlocks, any of which stops the rotor; and how critical speeds are passed."""
 
     overspeed: Speed  # by the keyphasor or the drive; not above motor.max_speed
     vibration: Length  # 0-peak about the mean, any probe
     probes: dict[str, Length] = Field(default_factory=dict)  # the same for one probe
-    critical_bands: tuple[CriticalBand, ...] = ()  # speeds where more is let pass
-    critical_ramp: RampRate | None = None  # ramps pass critical speeds at this rate at least; left out: as they are
-    run_down: Time = 180.0  # after a stop, to watch and record the rotor until it is at rest
+    critical_bands: tuple[CriticalBand, ...] = ()  # speed ranges with higher limits
+    critical_ramp: RampRate | None = None  # least rate at which ramps pass critical speeds; default: the plan's own
+    run_down: Time = 180.0  # longest time to monitor and record the rotor after a stop, until it is at rest
 
     @model_validator(mode="after")
     def _bands_are_apart(self) -> Self:

@@ -14,10 +14,10 @@ Number = Annotated[float, Strict()]  # SI: no text with a unit
 
 
 class Extension(Part):
-    """One effect at one place, with its unknowns as they were found, SI."""
+    """One effect at one place, with the values of its unknowns, SI."""
 
-    name: str  # "bow": a file of sims/effects
-    where: str = ""  # "plane 2"; empty where there is one place only
+    name: str  # "bow": a file in sims/effects
+    where: str = ""  # "plane 2"; empty if there is only one place
     parameters: dict[str, Number]  # "bow re" -> value
     sigmas: dict[str, Annotated[Number, Field(ge=0)]] = Field(default_factory=dict)  # one standard deviation of each
 

@@ -66,21 +66,21 @@ class Tube:
 
 
 class Rayleigh(Part):
-    """Proportional damping of the bare shaft, C = mass * M + stiffness * K, which does not turn with it."""
+    """Proportional damping of the bare shaft, C = mass * M + stiffness * K; it does not rotate with it."""
 
     mass: Annotated[float, reads("damping rate"), Field(ge=0)] = 0.0  # share of the mass matrix
     stiffness: Annotated[float, reads("time"), Field(ge=0)] = 0.0  # share of the stiffness matrix
 
 
 class Section(Part):
-    """A piece of a stepped shaft; its material is the shaft's where it names none."""
+    """A section of a stepped shaft; its material defaults to the shaft's."""
 
     length: Length  # along the shaft
     diameter: Length  # outer
-    inner_diameter: Position = 0.0  # of a bore; 0: solid
-    density: Density | None = None  # left out: the shaft's
-    youngs_modulus: Modulus | None = None  # left out: the shaft's
-    poisson_ratio: PoissonRatio | None = None  # left out: the shaft's
+    inner_diameter: Position = 0.0  # of the bore; 0: solid
+    density: Density | None = None  # default: the shaft's
+    youngs_modulus: Modulus | None = None  # default: the shaft's
+    poisson_ratio: PoissonRatio | None = None  # default: the shaft's
 
     @model_validator(mode="after")
     def _is_a_tube(self) -> Self:
@@ -99,17 +99,17 @@ def _largest_diameter(given: dict[str, Any]) -> float:
 
 
 class Shaft(Part):
-    """The shaft: uniform, or `sections` one after the other from the coupling, which then say length and diameter."""
+    """The shaft: uniform, or in `sections` from the coupling, which then give length and diameter."""
 
-    sections: tuple[Section, ...] = ()  # pieces of a stepped shaft, from the coupling
+    sections: tuple[Section, ...] = ()  # of a stepped shaft, in order from the coupling
     length: Length = Field(default_factory=_total_length)  # from end to end; of a stepped shaft: the sum
     diameter: Length = Field(default_factory=_largest_diameter)  # outer; of a stepped shaft: the largest
-    inner_diameter: Position = 0.0  # of a bore; 0: solid
+    inner_diameter: Position = 0.0  # of the bore; 0: solid
     density: Density
     youngs_modulus: Modulus
     poisson_ratio: PoissonRatio = 0.3  # for the shear deflection
     rayleigh: Rayleigh = Rayleigh()  # damping of the bare shaft
-    structural_damping: float = Field(0.0, ge=0, lt=1)  # loss factor eta: K (1 + j eta), does not turn with the shaft
+    structural_damping: float = Field(0.0, ge=0, lt=1)  # loss factor eta: K (1 + j eta), does not rotate with the shaft
 
     @property
     def tubes(self) -> tuple[Tube, ...]:
@@ -159,37 +159,37 @@ def _check_bore(inner: float, outer: float) -> None:
 
 
 class Unbalance(Part):
-    """An unbalance [kg m] and where it sits: degrees from the keyphasor mark, in the sense of rotation."""
+    """An unbalance: its amount and its angle from the keyphasor mark."""
 
     amount: UnbalanceAmount  # mass times radius
     angle: Angle = 0.0  # from the keyphasor mark, in the sense of rotation
 
 
 class Disk(Part):
-    """A rigid disk; `unbalance` is what the nameplate expects, if it says."""
+    """A rigid disk, with the unbalance expected of it."""
 
-    name: str  # of your choice, one of a kind
-    position: Position  # of its middle, from the coupling's end of the shaft
+    name: str  # of your choice, unique
+    position: Position  # of its middle, from the coupling end of the shaft
     mass: Mass
     polar_inertia: Inertia  # about the shaft
     transverse_inertia: Inertia  # about a diameter, through its middle
     width: Length = 0.025  # for the drawing only
     diameter: Length = 0.075  # for the drawing only
-    unbalance: Unbalance | None = None  # as expected: where a fit begins, what a simulated rig has
+    unbalance: Unbalance | None = None  # as expected: initial guess of a fit, and unbalance of the simulated rig
 
 
 class Plane(Part):
-    """A massless place on the shaft that unbalance or a force may be put on: a coupling, a balance ring, a journal."""
+    """A massless plane on the shaft for unbalance or a force: a coupling, a balance ring, a journal."""
 
-    name: str  # of your choice, no disk's
-    position: Position  # from the coupling's end of the shaft
+    name: str  # of your choice, not that of a disk
+    position: Position  # from the coupling end of the shaft
 
 
 class OverSpeed(Part):
-    """A bearing coefficient over shaft speed: straight lines between the speeds, the end values held outside them."""
+    """A bearing coefficient over shaft speed: linear between the speeds, constant outside them."""
 
-    speed: tuple[TableSpeed, ...] = Field(min_length=2)  # rising
-    value: tuple[float, ...]  # of the coefficient, one for every speed
+    speed: tuple[TableSpeed, ...] = Field(min_length=2)  # ascending
+    value: tuple[float, ...]  # of the coefficient, one per speed
 
     @model_validator(mode="after")
     def _is_a_table(self) -> Self:
@@ -203,25 +203,25 @@ class OverSpeed(Part):
 class StiffnessOverSpeed(OverSpeed):
     """A direct stiffness over shaft speed."""
 
-    value: tuple[Stiffness, ...]  # one for every speed
+    value: tuple[Stiffness, ...]  # one per speed
 
 
 class CrossStiffnessOverSpeed(OverSpeed):
     """A cross stiffness over shaft speed."""
 
-    value: tuple[CrossStiffness, ...]  # one for every speed
+    value: tuple[CrossStiffness, ...]  # one per speed
 
 
 class DampingOverSpeed(OverSpeed):
     """A direct damping over shaft speed."""
 
-    value: tuple[Damping, ...]  # one for every speed
+    value: tuple[Damping, ...]  # one per speed
 
 
 class CrossDampingOverSpeed(OverSpeed):
     """A cross damping over shaft speed."""
 
-    value: tuple[CrossDamping, ...]  # one for every speed
+    value: tuple[CrossDamping, ...]  # one per speed
 
 
 def _form(value: object) -> str:
@@ -246,8 +246,8 @@ class Bearing(Part):
     A `rigid` one has none and holds the shaft at x = y = 0, free to tilt. x and y are the probes' axes.
     """
 
-    name: str  # of your choice, one of a kind
-    position: Position  # from the coupling's end of the shaft
+    name: str  # of your choice, unique
+    position: Position  # from the coupling end of the shaft
     rigid: bool = False  # x = y = 0 exactly, free to tilt
     kxx: DirectK | None = None  # force along x per deflection along x
     kyy: DirectK | None = None  # force along y per deflection along y
@@ -290,7 +290,7 @@ class Probe(Part):
     """A proximity probe: volts rise as the shaft comes nearer; `angle` is where it sits, from +x towards +y."""
 
     name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")  # of your choice: letters, digits, _ . -
-    position: Position  # from the coupling's end of the shaft
+    position: Position  # from the coupling end of the shaft
     angle: Angle  # where it sits about the shaft, from +x towards +y
     channel: int = Field(ge=0)  # input of the DAQ, from 0
     sensitivity: Sensitivity = 7874.0  # 200 mV/mil; divided down if a divider is in the way

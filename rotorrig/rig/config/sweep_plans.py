@@ -15,7 +15,7 @@ class _RunUp(Part):
 
     slow_roll: Speed  # below start
     slow_roll_time: Time  # how long the slow roll is recorded
-    start: Speed  # where the run begins
+    start: Speed  # the lowest speed of the ramp
     end: Speed  # the highest speed
     ramp: RampRate  # of the run; of settling and slow roll too, on a drive with one ramp
 
@@ -32,13 +32,13 @@ class _RunUp(Part):
 
 
 class RunUpCoastDown(_RunUp):
-    """Slow roll, a ramp from `start` to `end`, then power off and coast."""
+    """Slow roll, a ramp from `start` to `end`, then coast-down with the power off."""
 
     kind: Literal["run-up-coast-down"]  # chooses this table
 
 
 class RunUpRampDown(_RunUp):
-    """Slow roll, a ramp from `start` to `end` and one back, under power both ways."""
+    """Slow roll, a ramp from `start` to `end` and back, under power both ways."""
 
     kind: Literal["run-up-ramp-down"]  # chooses this table
 
@@ -55,11 +55,11 @@ class Stepped(Part):
     speeds: tuple[Speed, ...] = ()  # instead of start, end and step
     start: Speed | None = None  # the lowest speed
     end: Speed | None = None  # the highest speed
-    step: Speed | None = None  # between neighbours
+    step: Speed | None = None  # between neighbouring speeds
     ramp: RampRate  # from one speed to the next
-    settle: Time = 2.0  # at a speed before it counts
+    settle: Time = 2.0  # time at each speed before it is recorded
     dwell: Time  # how long each speed is recorded
-    direction: Literal["up", "down", "up-down"] = "up"  # in which the speeds are gone through
+    direction: Literal["up", "down", "up-down"] = "up"  # order of the speeds
 
     @property
     def listed(self) -> bool:
@@ -105,7 +105,7 @@ class DwellAt(Part):
     speed: Speed  # to hold
     time: Time  # how long it is recorded
     ramp: RampRate  # up to it
-    settle: Time = 2.0  # at the speed before it counts
+    settle: Time = 2.0  # time at the speed before it is recorded
 
     @property
     def fastest(self) -> float:
