@@ -16,7 +16,7 @@ from rotorrig.identify.verdict.gain import Gain, Shift
 from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from rotorrig.rig.config.description import RigConfig, load
+from rotorrig.rig.config.description import RigConfig, load, parse
 from rotorrig.rig.probes.base import DaqInfo
 from rotorrig.rig.provenance import Provenance
 
@@ -192,6 +192,20 @@ def swept_counts(rig: RigConfig, *, seconds: float = 16.0, rate: float = 10_000.
         model="test", serial="1", sample_rate=rate, channels=5, volts_per_count=(scale,) * 5, full_scale_counts=2**23
     )
     return np.round(np.column_stack([volts, pulse]) / scale).astype(np.int32), info
+
+
+@pytest.fixture(scope="session")
+def brief_rig(rig_config: RigConfig) -> RigConfig:
+    """The RK4 with a sweep of some seconds."""
+    text = rig_config.text
+    for old, new in (
+        ('"30 rpm/s"', '"200 rpm/s"'),
+        ('time = "10 s"', 'time = "3 s"'),
+        ('end = "3600 rpm"', 'end = "1500 rpm"'),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    return parse(text, where="brief rk4.toml")
 
 
 @pytest.fixture(scope="session")

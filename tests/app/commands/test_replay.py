@@ -15,22 +15,8 @@ from rotorrig.acquisition.replay import trim_before
 from rotorrig.app.commands import replay
 from rotorrig.processing.files.response_mcap import read_response, write_response
 from rotorrig.processing.pipeline import track
-from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import ConfigError
-
-
-@pytest.fixture(scope="module")
-def brief_rig(rig_config: RigConfig) -> RigConfig:
-    """The RK4 with a sweep of some seconds."""
-    text = rig_config.text
-    for old, new in (
-        ('"30 rpm/s"', '"200 rpm/s"'),
-        ('time = "10 s"', 'time = "3 s"'),
-        ('end = "3600 rpm"', 'end = "1500 rpm"'),
-    ):
-        assert old in text
-        text = text.replace(old, new)
-    return parse(text, where="brief rk4.toml")
 
 
 @pytest.fixture(scope="module")

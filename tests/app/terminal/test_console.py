@@ -16,7 +16,7 @@ from benchmarks.parts.blind.run import record
 from rotorrig.acquisition.files.recording_mcap import write_recording
 from rotorrig.app import cli
 from rotorrig.app.terminal.console import tell
-from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 
 ROTOR = [sys.executable, "-m", "rotorrig.app.cli"]
@@ -25,18 +25,10 @@ READ_BY_PROGRAMS = ("check", "sweep", "replay", "track", "identify", "diagnose",
 
 
 @pytest.fixture(scope="module")
-def run_file(tmp_path_factory: pytest.TempPathFactory, rig_config: RigConfig) -> Path:
+def run_file(tmp_path_factory: pytest.TempPathFactory, brief_rig: RigConfig) -> Path:
     """A sweep of some seconds."""
-    text = rig_config.text
-    for old, new in (
-        ('"30 rpm/s"', '"200 rpm/s"'),
-        ('time = "10 s"', 'time = "3 s"'),
-        ('end = "3600 rpm"', 'end = "1500 rpm"'),
-    ):
-        assert old in text
-        text = text.replace(old, new)
     path = tmp_path_factory.mktemp("console") / "run.mcap"
-    write_recording(path, record(parse(text, where="brief rk4.toml"), seed=3))
+    write_recording(path, record(brief_rig, seed=3))
     return path
 
 
