@@ -31,7 +31,7 @@ from rotorrig.sims.rotor.model import (
     along_modulus,
     assemble,
     reduce,
-    scaled,
+    scale_properties,
     unbalance_loads,
     with_bearing,
 )
@@ -151,8 +151,8 @@ def pulses() -> NDArray[np.float64]:
 def parameters(model: RotorModel) -> list[tuple[Change, Direction]]:
     """Return ten relative changes of the model as a fit makes them, and their directions."""
     found: list[tuple[Change, Direction]] = [
-        (lambda p: scaled(model, youngs_modulus=1 + p), along_modulus(model)),
-        (lambda p: scaled(model, disk_mass=1 + p), along_disk_mass(model)),
+        (lambda p: scale_properties(model, youngs_modulus=1 + p), along_modulus(model)),
+        (lambda p: scale_properties(model, disk_mass=1 + p), along_disk_mass(model)),
     ]
     for name, kinds in (("spring", "KC"), ("left A", "K"), ("left B", "K")):
         for kind in kinds:

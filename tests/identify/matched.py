@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.config.description import RigConfig, from_si
 from rotorrig.rig.provenance import Provenance
-from rotorrig.sims.rotor.model.assembly import assemble, scaled, with_bearing
+from rotorrig.sims.rotor.model.assembly import assemble, scale_properties, with_bearing
 from rotorrig.sims.rotor.steady.harmonic_response import probe_response
 
 RPM = np.pi / 30
@@ -38,7 +38,7 @@ def matched_response(
     top: float = 3600.0,
 ) -> OrderTrackedResponse:
     """Return steady 1X vectors from 480 to `top` rpm, noise [m] in re and im, of a rig that hides those values."""
-    model = scaled(assemble(rig), youngs_modulus=youngs_modulus, density=density)
+    model = scale_properties(assemble(rig), youngs_modulus=youngs_modulus, density=density)
     for name, (K, C) in bearings.items():
         model = with_bearing(model, name, K, C)
     omega = np.linspace(480, top, 120) * RPM

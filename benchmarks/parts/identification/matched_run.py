@@ -20,7 +20,7 @@ from rotorrig.processing.rows import Rows
 from rotorrig.rig import Provenance
 from rotorrig.rig.config import RPM, RigConfig
 from rotorrig.rig.config.description import from_si
-from rotorrig.sims.rotor.model import RotorModel, assemble, reduce, scaled, with_bearing
+from rotorrig.sims.rotor.model import RotorModel, assemble, reduce, scale_properties, with_bearing
 from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, probe_response
 from rotorrig.sims.rotor.swept import TURN, Timeline
 from rotorrig.sims.rotor.swept.swept_response import swept_response
@@ -113,7 +113,7 @@ def _as_built(rig: RigConfig, rng: np.random.Generator) -> RotorModel:
             there = model.bearing(bearing.name)
             factors = 1 + prior.bearing * rng.standard_normal(2)
             model = with_bearing(model, bearing.name, factors[:, None] * there.K, there.C)
-    return scaled(
+    return scale_properties(
         model,
         youngs_modulus=1 + prior.youngs_modulus * rng.standard_normal(),
         disk_mass=1 + prior.disk_mass * rng.standard_normal(),

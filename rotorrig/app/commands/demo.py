@@ -138,5 +138,5 @@ def _report(rig: RigConfig, folder: Path, identification: Identification, diagno
     )
     recording = read_recording(folder / "run.mcap")
     write_result_rrd(folder / "demo.rrd", response, identification, diagnosis, recording=recording)
-    console.print(tables.identified(identification, actual))
+    console.print(tables.identification_table(identification, actual))
     diagnose.show(diagnosis)

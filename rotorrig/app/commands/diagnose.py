@@ -69,7 +69,7 @@ def show(found: Diagnosis) -> None:
     for misfit in found.worst[1:4] if found.verdict is Verdict.UNEXPLAINED else ():
         out.print(f"  {misfit.sentence}", highlight=False, markup=False)
     if found.causes:
-        out.print(tables.causes(found))
+        out.print(tables.causes_table(found))
     in_sentence = found.verdict in (Verdict.NAMED, Verdict.TIED)  # it has the gain
     sentences = [
         *tie_sentences(found),

@@ -12,54 +12,54 @@ from rotorrig.rig import DataError
 Vectors = NDArray[np.complex128]
 
 
-def part_of(found: Diagnosis, response: OrderTrackedResponse) -> Diagnosis:
+def part_of(diagnosis: Diagnosis, response: OrderTrackedResponse) -> Diagnosis:
     """Return the diagnosis with its residuals cut to the rows of `response`. Raises DataError if it is of another."""
-    mine = _rows_of(found, response)
-    if found.sigmas[mine].shape != response.z.shape:
+    mine = _rows_of(diagnosis, response)
+    if diagnosis.sigmas[mine].shape != response.z.shape:
         raise DataError(
-            f"diagnosis: residual is (speed, probe, order) = {found.sigmas[mine].shape}, the response has "
+            f"diagnosis: residual is (speed, probe, order) = {diagnosis.sigmas[mine].shape}, the response has "
             f"{response.z.shape}; want the diagnosis of this very response"
         )
-    after = found.extended_residual
+    after = diagnosis.extended_residual
     return replace(
-        found,
-        residual=found.residual[mine],
-        sigmas=found.sigmas[mine],
+        diagnosis,
+        residual=diagnosis.residual[mine],
+        sigmas=diagnosis.sigmas[mine],
         extended_residual=None if after is None else np.asarray(after[mine]),
     )
 
 
-def _rows_of(found: Diagnosis, response: OrderTrackedResponse) -> slice:
-    if not found.responses:
+def _rows_of(diagnosis: Diagnosis, response: OrderTrackedResponse) -> slice:
+    if not diagnosis.responses:
         return slice(None)
     first = 0
-    for source, rows in found.responses:
+    for source, rows in diagnosis.responses:
         if source == response.source.source_hash:
             return slice(first, first + rows)
         first += rows
     raise DataError(
-        f"diagnosis: is of {', '.join(source for source, _ in found.responses)}, the response is of "
+        f"diagnosis: is of {', '.join(source for source, _ in diagnosis.responses)}, the response is of "
         f"{response.source.source_hash} ({response.source.source}); want the diagnosis of this very response"
     )
 
 
 def predictions(
-    response: OrderTrackedResponse, fit: Fit | None, found: Diagnosis | None
+    response: OrderTrackedResponse, fit: Fit | None, diagnosis: Diagnosis | None
 ) -> tuple[Vectors | None, Vectors | None]:
     """Return 1X as the base model and as the extended model predict it, (speed, probe) [m]; None where there is none.
 
-    `found` is the part of the diagnosis that is about `response`.
+    `diagnosis` is the part of the diagnosis that is about `response`.
     """
     measured, place = response.order(1.0), response.orders.index(1.0)
-    base = fit.prediction if fit else measured - found.residual[:, :, place] if found else None
-    after = found.extended_residual if found else None
+    base = fit.prediction if fit else measured - diagnosis.residual[:, :, place] if diagnosis else None
+    after = diagnosis.extended_residual if diagnosis else None
     return base, None if after is None else measured - after[:, :, place]
 
 
-def extended_sigmas(found: Diagnosis) -> NDArray[np.float64] | None:
+def extended_sigmas(diagnosis: Diagnosis) -> NDArray[np.float64] | None:
     """Return the residual of the extended model in the standard deviations of `sigmas`; None without such a model."""
-    if found.extended_residual is None:
+    if diagnosis.extended_residual is None:
         return None
     with np.errstate(divide="ignore", invalid="ignore"):
-        per_metre = found.sigmas / np.abs(found.residual)
-    return np.where(np.isfinite(per_metre), np.abs(found.extended_residual) * per_metre, np.nan)
+        per_metre = diagnosis.sigmas / np.abs(diagnosis.residual)
+    return np.where(np.isfinite(per_metre), np.abs(diagnosis.extended_residual) * per_metre, np.nan)

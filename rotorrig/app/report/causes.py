@@ -34,11 +34,11 @@ def undetectable_section(identification: Identification | None, diagnosis: Diagn
     return section("untold", "What this data cannot show", items(lines)) if lines else None
 
 
-def _causes_table(found: Diagnosis) -> str:
+def _causes_table(diagnosis: Diagnosis) -> str:
     """Return the table of causes, the ties and the proposed next run; empty if none was tried."""
-    if not found.causes:
+    if not diagnosis.causes:
         return ""
-    listed = causes_to_list(found)
+    listed = causes_to_list(diagnosis)
     rows = [
         [
             cause.label,
@@ -46,30 +46,30 @@ def _causes_table(found: Diagnosis) -> str:
             cause_evidence(cause),
             f"{'≥ ' if cause.given_up else ''}{cause.lam:.0f}",
             cause_prediction_error(cause),
-            cause_status(cause, found),
+            cause_status(cause, diagnosis),
         ]
         for cause in listed
     ]
     header = ["cause", "size ± 1 σ", "evidence", "χ² gained", "error on unseen data", "status"]
     chosen = [i for i, cause in enumerate(listed) if cause.chosen]
-    more = len(found.causes) - len(listed)
+    more = len(diagnosis.causes) - len(listed)
     note = f"{more} more were tried and explain less of the residual." if more else ""
     return "".join(
         [
             table("Causes tried, best first", header, rows, marked=chosen, mark="chosen"),
             paragraph(_LEGEND, note),
-            *map(paragraph, tie_sentences(found)),
-            paragraph(_next(found)),
+            *map(paragraph, tie_sentences(diagnosis)),
+            paragraph(_next(diagnosis)),
         ]
     )
 
 
-def _gain(found: Diagnosis) -> str:
+def _gain(diagnosis: Diagnosis) -> str:
     """Return the cross-validation error and the shifts of the base parameters; empty if nothing was measured."""
     header = ["parameter", "base model", "extended model ± 1 σ", "shift"]
-    rows = [[long_name(name), *rest] for name, *rest in parameter_shifts(found)]
+    rows = [[long_name(name), *rest] for name, *rest in parameter_shifts(diagnosis)]
     shifts = table("Bias of the base model's parameters from the missing effect", header, rows) if rows else ""
-    return paragraph(gain_sentence(found)) + shifts
+    return paragraph(gain_sentence(diagnosis)) + shifts
 
 
 _LEGEND = (
@@ -79,6 +79,6 @@ _LEGEND = (
 )
 
 
-def _next(found: Diagnosis) -> str:
-    sentence = next_run_sentence(found)
+def _next(diagnosis: Diagnosis) -> str:
+    sentence = next_run_sentence(diagnosis)
     return f"Next run: {sentence}" if sentence else ""

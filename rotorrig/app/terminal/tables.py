@@ -22,22 +22,22 @@ from rotorrig.identify import Diagnosis, Estimate, Identification
 from rotorrig.rig.config import RPM, RigConfig
 
 
-def identified(found: Identification, truth: Mapping[str, float] | None = None) -> Table:
+def identification_table(identification: Identification, truth: Mapping[str, float] | None = None) -> Table:
     """Return every fit's values ± 1 sigma, beside the nameplate or, if it is known, truth and error."""
     beside = ", against the simulated rig's truth" if truth else ""
     table = Table(title=f"Identified, ± 1 sigma, limits at 95 %{beside}", box=box.SIMPLE_HEAD, title_justify="left")
     table.add_column("", no_wrap=True)
     table.add_column("truth" if truth else "nameplate", justify="right", no_wrap=True)
-    for fit in found.fits:
+    for fit in identification.fits:
         band = f"{fit.band[0] * RPM:.0f}-{fit.band[1] * RPM:.0f} rpm"
         table.add_column(f"{fit.name}\n{band}", justify="right", no_wrap=True)
         if truth:
             table.add_column("error", justify="right", no_wrap=True)
-    for first in found.fits[0].estimates:
+    for first in identification.fits[0].estimates:
         unit, factor = SHOWN.get(first.unit, (first.unit, 1.0))
         known = truth.get(first.name, math.nan) if truth else first.nameplate
         cells = [rf"{first.name} \[{unit}]", number(known * factor)]
-        for fit in found.fits:
+        for fit in identification.fits:
             estimate = fit.estimate(first.name)
             cells.append(estimate_cell(estimate, factor))
             cells += [change_text(estimate, known)] if truth else []
@@ -45,14 +45,14 @@ def identified(found: Identification, truth: Mapping[str, float] | None = None) 
     return table
 
 
-def causes(found: Diagnosis) -> Table:
+def causes_table(diagnosis: Diagnosis) -> Table:
     """Return a table of the causes tried: size, evidence, cross-validation and status."""
     table = Table(title="Causes tried, best first", box=box.SIMPLE_HEAD, title_justify="left")
     for heading in ("cause", "size", "evidence", "error on\nunseen data", ""):
         table.add_column(heading, justify="right" if heading == "evidence" else "left")
-    for cause in causes_to_list(found):
+    for cause in causes_to_list(diagnosis):
         cells = (cause.label, cause_size(cause), cause_evidence(cause), cause_prediction_error(cause))
-        table.add_row(*map(escape, cells), cause_status(cause, found), style="bold" if cause.chosen else "")
+        table.add_row(*map(escape, cells), cause_status(cause, diagnosis), style="bold" if cause.chosen else "")
     return table
 
 

@@ -11,10 +11,10 @@ from rotorrig.rig.config import UM
 LISTED = 8  # causes in a table
 
 
-def causes_to_list(found: Diagnosis) -> tuple[Cause, ...]:
+def causes_to_list(diagnosis: Diagnosis) -> tuple[Cause, ...]:
     """Return the causes worth a line: the chosen ones, the tied ones and the next best."""
-    tied = {label for group in found.tied for label in group}
-    return tuple(cause for i, cause in enumerate(found.causes) if cause.chosen or cause.label in tied or i < LISTED)
+    tied = {label for group in diagnosis.tied for label in group}
+    return tuple(cause for i, cause in enumerate(diagnosis.causes) if cause.chosen or cause.label in tied or i < LISTED)
 
 
 def cause_size(cause: Cause) -> str:
@@ -38,31 +38,31 @@ def cause_prediction_error(cause: Cause) -> str:
     return f"{before} → {after} µm"
 
 
-def cause_status(cause: Cause, found: Diagnosis) -> str:
+def cause_status(cause: Cause, diagnosis: Diagnosis) -> str:
     """Return "in the model", "tied", "not plausible", or nothing for a rejected cause."""
-    tied = any(cause.label in group for group in found.tied)
+    tied = any(cause.label in group for group in diagnosis.tied)
     status = ["in the model"] if cause.chosen else []
     status += ["tied"] if tied else []
     status += [] if cause.plausible else ["not plausible"]
     return ", ".join(status)
 
 
-def tie_sentences(found: Diagnosis) -> list[str]:
+def tie_sentences(diagnosis: Diagnosis) -> list[str]:
     """Return a sentence for every set of causes the data cannot separate."""
-    return [f"Tied: {'; '.join(group)}. This data cannot separate them." for group in found.tied]
+    return [f"Tied: {'; '.join(group)}. This data cannot separate them." for group in diagnosis.tied]
 
 
-def next_run_sentence(found: Diagnosis) -> str:
+def next_run_sentence(diagnosis: Diagnosis) -> str:
     """Return the run that would separate tied causes; empty if none is proposed."""
-    run = found.next_run
+    run = diagnosis.next_run
     if run is None or not math.isfinite(run.lam):
         return run.words if run else ""
     return f"{run.words} Expected separation: {run.lam:.3g} in chi2, where {VERDICT.nameable:g} names a cause."
 
 
-def gain_sentence(found: Diagnosis) -> str:
+def gain_sentence(diagnosis: Diagnosis) -> str:
     """Return the cross-validation error of base and extended model; empty if it was not measured."""
-    gain = found.gain
+    gain = diagnosis.gain
     if gain is None or not (math.isfinite(gain.heldout_before) and math.isfinite(gain.heldout_after)):
         return ""
     sentence = f"On unseen data ({gain.on}), the prediction error goes"
@@ -72,9 +72,9 @@ def gain_sentence(found: Diagnosis) -> str:
     return sentence + "."
 
 
-def parameter_shifts(found: Diagnosis) -> Iterator[tuple[str, str, str, str]]:
+def parameter_shifts(diagnosis: Diagnosis) -> Iterator[tuple[str, str, str, str]]:
     """Yield name, value before, value after and shift in sigmas of every base parameter moved by the extension."""
-    for name, shift in found.gain.base.items() if found.gain else ():
+    for name, shift in diagnosis.gain.base.items() if diagnosis.gain else ():
         if not (math.isfinite(shift.before) and math.isfinite(shift.after)):
             continue
         unit = unit_of(name)
@@ -93,12 +93,12 @@ def hidden_effect_text(effect: HiddenEffect) -> str:
     return f"{effect.effect}: {limit}" + (f"; needs {effect.missing}" if effect.missing else "")
 
 
-def hidden_effects_sentence(found: Diagnosis) -> str:
+def hidden_effects_sentence(diagnosis: Diagnosis) -> str:
     """Return the effects this data would not show at their typical size; empty if it would show all."""
-    names = [effect.effect for effect in found.hidden]
+    names = [effect.effect for effect in diagnosis.hidden]
     return f"At their typical size this data would not show: {'; '.join(names)}." if names else ""
 
 
-def hidden_effect_lines(found: Diagnosis) -> list[str]:
+def hidden_effect_lines(diagnosis: Diagnosis) -> list[str]:
     """Return a line for every effect below the detection limit of this data."""
-    return [hidden_effect_text(effect) for effect in found.hidden]
+    return [hidden_effect_text(effect) for effect in diagnosis.hidden]

@@ -41,7 +41,7 @@ def identify(
     if as_json:
         tell("", {"file": str(out_file), **identification_table(identification)}, as_json=True)
         return
-    out.print(tables.identified(identification))
+    out.print(tables.identification_table(identification))
     for words in identification.fits[0].words:
         out.print(words, highlight=False)
     if measured.rig.effects:

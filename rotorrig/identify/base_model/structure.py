@@ -18,7 +18,7 @@ from rotorrig.sims.rotor.model import (
     along_modulus,
     assemble,
     reduce,
-    scaled,
+    scale_properties,
     with_bearing,
 )
 
@@ -64,7 +64,9 @@ class StructuralModel:
             model = with_bearing(model, names, K, C)
         for name, K in self._other_stiffness(values):
             model = with_bearing(model, name, K, self.nominal.bearing(name).C)
-        return scaled(model, youngs_modulus=values.youngs_modulus, density=values.density, disk_mass=values.disk_mass)
+        return scale_properties(
+            model, youngs_modulus=values.youngs_modulus, density=values.density, disk_mass=values.disk_mass
+        )
 
     def direction(self, model: RotorModel, values: Structure, change: Structure) -> Direction:
         """Return the derivative of the matrices of `model`, which has those `values`."""

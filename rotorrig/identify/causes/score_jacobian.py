@@ -81,14 +81,14 @@ def _of_recording(
     stacked: list[Reals] = []
     for order, measured in recording.measured.items():
         motion = model.motions(recording, p, moving)[order] if order == 1 else None
-        found = np.zeros((*measured.z.shape, len(steps)), complex)
-        _by_loads(model, recording, p, moving, steps, order, found)
+        columns = np.zeros((*measured.z.shape, len(steps)), complex)
+        _by_loads(model, recording, p, moving, steps, order, columns)
         if order == 1:
-            _by_matrices(model, recording, p, moving, steps, found)
+            _by_matrices(model, recording, p, moving, steps, columns)
         if motion is None:
             motion = model.motion_of(recording, p, moving, order=order)
-        _at_probes(model, recording, p, motion, steps, order, found)
-        stacked.append(measured.sigmas(found).reshape(-1, len(steps)))
+        _at_probes(model, recording, p, motion, steps, order, columns)
+        stacked.append(measured.sigmas(columns).reshape(-1, len(steps)))
     return np.concatenate(stacked)
 
 
@@ -99,7 +99,7 @@ def _by_loads(
     moving: Moving,
     steps: Sequence[_Step],
     order: int,
-    found: Complex,
+    columns: Complex,
 ) -> None:
     acting = [
         (c, load, step.h)
@@ -110,12 +110,12 @@ def _by_loads(
     ]
     z = _responses(recording, moving.model, [load for _, load, _ in acting], order)
     for k, (c, _, h) in enumerate(acting):
-        found[..., c] += model.probes.linear(p, z[..., k]) / h
+        columns[..., c] += model.probes.linear(p, z[..., k]) / h
 
 
 def _responses(recording: Recording, model: RotorModel, loads: Sequence[Load], order: int) -> Complex:
     """Return what Recording.columns does, from the responses to as few loads as span them: no more than coordinates."""
-    found = np.zeros((len(recording.rows) + 1, len(model.probes), len(loads)), complex)
+    z = np.zeros((len(recording.rows) + 1, len(model.probes), len(loads)), complex)
     kinds = [(load.law, recording.begins(load)) for load in loads]
     for law, begins in dict.fromkeys(kinds):
         of_law = [k for k, load in enumerate(loads) if kinds[k] == (law, begins) and load.pattern.any()]
@@ -126,12 +126,12 @@ def _responses(recording: Recording, model: RotorModel, loads: Sequence[Load], o
         basis, share, _ = np.linalg.svd(patterns / size, full_matrices=False)
         basis = basis[:, share > SPANNED * share[0]]
         units = [Load(pattern=pattern, law=law, order=order, since=loads[of_law[0]].since) for pattern in basis.T]
-        found[..., of_law] = recording.columns(model, units, order=order) @ (basis.conj().T @ patterns)
-    return found
+        z[..., of_law] = recording.columns(model, units, order=order) @ (basis.conj().T @ patterns)
+    return z
 
 
 def _by_matrices(
-    model: ExtendedModel, recording: Recording, p: Reals, moving: Moving, steps: Sequence[_Step], found: Complex
+    model: ExtendedModel, recording: Recording, p: Reals, moving: Moving, steps: Sequence[_Step], columns: Complex
 ) -> None:
     acting = {c: step.direction for c, step in enumerate(steps) if step.direction is not None}
     for turns in (False, True):  # those of a stiffness that turns apart
@@ -142,7 +142,7 @@ def _by_matrices(
         amounts = model.amounts(recording, p, halved=turns)
         unit = recording.derivatives(moving.model, planes, list(some.values()), order=1).by
         for c, by in zip(some, unit, strict=True):
-            found[..., c] += model.probes.linear(p, np.einsum("rpl,rl->rp", by, amounts))
+            columns[..., c] += model.probes.linear(p, np.einsum("rpl,rl->rp", by, amounts))
 
 
 def _at_probes(
@@ -152,19 +152,19 @@ def _at_probes(
     motion: Complex,
     steps: Sequence[_Step],
     order: int,
-    found: Complex,
+    columns: Complex,
 ) -> None:
     z = model.probes.of_motion(p, motion, order=order) + model.probes.hum(recording, p, order)
     if any("probes" in effect.acts_on for effect in model.effects):
         seen = model.probes.through_effects(recording, p, z, order=order)
-        for c in range(found.shape[-1]):
-            if found[..., c].any():
-                found[..., c] = model.probes.through_effects(recording, p, z + found[..., c], order=order) - seen
+        for c in range(columns.shape[-1]):
+            if columns[..., c].any():
+                columns[..., c] = model.probes.through_effects(recording, p, z + columns[..., c], order=order) - seen
         z = seen
     view = recording.view(order)
     for c, step in enumerate(steps):
         effect = step.effect
         if "probes" in effect.acts_on and step.acts_in(recording):
-            found[..., c] += (
+            columns[..., c] += (
                 effect.change_readings(z, view, step.theta) - effect.change_readings(z, view, effect.at_zero)
             ) / step.h

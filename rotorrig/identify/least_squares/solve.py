@@ -99,7 +99,7 @@ def solve(
     low, high = problem.bounds
     part = _Free(problem, p, free)
     with np.errstate(over="ignore", invalid="ignore"):  # steps that go too far, and are taken back
-        found = minimize_squares(
+        minimum = minimize_squares(
             part,
             part.first(part.solve_linear(p[free]) if damped else p[free]),
             bounds=(low[free], high[free]),
@@ -109,7 +109,7 @@ def solve(
             max_steps=max_steps,
             watch=lambda at: None if worth(at.point.cost, at.model.full_promise) else Stop.GIVEN_UP,
         )
-    return _solution(found, part.full(found.point.p), free, size=problem.size)
+    return _solution(minimum, part.full(minimum.point.p), free, size=problem.size)
 
 
 class _Free:
@@ -152,14 +152,14 @@ class _Free:
         return self._problem.jacobian(self.full(part), self._free)
 
 
-def _solution(found: Minimum, p: Reals, free: Index, *, size: int) -> Solution:
+def _solution(minimum: Minimum, p: Reals, free: Index, *, size: int) -> Solution:
     """Return a minimum over the parameters `free` as one over all of `p`."""
-    dof, cost, part = size - len(free), found.point.cost, found.point.J
+    dof, cost, part = size - len(free), minimum.point.cost, minimum.point.J
     jacobian = np.zeros((len(part), len(p)))
     jacobian[:, free] = part
     covariance = np.zeros((len(p), len(p)))
     covariance[np.ix_(free, free)] = inverse_information(part) * max(1.0, cost / max(dof, 1))
-    return Solution(p=p, covariance=covariance, jacobian=jacobian, chi2=cost, dof=dof, stop=found.stop)
+    return Solution(p=p, covariance=covariance, jacobian=jacobian, chi2=cost, dof=dof, stop=minimum.stop)
 
 
 def inverse_information(jacobian: Reals) -> Reals:

@@ -141,7 +141,7 @@ def _timing_error(pulses: _Pulses, sigma: NDArray[np.float64]) -> NDArray[np.flo
     for m, each_chi2, each_log_s in _prediction_errors(pulses, sigma):
         chi2[:, m] += np.add.reduceat(each_chi2, starts)
         log_s[:, m] += np.add.reduceat(each_log_s, starts)
-    count = np.add.reduceat(sum(_judged_masks(n)), starts)
+    count = np.add.reduceat(sum(_scored_pulses(n)), starts)
     mean_square = np.add.reduceat(sigma**2, starts) / np.diff(ends)
     path = kalman_smoother.smoothest_scales(
         chi2, log_s, count, SIGMAS**2 / mean_square[:, None], SIGMA_PRICE, LENGTH_PRICE
@@ -211,7 +211,7 @@ def _prediction_errors(
 ) -> Iterator[tuple[int, NDArray[np.float64], NDArray[np.float64]]]:
     """Yield, for each rung of the ladder twice, v^2 / s and log s (pulse,): of the filter from either end."""
     n = len(sigma)
-    for mask, step in zip(_judged_masks(n), (1, -1), strict=True):
+    for mask, step in zip(_scored_pulses(n), (1, -1), strict=True):
         direction = pulses if step == 1 else pulses.backwards()
         r, drift = (direction.omega * sigma[::step]) ** 2, direction.drift(sigma[::step])
         for m, length in enumerate(LENGTHS):
@@ -220,7 +220,7 @@ def _prediction_errors(
             yield m, mask * chi2[::step], mask * log_s[::step]
 
 
-def _judged_masks(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _scored_pulses(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return 1.0 for the pulses (pulse,) that the filter from the first, and from the last, is held to."""
     forwards = np.ones(n)
     forwards[:LEARNING] = 0

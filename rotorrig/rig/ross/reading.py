@@ -30,13 +30,13 @@ def read_ross(path: Path) -> RossRotor:
 
     Sleeves without stiffness, as ROSS's users put around an element for their mass, become disks at its ends.
     """
-    content = _content(path)
+    content = _load(path)
     read = _Reading()
     for key, values in content.items():
         kind, _, tag = key.partition("_")
         if kind and tag and isinstance(values, dict):
             tag = str(values.get("tag", tag))  # in the key ROSS doubles a backslash with every element it saves
-            read.element(_Table(where=f"{path}: {kind} '{tag}'", kind=kind, tag=tag, values=values))
+            read.add(_Table(where=f"{path}: {kind} '{tag}'", kind=kind, tag=tag, values=values))
     shaft = read.take_row(path)
     placed: list[DiskElement | BearingElement] = [*read.disks, *read.bearings]
     for part in placed:
@@ -47,7 +47,7 @@ def read_ross(path: Path) -> RossRotor:
         disks=tuple(read.disks),
         bearings=tuple(read.bearings),
         version=str(content["ross_version"]),
-        notes=tuple(f"{said}: {', '.join(map(repr, tags))}." for said, tags in read.noted.items()),
+        notes=tuple(f"{note}: {', '.join(map(repr, tags))}." for note, tags in read.noted.items()),
     )
 
 
@@ -59,8 +59,8 @@ class _Table(NamedTuple):
     tag: str
     values: dict[str, Any]
 
-    def refusal(self, said: str) -> ConfigError:
-        return ConfigError(f"{self.where}: {said}")
+    def refusal(self, reason: str) -> ConfigError:
+        return ConfigError(f"{self.where}: {reason}")
 
     def number(self, key: str, default: float | None = None) -> float:
         value = self.values.get(key, default)
@@ -84,14 +84,14 @@ class _Table(NamedTuple):
 
 @dataclass(slots=True)
 class _Reading:
-    """What has been read so far."""
+    """Elements read so far, with notes on what differs here."""
 
     shaft: list[ShaftElement] = field(default_factory=list)
     disks: list[DiskElement] = field(default_factory=list)
     bearings: list[BearingElement] = field(default_factory=list)
-    noted: dict[str, list[str]] = field(default_factory=dict)  # what to say -> of which elements
+    noted: dict[str, list[str]] = field(default_factory=dict)  # note -> tags of its elements
 
-    def element(self, table: _Table) -> None:
+    def add(self, table: _Table) -> None:
         if table.kind == "ShaftElement":
             self.shaft.append(element := _shaft_element(table))
             if element.tapered:
@@ -128,8 +128,8 @@ class _Reading:
             self.note("Without stiffness of its own, so disks at the nodes here", sleeve)
         return tuple(row)
 
-    def note(self, said: str, part: _Table | ShaftElement) -> None:
-        self.noted.setdefault(said, []).append(part.tag)
+    def note(self, note: str, part: _Table | ShaftElement) -> None:
+        self.noted.setdefault(note, []).append(part.tag)
 
     def _bearing(self, table: _Table) -> None:
         bearing = _bearing_element(table)
@@ -147,7 +147,7 @@ def _is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _content(path: Path) -> dict[str, Any]:
+def _load(path: Path) -> dict[str, Any]:
     try:
         text = path.read_text(encoding="utf-8")
         content = json.loads(text) if path.suffix.lower() == ".json" else tomllib.loads(text)

@@ -15,7 +15,7 @@ ROUNDING = 12  # decimals of a node's position [m]: sums of lengths carry noise 
 
 
 class Material(NamedTuple):
-    """What a shaft element is made of."""
+    """Material of a shaft element."""
 
     density: float  # kg/m^3
     youngs_modulus: float  # Pa
@@ -42,7 +42,7 @@ class ShaftElement:
 
     @property
     def tapered(self) -> bool:
-        """Whether a diameter changes along the element."""
+        """True if a diameter changes along the element."""
         return self.outer[0] != self.outer[1] or self.inner[0] != self.inner[1]
 
     @property

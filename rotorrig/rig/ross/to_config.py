@@ -52,7 +52,7 @@ def sections(rotor: RossRotor, *, keep_nodes: bool = False) -> list[Section]:
     if keep_nodes:
         return pieces
     groups = itertools.groupby(pieces, key=lambda p: (p.diameter, p.inner_diameter, p.material))
-    return [_joined(list(alike)) for _, alike in groups]
+    return [_join(list(alike)) for _, alike in groups]
 
 
 def _pieces(element: ShaftElement) -> Iterator[Section]:
@@ -71,7 +71,7 @@ def _pieces(element: ShaftElement) -> Iterator[Section]:
         )
 
 
-def _joined(alike: Sequence[Section]) -> Section:
+def _join(alike: Sequence[Section]) -> Section:
     length = round(sum(piece.length for piece in alike), ROUNDING)
     return alike[0]._replace(last=alike[-1].last, length=length)
 

@@ -16,8 +16,8 @@ def ross_text(rotor: RossRotor, *, source: str) -> str:
     Raises ConfigError if two elements have one tag, which ROSS forbids.
     """
     _check_tags([*(e.tag for e in rotor.shaft), *(d.tag for d in rotor.disks), *(b.tag for b in rotor.bearings)])
-    said = [f"The rotor of {source}, for Rotor.load of ROSS {rotor.version}.", *rotor.notes]
-    comments = "".join(f"# {sentence}\n" for sentence in said)
+    notes = [f"The rotor of {source}, for Rotor.load of ROSS {rotor.version}.", *rotor.notes]
+    comments = "".join(f"# {sentence}\n" for sentence in notes)
     tables = [
         *(_table(f"ShaftElement_{e.tag}", _shaft_values(e)) for e in rotor.shaft),
         *(_table(f"DiskElement_{d.tag}", _disk_values(d)) for d in rotor.disks),

@@ -46,16 +46,16 @@ class ProbeAngle(Effect):
 
 def effects(rig: RigConfig) -> tuple[ProbeAngle, ...]:
     """Return one for every probe that has another across from it, and one for every plane of such as a whole."""
-    found = []
+    angles = []
     most = np.radians(20.0)
     unknown = (Parameter(name="turn", unit="rad", low=-most, high=most, size=0.08),)
     for name, probes in probe_planes(rig).items():
         if not tells_x_from_y(probes):
             continue
         plane = tuple(p.name for p in probes)
-        found += [ProbeAngle(where=f"probe {p}", plane=plane, turned=(p,), parameters=unknown) for p in plane]
-        found.append(ProbeAngle(where=name, plane=plane, turned=plane, parameters=unknown))
-    return tuple(found)
+        angles += [ProbeAngle(where=f"probe {p}", plane=plane, turned=(p,), parameters=unknown) for p in plane]
+        angles.append(ProbeAngle(where=name, plane=plane, turned=plane, parameters=unknown))
+    return tuple(angles)
 
 
 def tells_x_from_y(probes: tuple[Probe, ...]) -> bool:

@@ -67,7 +67,7 @@ class BlockReader:
         """Wait for the first line and return what it says. Raises RigError if it does not come."""
         while (end := self._buffer.find(b"\n")) < 0:
             if self.ended:
-                raise RigError("live view: was told nothing")
+                raise RigError("live view: its input ended before the opening line, want the rig and the DAQ")
             self._receive(None)
         message = json.loads(self._buffer[:end])
         del self._buffer[: end + 1]

@@ -130,8 +130,8 @@ class LiveView:
             log.warning("the live view was too slow for %d blocks", self.dropped)
 
 
-def _start_process(told: bytes) -> subprocess.Popen[bytes]:
-    """Start the drawing process, tell it `told`, return it once it is ready. Raises RigError in its own words."""
+def _start_process(opening: bytes) -> subprocess.Popen[bytes]:
+    """Start the drawing process, send it `opening`, return it once it is ready. Raises RigError in its own words."""
     process = subprocess.Popen(
         [sys.executable, "-m", "rotorrig.app.viewer.live.process"],
         stdin=subprocess.PIPE,
@@ -145,7 +145,7 @@ def _start_process(told: bytes) -> subprocess.Popen[bytes]:
     overdue = threading.Timer(START_SECONDS, process.kill)
     overdue.start()
     try:
-        _write_all(process.stdin, told)
+        _write_all(process.stdin, opening)
         ready = process.stdout.readline() == READY
     except OSError:
         ready = False

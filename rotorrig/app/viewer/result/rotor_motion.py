@@ -15,7 +15,7 @@ from rotorrig.app.viewer.result.data import Result
 from rotorrig.identify import Fit
 from rotorrig.identify.base_model import Space
 from rotorrig.rig.config import RPM, RigConfig
-from rotorrig.sims.rotor.model import RotorModel, assemble, scaled, with_bearing
+from rotorrig.sims.rotor.model import RotorModel, assemble, scale_properties, with_bearing
 from rotorrig.sims.rotor.modes import Mode, critical_modes, reduce_if_large, whirl_modes
 from rotorrig.sims.rotor.steady import steady_response
 
@@ -93,7 +93,7 @@ def fitted_model(rig: RigConfig, fit: Fit | None) -> RotorModel:
         by_axis = np.array([1 + off.get(f"bearing {bearing.name} {axis}", 0.0) for axis in "xy"])
         if (by_axis != 1).any():
             model = with_bearing(model, bearing.name, by_axis[:, None] * bearing.K, bearing.C)
-    return scaled(
+    return scale_properties(
         model,
         youngs_modulus=float(space.shaft_factor("E", values)) * (1 + off.get("E", 0.0)),
         density=float(space.shaft_factor("density", values)),

@@ -228,7 +228,7 @@ def with_bearing(model: RotorModel, names: str | Collection[str], K: ArrayLike, 
     return replace(model, bearings=tuple(with_coefficients(b, K, C) if b.name in names else b for b in model.bearings))
 
 
-def scaled(
+def scale_properties(
     model: RotorModel, *, youngs_modulus: float = 1.0, density: float = 1.0, disk_mass: float = 1.0
 ) -> RotorModel:
     """Return the model with the shaft's Young's modulus and density and every disk's mass multiplied by those factors.

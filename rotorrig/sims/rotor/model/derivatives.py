@@ -56,7 +56,7 @@ def along_density(model: RotorModel) -> Direction:
 
 
 def along_disk_mass(model: RotorModel) -> Direction:
-    """Return the derivative by the logarithm of every disk's mass and inertias, as assembly.scaled changes them."""
+    """Return the derivative by the logarithm of every disk's mass and inertias, as `scale_properties` changes them."""
     zero = np.zeros_like(model.shaft.M)
     return Direction(
         M=sum((disk_mass(disk) for disk in model.disks), zero),

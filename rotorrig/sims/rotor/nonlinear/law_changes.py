@@ -96,8 +96,8 @@ def overtone_derivatives(
     if u.shape[1] == 3 * places:  # the force was evaluated without overtones
         dF = _with_overtones(laws, changes, omega, u, du)
     units = [Load(pattern=row.astype(complex), law="constant", order=order) for law in laws for row in law.rows]
-    found: Complex = load_columns(model, omega, units) @ phasor(dF, places, order)
-    return found
+    by: Complex = load_columns(model, omega, units) @ phasor(dF, places, order)
+    return by
 
 
 def _with_overtones(laws: Sequence[ForceLaw], changes: Sequence[LawChange], omega: Reals, u: Reals, du: Reals) -> Reals:

@@ -62,12 +62,12 @@ def steady_with_law(
     at = place_rows(laws)
     u = _motions(model, omega, loads, amounts, laws)
     F = forces(laws, omega, u)
-    found = []
+    by_order = []
     for order in orders:
         linear, by_force = _linear(model, omega, loads, amounts, at, order)
         of_order = overtones(laws, omega, u, F, order)
-        found.append((linear if order else 0) + np.einsum("spi,si->sp", by_force, of_order))
-    return np.stack(found, axis=-1)
+        by_order.append((linear if order else 0) + np.einsum("spi,si->sp", by_force, of_order))
+    return np.stack(by_order, axis=-1)
 
 
 def steady_law_derivatives(
@@ -136,8 +136,8 @@ def _motions(
     if not solved.all():
         where = omega[np.argmin(solved)] * RPM
         raise DataError(f"law: its force is not found at {where:.6g} rpm, want a smoother or weaker one")
-    found: Reals = u
-    return found
+    motions: Reals = u
+    return motions
 
 
 def _with_place_probes(model: RotorModel, at: Reals) -> RotorModel:

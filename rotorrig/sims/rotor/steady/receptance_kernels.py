@@ -152,7 +152,7 @@ def _solve(
     check = _change(omega, group, reference, coefficients, work.d)
     for amount in amounts:
         check += abs(amount)
-    _loaded(H, amounts, work.x)
+    _apply_loads(H, amounts, work.x)
     _pull(work.d, work.x, work.r)
     _system(H, work.d, work.B)
     check += _factor(work.B)
@@ -179,7 +179,7 @@ def _change(omega: Real, group: Integer, reference: complex, coefficients: Real,
 
 
 @_njit
-def _loaded(H: Real, amounts: Complex, x: Real) -> None:
+def _apply_loads(H: Real, amounts: Complex, x: Real) -> None:
     """Write x = H_f u, all rows."""
     first = H.shape[2] - len(amounts)
     for i in range(x.shape[1]):

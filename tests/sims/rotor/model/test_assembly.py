@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.rotor.model.assembly import assemble, matrices, scaled, with_bearing
+from rotorrig.sims.rotor.model.assembly import assemble, matrices, scale_properties, with_bearing
 from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, probe_response
 
 OMEGA = np.linspace(50, 380, 12)
@@ -112,7 +112,7 @@ def test_scaling_is_the_assembly_of_the_scaled_config(rk4, full):
     other = rk4.model_copy(update={"shaft": shaft})
     for key in ("mass", "polar_inertia", "transverse_inertia"):
         other = changed(other, "disks", **{key: lambda d, key=key: 0.98 * getattr(d, key)})
-    got, want = scaled(full, youngs_modulus=1.03, density=1.1, disk_mass=0.98), assemble(other)
+    got, want = scale_properties(full, youngs_modulus=1.03, density=1.1, disk_mass=0.98), assemble(other)
     for mine, theirs in zip(matrices(got), matrices(want), strict=True):
         np.testing.assert_allclose(mine, theirs, rtol=1e-12, atol=1e-9)
     np.testing.assert_allclose(got.weight, want.weight, rtol=1e-12, atol=1e-15)

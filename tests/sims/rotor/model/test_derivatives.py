@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.model.assembly import RotorModel, hysteretic, matrices, scaled, speed_stiffness, with_bearing
+from rotorrig.sims.rotor.model.assembly import (
+    RotorModel,
+    hysteretic,
+    matrices,
+    scale_properties,
+    speed_stiffness,
+    with_bearing,
+)
 from rotorrig.sims.rotor.model.derivatives import along_bearing, along_density, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.steady.derivatives import steady_derivatives
 from rotorrig.sims.rotor.steady.harmonic_response import columns
@@ -20,9 +27,9 @@ def bearing(model: RotorModel, p: float) -> RotorModel:
 
 CHANGES = {
     "bearing": (bearing, lambda model: along_bearing(model, "spring", K=K, C=C)),
-    "modulus": (lambda model, p: scaled(model, youngs_modulus=1 + p), along_modulus),
-    "density": (lambda model, p: scaled(model, density=1 + p), along_density),
-    "disk mass": (lambda model, p: scaled(model, disk_mass=1 + p), along_disk_mass),
+    "modulus": (lambda model, p: scale_properties(model, youngs_modulus=1 + p), along_modulus),
+    "density": (lambda model, p: scale_properties(model, density=1 + p), along_density),
+    "disk mass": (lambda model, p: scale_properties(model, disk_mass=1 + p), along_disk_mass),
 }
 
 

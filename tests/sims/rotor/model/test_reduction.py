@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.model.assembly import matrices, scaled, with_bearing
+from rotorrig.sims.rotor.model.assembly import matrices, scale_properties, with_bearing
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.modes.modes import static_sag
 from rotorrig.sims.rotor.steady.harmonic_response import probe_response
@@ -16,7 +16,7 @@ OMEGA = np.linspace(25, 420, 40)  # 240 to 4000 rpm
 def test_the_response_is_within_1e_6_of_the_peak(full, small, k, modulus, mass):
     want, got = (
         probe_response(
-            scaled(
+            scale_properties(
                 with_bearing(model, "spring", np.diag([k, 1.05 * k]), np.diag([15.0, 12.0])),
                 youngs_modulus=modulus,
                 disk_mass=mass,

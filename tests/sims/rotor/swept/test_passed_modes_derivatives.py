@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.model.assembly import RotorModel, scaled, with_bearing
+from rotorrig.sims.rotor.model.assembly import RotorModel, scale_properties, with_bearing
 from rotorrig.sims.rotor.model.derivatives import along_bearing, along_density, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.model.loads import unbalance_pattern
 from rotorrig.sims.rotor.swept.passed_modes import PassedModes, fit_passed_modes, solve_spectra
@@ -25,9 +25,9 @@ CHANGES = {
         springs,
         lambda model: along_bearing(model, "spring", K=[[34e3, 2e3], [0, 0]], C=np.diag([0, 15.0])),
     ),
-    "modulus": (lambda model, p: scaled(model, youngs_modulus=1 + p), along_modulus),
-    "density": (lambda model, p: scaled(model, density=1 + p), along_density),
-    "disk mass": (lambda model, p: scaled(model, disk_mass=1 + p), along_disk_mass),
+    "modulus": (lambda model, p: scale_properties(model, youngs_modulus=1 + p), along_modulus),
+    "density": (lambda model, p: scale_properties(model, density=1 + p), along_density),
+    "disk mass": (lambda model, p: scale_properties(model, disk_mass=1 + p), along_disk_mass),
 }
 
 

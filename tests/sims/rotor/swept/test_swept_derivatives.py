@@ -5,7 +5,7 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.nameplate import Plane
-from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scaled, with_bearing
+from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, scale_properties, with_bearing
 from rotorrig.sims.rotor.model.derivatives import along_bearing, along_disk_mass, along_modulus
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.steady.harmonic_response import columns
@@ -40,8 +40,8 @@ def changes(model: RotorModel, c: float):
     return [
         (lambda p: with_spring(model, c, p=p), along_bearing(model, "spring", K=np.diag([33.9e3, 0]))),
         (lambda p: with_spring(model, c, q=p), along_bearing(model, "spring", C=np.diag([0, c]))),
-        (lambda p: scaled(model, youngs_modulus=1 + p), along_modulus(model)),
-        (lambda p: scaled(model, disk_mass=1 + p), along_disk_mass(model)),
+        (lambda p: scale_properties(model, youngs_modulus=1 + p), along_modulus(model)),
+        (lambda p: scale_properties(model, disk_mass=1 + p), along_disk_mass(model)),
     ]
 
 
