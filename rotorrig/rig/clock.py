@@ -6,6 +6,8 @@ A sweep is paced by the DAQ's sample clock, never by this one; a `Clock` only sa
 import time
 from typing import Protocol
 
+_SLEEPLESS: int | None = getattr(time, "CLOCK_BOOTTIME", None)  # CLOCK_MONOTONIC stands still in suspend on Linux
+
 
 class Clock(Protocol):
     """Anything that tells monotonic seconds and can wait."""
@@ -20,11 +22,11 @@ class Clock(Protocol):
 
 
 class WallClock:
-    """The machine's monotonic clock."""
+    """The machine's monotonic clock; time passes while the machine sleeps, where the system can tell (Linux)."""
 
     def now(self) -> float:
         """Return monotonic time [s]."""
-        return time.monotonic()
+        return time.monotonic() if _SLEEPLESS is None else time.clock_gettime(_SLEEPLESS)
 
     def sleep(self, seconds: float) -> None:
         """Wait for `seconds` of real time."""

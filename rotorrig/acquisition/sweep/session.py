@@ -117,12 +117,14 @@ class Session:
         """Send the motor to `speed` [rad/s] at `ramp` [rad/s^2]; `take_block` raises what goes wrong."""
         self.motor_state = None
         self._commanded_speed = speed
+        self._interlock.command(speed, ramp=ramp)
         self._commands_sent = self.control.send(lambda: self._motor.set_speed(speed, ramp=ramp))
 
     def command_stop(self, kind: Stop) -> None:
         """Stop the motor as a step of the plan: it may be started again. `take_block` raises what goes wrong."""
         self.motor_state = None
         self._commanded_speed = 0.0
+        self._interlock.command(0.0)
         self._commands_sent = self.control.send(lambda: self._motor.stop(kind))
 
     def stop_rotor(self, kind: Stop) -> None:
@@ -132,6 +134,7 @@ class Session:
         self._first_stop = self._first_stop or self.control.report
         self.control.stop(kind)
         self.motor_state, self._commanded_speed = None, 0.0
+        self._interlock.command(0.0)
 
     def start(self) -> None:
         """Start the motor control and the DAQ's stream."""
@@ -186,7 +189,7 @@ class Session:
             self._interlock.follow(block)
             return
         try:
-            self._interlock.check(block)
+            self._interlock.check(block, now=self.last_beat)
         except LimitExceeded:
             self.stop_rotor(Stop.EMERGENCY)  # before anything else
             raise

@@ -52,6 +52,7 @@ class KeyphasorSpeed:
         self._edges: deque[float] = deque(maxlen=MEDIAN_TURNS * self._per_turn + 1)
         self._since_zero = 0  # edges since the one at angle zero
         self._period_before = math.inf  # s, of the last turns before the last gap; infinite: not known
+        self._last_edge = 0.0  # sample, across gaps; 0: none yet
 
     @property
     def age(self) -> float:
@@ -59,9 +60,27 @@ class KeyphasorSpeed:
         return (self._next_sample - (self._edges[-1] if self._edges else self._start)) / self._rate
 
     @property
+    def silence(self) -> float:
+        """Seconds of the sample clock since the last edge, or the first sample; unlike `age`, a gap counts as well."""
+        return (self._next_sample - self._last_edge) / self._rate
+
+    @property
     def time(self) -> float:
         """Seconds of the sample clock up to the end of the last block."""
         return self._next_sample / self._rate
+
+    @property
+    def turns(self) -> NDArray[np.float64]:
+        """Ends of the last five whole turns and the beginning of the first, s of the sample clock, up to six values.
+
+        Turns are counted back from the last edge, without gaps; empty before an edge.
+        """
+        return np.array(list(self._edges)[:: -self._per_turn][::-1]) / self._rate
+
+    @property
+    def last_speed(self) -> float:
+        """Median speed [rad/s] of the last five turns, however long ago that was; 0 before a whole turn."""
+        return 2 * math.pi / self._period(MEDIAN_TURNS)
 
     @property
     def speed(self) -> float:
@@ -92,6 +111,8 @@ class KeyphasorSpeed:
         edges = self._find_edges(signal, block.first_sample)
         self._last_value = float(signal[-1])
         self.pulses += len(edges)
+        if len(edges):
+            self._last_edge = float(edges[-1])
         return np.array([edge for edge in edges.tolist() if self._is_zero(edge)])
 
     def _is_zero(self, edge: float) -> bool:

@@ -176,12 +176,34 @@ def test_a_coasting_rotor_needs_no_pulses(rk4: RigConfig, info: DaqInfo) -> None
     interlock.check_motor(turning(0, running=False))
 
 
-def test_without_limits_and_keyphasor_only_the_drive_is_watched(rk4: RigConfig, info: DaqInfo) -> None:
+def without_limits(rig: RigConfig) -> RigConfig:
+    return rig.model_copy(update={"limits": None})
+
+
+def test_without_limits_vibration_is_watched_up_to_the_end_of_the_linear_range(rk4: RigConfig, info: DaqInfo) -> None:
+    watch(Interlock(without_limits(rk4), info), vibrating(1000e-6, 2250))  # 8 V from -10 to -2 V are 1016 um
+    said = trip(Interlock(without_limits(rk4), info), vibrating(1030e-6, 2250))
+    assert said.endswith("limit 1016 um")
+
+
+def test_without_limits_the_speed_is_watched_up_to_five_percent_above_the_motors(rk4: RigConfig, info: DaqInfo) -> None:
+    assert rk4.motor and rk4.motor.max_speed == pytest.approx(4200 * RPM)
+    interlock = Interlock(without_limits(rk4), info)
+    watch(interlock, vibrating(0, 4400))
+    interlock.check_motor(turning(4400))
+    with pytest.raises(LimitExceeded, match="overspeed: 4420 rpm by the drive, limit 4410 rpm"):
+        interlock.check_motor(turning(4420))
+    said = trip(Interlock(without_limits(rk4), info), vibrating(0, 4430))
+    assert said.endswith("rpm by the keyphasor, limit 4410 rpm")
+
+
+def test_without_keyphasor_the_drive_and_the_probes_are_watched(rk4: RigConfig, info: DaqInfo) -> None:
     interlock = Interlock(rk4.model_copy(update={"limits": None, "keyphasor": None}), info)
-    watch(interlock, vibrating(1100e-6, 4500))
-    interlock.check_motor(turning(4500))
+    watch(interlock, vibrating(1000e-6, 4300))
+    interlock.check_motor(turning(4300))
     with pytest.raises(LimitExceeded):
-        interlock.check_motor(turning(4500, fault="motor overload (F7)"))
+        interlock.check_motor(turning(4300, fault="motor overload (F7)"))
+    assert trip(interlock, replace(vibrating(1100e-6, 4300), first_sample=20_000)).startswith("probe 1x: 1")
 
 
 def test_an_empty_block_is_no_reason_to_trip(rk4: RigConfig, info: DaqInfo) -> None:
