@@ -14,8 +14,7 @@ from rotorrig.rig.errors import BadFrame, LimitExceeded, LinkLost
 from rotorrig.rig.motor import cia402_frames as cia402
 from rotorrig.rig.motor.base import REMEDY, MotorInfo, MotorState, Stop
 from rotorrig.rig.motor.can_link import CanLink, Refused
-from rotorrig.rig.motor.cia402_frames import State
-from rotorrig.rig.motor.sdo_frames import Item
+from rotorrig.rig.motor.cia402_frames import Item, State
 
 CONFIRM_SECONDS = 1.0  # for the state to follow a command
 CONFIRM_PAUSE_SECONDS = 0.01

@@ -3,15 +3,44 @@
 Speeds are in the drive's velocity unit, rpm unless its manual says otherwise; `unit` is that of the shaft in rad/s.
 """
 
+from dataclasses import dataclass
 from enum import Enum
 
 from rotorrig.rig.config import RPM
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
-from rotorrig.rig.motor.sdo_frames import Item
 
 PROFILE = 402
 VELOCITY_MODE = 2
 FASTEST = (1 << 15) - 1  # units: the target is an INTEGER16
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """An object of the device's dictionary: an integer, or a text."""
+
+    index: int
+    subindex: int
+    size: int  # bytes; 0: a text
+    name: str
+    signed: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.index:04X}h:{self.subindex:02X})"
+
+    def encode(self, value: int) -> bytes:
+        """Return the bytes of a value. Raises OverflowError if they do not hold it.
+
+        >>> TARGET.encode(-300).hex()
+        'd4fe'
+        """
+        return value.to_bytes(self.size, "little", signed=self.signed)
+
+    def decode(self, data: bytes) -> int:
+        """Return the value from its bytes; a device may send more than it has. Raises BadFrame if less."""
+        if len(data) < self.size:
+            raise BadFrame(f"{self}: got {len(data)} bytes, want {self.size}")
+        return int.from_bytes(data[: self.size], "little", signed=self.signed)
+
 
 DEVICE_TYPE = Item(0x1000, 0, 4, "device type")
 DEVICE_NAME = Item(0x1008, 0, 0, "manufacturer device name")

@@ -46,7 +46,9 @@ class Node:
             (0x605B, 0): (2, 0), (0x6060, 0): (1, 0), (0x6061, 0): (1, 2), (0x6502, 0): (4, 2),
         }  # fmt: skip
         self.heard: list[str] = []
-        self.spoil: deque[str] = deque()  # for the next answers: "drop", "twice", "cut"
+        self.spoil: deque[str] = deque()  # for the next answers: "drop", "twice", "cut", "late", "toggle", "flip"
+        self.name = b""  # 1008h, read in segments; empty: what `objects` says
+        self._sent: int | None = None  # bytes of it; None: no read is under way
         self.deaf = False
         self.deaf_to: tuple[int, int] | None = None
         self.refuses: set[tuple[int, int]] = set()  # writes it aborts
@@ -76,7 +78,7 @@ class Node:
             if message is None:
                 continue
             frame = bytes(message.data)
-            if not (message.arbitration_id == 0x600 + NODE and frame[0] == 0x40):
+            if not (message.arbitration_id == 0x600 + NODE and frame[0] & 0xE0 in (0x40, 0x60)):
                 self.heard.append(f"{message.arbitration_id:03x} {frame.hex(' ')}")
             if message.arbitration_id == 0x600 + NODE and not self.deaf:
                 self._answer(frame)
@@ -85,10 +87,19 @@ class Node:
         place = (int.from_bytes(frame[1:3], "little"), frame[3])
         if place == self.deaf_to:
             return
-        answer = self._read(frame, place) if frame[0] == 0x40 else self._write(frame, place)
+        if frame[0] & 0xE0 == 0x60:
+            answer = self._next_segment(frame)
+        else:
+            answer = self._read(frame, place) if frame[0] == 0x40 else self._write(frame, place)
         match self.spoil.popleft() if self.spoil else "":
             case "drop":
                 return
+            case "late":  # for the first try
+                time.sleep(0.25)
+            case "toggle":
+                answer = b"\x80" + frame[1:4] + (0x05030000).to_bytes(4, "little")
+            case "flip":
+                answer = bytes([answer[0] ^ 0x10]) + answer[1:]
             case "twice":
                 self.send(0x580 + NODE, answer)
             case "cut":
@@ -98,10 +109,24 @@ class Node:
     def _read(self, frame: bytes, place: tuple[int, int]) -> bytes:
         if place not in self.objects:
             return b"\x80" + frame[1:4] + (0x06020000).to_bytes(4, "little")
+        if place == (0x1008, 0) and self.name:
+            self._sent = 0
+            return b"\x41" + frame[1:4] + len(self.name).to_bytes(4, "little")
         size, value = self.objects[place]
         return bytes([0x43 | (4 - size) << 2]) + frame[1:4] + value.to_bytes(4, "little")
 
+    def _next_segment(self, frame: bytes) -> bytes:
+        if self._sent is None:
+            return b"\x80\x08\x10\x00" + (0x05040001).to_bytes(4, "little")
+        if (self._sent // 7 % 2 == 1) != bool(frame[0] & 0x10):
+            return b"\x80\x08\x10\x00" + (0x05030000).to_bytes(4, "little")
+        data = self.name[self._sent : self._sent + 7]
+        self._sent += 7
+        last = self._sent >= len(self.name)
+        return bytes([frame[0] & 0x10 | 7 - len(data) << 1 | last]) + data.ljust(7, b"\0")
+
     def _write(self, frame: bytes, place: tuple[int, int]) -> bytes:
+        self._sent = None
         size = 4 - (frame[0] >> 2 & 3)
         if place not in self.objects or place in self.refuses or self.objects[place][0] != size:
             return b"\x80" + frame[1:4] + (0x06090030).to_bytes(4, "little")
@@ -267,7 +292,7 @@ def test_a_drive_without_a_watchdog_is_said_to_have_none(node: Node, missing: tu
     assert "77f 05" not in node.heard
 
 
-@pytest.mark.parametrize("fault", ["drop", "twice", "cut"])
+@pytest.mark.parametrize("fault", ["drop", "twice", "cut", "late", "toggle"])
 def test_a_spoilt_answer_costs_at_most_a_repetition(node: Node, motor: CanOpenMotor, fault: str) -> None:
     node.objects[0x6044, 0] = (2, 600)
     node.spoil.append(fault)
@@ -275,6 +300,81 @@ def test_a_spoilt_answer_costs_at_most_a_repetition(node: Node, motor: CanOpenMo
     node.spoil.append(fault)
     motor.stop(Stop.COAST)
     assert node.objects[0x6040, 0] == (2, 0)
+
+
+@pytest.mark.parametrize("fault", ["", "drop", "twice", "cut", "late", "toggle", "flip"])
+def test_a_name_comes_in_segments_whatever_befalls_one_of_them(node: Node, fault: str) -> None:
+    node.name = b"bench inverter of 24 bytes"
+    node.spoil.extend(["", "", "", "", fault])  # device type, modes, the name's beginning and two segments of it
+    with motor_at() as motor:
+        assert motor.open().model == node.name.decode()
+
+
+def test_a_stop_between_two_segments_of_a_name_costs_the_name_a_repetition(node: Node) -> None:
+    node.name = b"bench inverter of 24 bytes"
+    node.spoil.extend(["", "", "", "", "late"])
+    with motor_at() as motor:
+        opening = threading.Thread(target=motor.open)
+        opening.start()
+        wait_for(lambda: len(node.spoil) == 0)
+        motor.stop(Stop.EMERGENCY)
+        opening.join()
+        assert node.heard[0] == "605 2b 40 60 00 02 00 00 00"
+        assert motor.read().speed == 0.0
+
+
+def test_the_late_answer_to_another_command_does_not_confirm_a_stop(node: Node, motor: CanOpenMotor) -> None:
+    node.deaf = True
+    failures: list[LinkLost] = []
+
+    def stop() -> None:
+        try:
+            motor.stop(Stop.COAST)
+        except LinkLost as error:
+            failures.append(error)
+
+    stopping = threading.Thread(target=stop)
+    stopping.start()
+    while stopping.is_alive():
+        node.send(0x580 + NODE, bytes.fromhex("60 42 60 00 00 00 00 00"))  # the target has been written
+        node.send(0x580 + NODE, bytes.fromhex("4b 40 60 00 00 00 00 00"))  # the controlword has been read
+        time.sleep(0.01)
+    stops = [frame for frame in node.heard if frame == "605 2b 40 60 00 00 00 00 00"]
+    assert (len(stops), len(failures)) == (4, 1)
+
+
+def test_a_refusal_is_final(node: Node, motor: CanOpenMotor) -> None:
+    node.refuses.add((0x6040, 0))
+    with pytest.raises(LinkLost, match=r"refuses access to controlword .*: Value range .* \(abort code 06090030h\)"):
+        motor.stop(Stop.COAST)
+    assert without_heartbeat(node.heard) == ["605 2b 40 60 00 00 00 00 00"]
+
+
+def test_threads_do_not_take_each_others_answers_and_a_stop_waits_for_one_exchange(
+    node: Node, motor: CanOpenMotor
+) -> None:
+    motor.set_speed(1200 * RPM, ramp=30 * RPM)
+    node.objects[0x6044, 0] = (2, 600)
+    end, states, waits = threading.Event(), [], []
+
+    def poll() -> None:
+        while not end.is_set():
+            states.append(motor.read())
+
+    polling = [threading.Thread(target=poll) for _ in range(3)]
+    for thread in polling:
+        thread.start()
+    for _ in range(20):
+        time.sleep(0.01)
+        before = len(states)
+        motor.stop(Stop.EMERGENCY)
+        waits.append(len(states) - before)
+    end.set()
+    for thread in polling:
+        thread.join()
+    assert {round(state.speed / RPM) for state in states} == {600}
+    assert {round(state.setpoint / RPM) for state in states} <= {0, 1200}
+    assert max(waits) <= 3  # a reading is three exchanges: those under way may end, no other begins and ends
 
 
 def test_an_answer_left_from_before_is_not_taken(node: Node, motor: CanOpenMotor) -> None:

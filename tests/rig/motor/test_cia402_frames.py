@@ -5,7 +5,7 @@ import pytest
 from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import BadFrame, ConfigError, LimitExceeded
 from rotorrig.rig.motor import cia402_frames as cia402
-from rotorrig.rig.motor.cia402_frames import State
+from rotorrig.rig.motor.cia402_frames import Item, State
 
 UNIT = 1 / RPM  # rad/s per rpm
 
@@ -76,6 +76,24 @@ def test_ramps_are_a_quotient_with_four_digits_or_more(rpm_per_s: float, coded: 
 def test_a_ramp_no_quotient_gives_is_refused(rpm_per_s: float) -> None:
     with pytest.raises(ConfigError, match=r"ramp: got .* want 0\.1 to 3\.277e\+04 rpm/s"):
         cia402.encode_ramp(rpm_per_s / RPM, unit=UNIT)
+
+
+@pytest.mark.parametrize(
+    ("size", "value", "data"),
+    [(1, 2, "02"), (2, -300, "d4 fe"), (3, 0x123456, "56 34 12"), (4, 1 << 30, "00 00 00 40")],
+)
+def test_objects_are_little_endian_and_have_their_sign(size: int, value: int, data: str) -> None:
+    item = Item(0x6042, 0, size, "", signed=True)
+    assert item.encode(value) == bytes.fromhex(data)
+    assert item.decode(bytes.fromhex(data)) == value
+    assert item.decode(bytes.fromhex(data) + b"\xff") == value  # a device may send more than it has
+
+
+def test_objects_of_another_size_are_refused() -> None:
+    with pytest.raises(OverflowError):
+        cia402.TARGET.encode(1 << 15)
+    with pytest.raises(BadFrame, match=r"vl target velocity \(6042h:00\): got 1 bytes, want 2"):
+        cia402.TARGET.decode(b"\xd4")
 
 
 def test_errors_are_named_or_classed() -> None:
