@@ -17,6 +17,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Attachment, Channel, DataEnd, Footer, McapRecord, Message, Metadata, Schema
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
+from rotorrig.acquisition.files.fallback_folder import fallback_folders
 from rotorrig.acquisition.files.fsync import Syncer
 from rotorrig.acquisition.files.mcap_records import Fault, Place, records_with_places
 from rotorrig.acquisition.files.part_file import PartFile, part_path
@@ -83,7 +84,7 @@ class FileWriter:
         Raises DataError if it cannot be created, if a `.part` with data was left or, unless `overwrite`, if `path` is
         there already.
         """
-        self._path = path
+        self.on_move: Callable[[Path], object] = lambda path: None  # told where it goes on if its folder vanishes
         try:
             self._file = PartFile(path, overwrite=overwrite, salvageable=flush_every_ns is not None)
             self._syncer = Syncer(self._file.fileno()) if flush_every_ns is not None else None
@@ -96,6 +97,8 @@ class FileWriter:
         self._channels: dict[str, int] = {}
         self._sequence: defaultdict[str, int] = defaultdict(int)
         self._flush_every, self._flushed_ns = flush_every_ns, 0
+        self.finished = False  # True once nothing can be added
+        self._stranded = False  # no folder would take it; it has no name until it is closed
         with self._handle_disk_errors():
             self._mcap.start(library=f"rotorrig {source.code_version}")
         self.add_metadata(HEADER, {"kind": kind.name, "version": str(kind.version), **asdict(source)})
@@ -133,6 +136,11 @@ class FileWriter:
             self._flushed_ns = t_ns
 
     @property
+    def path(self) -> Path:
+        """The file, where it is or will be."""
+        return self._file.path
+
+    @property
     def closed(self) -> bool:
         """True once it has its name, or is gone."""
         return self._file.closed
@@ -142,13 +150,17 @@ class FileWriter:
         with self._handle_disk_errors():
             self._mcap.flush()
             self._file.mark()
+        if self._syncer is not None and not self._stranded and self._file.astray:
+            self._stranded = not self._move()
 
     def close(self) -> None:
         """Write the index and give the file its name; may be called twice. Raises DiskFull."""
         if self.closed:
             return
+        self._stranded = False
         self.flush()
         self._end_sync()
+        self.finished = True
         with self._handle_disk_errors():
             self._mcap.finish()
             self._file.sync()
@@ -187,7 +199,7 @@ class FileWriter:
             else:
                 self._file.discard()
                 fate = "nothing of it is kept"
-            raise DiskFull(f"{self._path}: cannot be written any further ({error.strerror}); {fate}") from error
+            raise DiskFull(f"{self.path}: cannot be written any further ({error.strerror}); {fate}") from error
 
     def _end_sync(self) -> None:
         if self._syncer is not None:
@@ -195,11 +207,29 @@ class FileWriter:
 
     def _take_name(self) -> None:
         try:
+            if self._flush_every is not None and self._file.astray and self._move():
+                self._end_sync()
+                self._file.sync()
             self._file.take_name()
         except OSError as error:
+            self._file.close()
             raise DataError(
-                f"{self._path}: cannot be given its name ({error.strerror}); look for {part_path(self._path).name}"
+                f"{self.path}: cannot be given its name ({error.strerror}); look for {part_path(self.path).name}"
             ) from error
+
+    def _move(self) -> bool:
+        """Go on in the first folder that takes the file, and say so; False if none does."""
+        self._end_sync()
+        for folder in fallback_folders(self.path):
+            try:
+                self._file.move_to(folder)
+                self._syncer = Syncer(self._file.fileno())
+                self._file.keep_name()
+            except OSError:
+                continue
+            self.on_move(self.path)
+            return True
+        return False
 
 
 def read_file(

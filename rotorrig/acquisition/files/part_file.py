@@ -8,9 +8,12 @@ import errno
 import fcntl
 import os
 from collections import deque
+from io import FileIO
 from pathlib import Path
 
 from rotorrig.rig import DataError, provisional_path, sync_folder
+
+_PIECE = 1 << 20  # bytes copied at a time
 
 
 def part_path(path: Path) -> Path:
@@ -45,12 +48,13 @@ class PartFile:
         """
         if path.exists() and not overwrite:
             raise DataError(f"{path}: is there already, want a name that is free")
-        self._path = path = path.resolve() if path.is_symlink() else path  # the file it points to, not the link
+        self.path = path = path.resolve() if path.is_symlink() else path  # the file it points to, not the link
+        self._overwrite = overwrite
         self._part = part_path(path) if salvageable else provisional_path(path)
         if salvageable:
             refuse_leftover(path)
-            self._file = self._part.open("ab", buffering=0)  # an empty one holds nothing that could be lost
-            _lock(self._file.fileno(), self._part)
+            self._file = self._part.open("a+b", buffering=0)  # an empty one holds nothing that could be lost
+            _lock(self._file, self._part)
         else:
             self._file = self._part.open("xb", buffering=0)
         self._marks: deque[int] = deque(maxlen=4)  # newest last
@@ -71,7 +75,35 @@ class PartFile:
 
     def keep_name(self) -> None:
         """Have the provisional name outlive a power cut. Raises OSError."""
-        sync_folder(self._path.parent)
+        sync_folder(self.path.parent)
+
+    @property
+    def astray(self) -> bool:
+        """True if its name no longer leads to it: the folder was deleted or renamed, or the name taken away."""
+        try:
+            return not os.path.samestat(self._part.stat(), os.fstat(self.fileno()))
+        except OSError:
+            return True
+
+    def move_to(self, folder: Path) -> None:
+        """Go on in another folder, with all that was written. Raises OSError, and then stays where it is.
+
+        A deleted file keeps its data for as long as it is open, and is copied from there.
+        """
+        path = folder / self.path.name
+        if path.exists() and not self._overwrite:
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
+        part = part_path(path)
+        file = part.open("x+b", buffering=0)
+        try:
+            _copy(self.fileno(), file.fileno())
+        except BaseException:
+            file.close()
+            part.unlink(missing_ok=True)
+            raise
+        _lock(file, part)
+        self._file.close()
+        self._file, self._part, self.path = file, part, path
 
     def fileno(self) -> int:
         """Return the file's descriptor."""
@@ -106,10 +138,16 @@ class PartFile:
         return self._file.closed
 
     def take_name(self) -> None:
-        """Close the file and give it its name, replacing an older one. Raises OSError."""
+        """Give the file its name, replacing an older one if it may, and close it. Raises OSError, and stays open."""
+        if self.path.exists() and not self._overwrite:
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(self.path))
+        self._part.replace(self.path)
         self._file.close()
-        self._part.replace(self._path)
-        sync_folder(self._path.parent)  # the new name outlives a power cut too
+        sync_folder(self.path.parent)  # the new name outlives a power cut too
+
+    def close(self) -> None:
+        """Close the file and leave it under its provisional name."""
+        self._file.close()
 
     def discard(self) -> None:
         """Close the file and remove it."""
@@ -117,10 +155,21 @@ class PartFile:
         self._part.unlink(missing_ok=True)
 
 
-def _lock(number: int, part: Path) -> None:
-    """Hold the file until it is closed. Raises DataError if another program does; one that cannot be held is left."""
+def _copy(source: int, target: int) -> None:
+    """Copy a file by its open descriptor, which need not have a name, to the end of another. Raises OSError."""
+    offset = 0
+    while data := os.pread(source, _PIECE, offset):
+        offset += len(data)
+        view = memoryview(data)
+        while view:
+            view = view[os.write(target, view) :]
+
+
+def _lock(file: FileIO, part: Path) -> None:
+    """Hold the file until it is closed. Raises DataError if another program does; a disk without locks does without."""
     try:
-        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
         if error.errno == errno.EWOULDBLOCK:
+            file.close()
             raise DataError(f"{part}: is being written by another program, want another name") from error

@@ -72,13 +72,25 @@ class RecordingWriter:
     """Writer of a recording as it is made. However its `with` block is left, the file is closed and valid."""
 
     def __init__(
-        self, path: Path, rig: RigConfig, daq_info: DaqInfo, source: Provenance, *, overwrite: bool = False
+        self,
+        path: Path,
+        rig: RigConfig,
+        daq_info: DaqInfo,
+        source: Provenance,
+        *,
+        overwrite: bool = False,
+        on_move: Callable[[Path], object] = lambda path: None,
     ) -> None:
-        """Begin the file. Raises DataError if it cannot be written or, unless `overwrite`, is there already."""
+        """Begin the file. Raises DataError if it cannot be written or, unless `overwrite`, is there already.
+
+        Should its folder vanish, the recording goes on in another, and `on_move` is told where, by the thread that
+        writes.
+        """
         self._file = FileWriter(
             path, kind=RUN, rig=rig, source=source, overwrite=overwrite, flush_every_ns=FLUSH_EVERY_NS
         )
-        self._samples = 0
+        self._samples, self._t_ns = 0, 0
+        self._on_move, self._file.on_move = on_move, self._note_move
         for topic, kind in _TOPICS.items():  # all in the first chunk, so that none of the others needs another
             self._file.register_topic(topic, kind)
         self._file.write("/daq", DAQ, 0, **_calibration(rig, daq_info))
@@ -86,6 +98,7 @@ class RecordingWriter:
 
     def write_block(self, block: Block) -> None:
         """Add a block. Raises DiskFull."""
+        self._t_ns = block.t_ns
         self._file.write("/waveform", block_message.WAVEFORM, block.t_ns, **block_message.pack_block(block))
         self._samples += len(block.counts)
 
@@ -111,6 +124,17 @@ class RecordingWriter:
         if not self._file.closed and complete:
             self._file.add_metadata(END, {"samples": str(self._samples)})
         self._file.close()
+
+    @property
+    def path(self) -> Path:
+        """The recording, where it is or will be: in another folder than it began in if that has vanished."""
+        return self._file.path
+
+    def _note_move(self, path: Path) -> None:
+        self._on_move(path)
+        if not self._file.finished:
+            text = f"the recording's file or folder vanished; it goes on as {path}"
+            self.write_event(Event(t_ns=self._t_ns, kind="note", text=text))
 
     def __enter__(self) -> Self:
         return self

@@ -2,7 +2,7 @@
 
 import shutil
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,10 +34,12 @@ def sweep(
     view: bool,
     yes: bool = False,
     overwrite: bool = False,
+    on_move: Callable[[Path], object] = lambda path: None,
 ) -> SweepResult:
     """Run `rotor sweep`, on the config's devices or a simulated rig, with progress and, with `view`, the live view.
 
     A wrong plan or a full disk is refused before anything starts. With `yes`, requests to the operator do not wait.
+    `on_move` is told where the recording goes on if its folder vanishes.
     """
     steps = steps_of(rig, plan, trial=trial)
     if simulation and any(isinstance(step, Ask) for step in steps):
@@ -68,6 +70,7 @@ def sweep(
             view=view,
             progress=show,
             operator=operator,
+            on_move=on_move,
         )
 
 
@@ -110,6 +113,7 @@ def record_sweep(
     view: bool = False,
     progress: Progress | None = None,
     operator: Operator | None = None,
+    on_move: Callable[[Path], object] = lambda path: None,
 ) -> SweepResult:
     """Run plan `plan` of the config and record it to `out`; `ports` replace the config's, for a simulated rig.
 
@@ -125,7 +129,8 @@ def record_sweep(
         source = Provenance(
             config_hash=rig.hash, code_version=code_version(), source="simulated rig" if ports else rig.name
         )
-        writer = stack.enter_context(RecordingWriter(out, rig, info, source, overwrite=overwrite))
+        moved = partial(_tell_move, out, operator, on_move)
+        writer = stack.enter_context(RecordingWriter(out, rig, info, source, overwrite=overwrite, on_move=moved))
         drive = motor.open()  # last: from here on its watchdog must be fed
         if operator and drive.watchdog is None:
             operator.tell("The drive has no watchdog: if this program dies, only its own switch stops the rotor.")
@@ -143,6 +148,14 @@ def record_sweep(
     if live:
         live.sink.linger()
     return result
+
+
+def _tell_move(out: Path, operator: Operator | None, on_move: Callable[[Path], object], path: Path) -> None:
+    """Tell operator and caller where the recording goes on; called by the thread that writes it."""
+    on_move(path)
+    if operator:
+        with suppress(OSError, ValueError):  # a terminal that is gone is no reason to end the recording
+            operator.tell(f"{out}: the file or its folder has vanished; the recording goes on as {path}")
 
 
 def _live_view(rig: RigConfig, info: DaqInfo) -> "LiveView":

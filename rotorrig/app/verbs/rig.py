@@ -122,6 +122,7 @@ def sweep(
     from rotorrig.app.commands import sweep
 
     simulation = simulating.SimulatedRig(seed=seed, hidden=hidden, rate=rate, faults=faults) if simulate else None
+    places = [out_file]  # the recording's; another if its folder vanishes
     try:
         result = sweep.sweep(
             rig,
@@ -132,10 +133,15 @@ def sweep(
             view=view,
             yes=yes,
             overwrite=force,
+            on_move=places.append,
         )
     except KeyboardInterrupt as interrupt:  # or SIGTERM, or the terminal was closed
-        err.print(f"interrupted: the rotor was stopped; {out_file} holds the sweep so far", highlight=False)
+        err.print(f"interrupted: the rotor was stopped; {places[-1]} holds the sweep so far", highlight=False)
         raise typer.Exit(130) from interrupt
+    finally:
+        if len(places) > 1:
+            err.print(f"warning: {out_file}: vanished during the sweep; the recording is {places[-1]}", soft_wrap=True)
+    out_file = places[-1]
     words = f"{out_file}: {result.seconds:.1f} s, {result.samples} scans, {result.gaps} gaps recorded"
     tell(words, {"file": str(out_file), **sweep.sweep_facts(result)}, as_json=as_json)
     if not result.at_rest:

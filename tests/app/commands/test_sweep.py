@@ -1,5 +1,6 @@
 """Sweeps over real wires that do not end as planned; the drive and the DAQ are in another process."""
 
+import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -94,3 +95,33 @@ def test_a_sweep_that_will_not_fit_on_its_disk_is_refused_before_it_starts(tmp_p
     text = f'{RK4}\n[plans.test]\nkind = "dwell"\nspeed = "900 rpm"\ntime = "1000000 h"\nramp = "60 rpm/s"'
     with pytest.raises(DataError, match=r"x\.mcap: \d+ MB free, want 180000\d\d\d MB for this sweep"):
         sweep(parse(text, where="x"), out=tmp_path / "x.mcap", plan="test", simulation=SimulatedRig(seed=1), view=False)
+
+
+def test_a_sweep_whose_folder_is_deleted_ends_as_planned_and_says_where_its_recording_is(
+    ports: BenchPorts, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    out = tmp_path / "out" / "run.mcap"
+    out.parent.mkdir()
+    told: list[str] = []
+    places: list[Path] = []
+
+    class Told(Nobody):
+        def tell(self, text: str) -> None:
+            told.append(text)
+            raise OSError("the terminal is gone")
+
+        def wants_stop(self) -> bool:
+            return bool(told)
+
+    def slip(step: Step, fraction: float, speed: float) -> None:
+        if speed * RPM > 1200:
+            shutil.rmtree(out.parent, ignore_errors=True)
+
+    result = record_sweep(hasty(), out=out, ports=ports, progress=slip, operator=Told(), on_move=places.append)
+    assert (result.ending, result.at_rest) == ("stop", True)
+    (place,) = places
+    assert told == [f"{out}: the file or its folder has vanished; the recording goes on as {place}"]
+    recording = read_recording(place)
+    assert recording.complete
+    assert recording.samples == result.samples
