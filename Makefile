@@ -65,9 +65,10 @@ recorder: .venv/ready
 tracking: .venv/ready
 	$(BIN)/python benchmarks/tracking.py --write
 
-# About an hour: every fault on every motor controller, judged from outside. Goes on where it was stopped, as `blind`.
+# Hours: single faults on every motor controller and all pairs of faults on three, against peers that share no code with
+# rotorrig, judged from outside. Results are kept in the repository; Ctrl-C and the same command go on.
 soak: .venv/ready
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/soak.py --write
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/soak.py --singles --pairs --page
 
 # A quarter of an hour on two cores: damaged files of every kind through every reader. Findings, and how far it came, are
 # kept in fuzz-findings; Ctrl-C and the same command go on. Another campaign: make fuzz FUZZ="--seed 2".

@@ -1,18 +1,25 @@
-"""What the fault campaign is judged by: bytes on the wire, reports of the bench, what the program said."""
+"""What the fault campaign judges by: bytes on the wire, words, status, the peer's true speed; and its kept results."""
 
+import json
+import math
 import struct
 import zlib
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from benchmarks.parts.soak.faults import FAULTS
-from benchmarks.parts.soak.judge import judge
-from benchmarks.parts.soak.page import page, text, totals
-from benchmarks.parts.soak.rigs import DRIVES, config
-from benchmarks.parts.soak.run import Case
+from benchmarks.parts.soak.cases import CASES
+from benchmarks.parts.soak.controllers import CONTROLLERS, config
+from benchmarks.parts.soak.faults import FAULTS, PAIRED, Case, pairs, singles
+from benchmarks.parts.soak.judge import Verdict, claim, judge
+from benchmarks.parts.soak.page import page, text
+from benchmarks.parts.soak.peer import Peer
+from benchmarks.parts.soak.program import Line
+from benchmarks.parts.soak.results import FOLDER, keep, kept, prune, summary
+from benchmarks.parts.soak.run import Seen
 from benchmarks.parts.soak.wire import compare, data_frames
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.config.description import parse
@@ -20,6 +27,7 @@ from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
 
 INFO = DaqInfo(model="m", serial="s", sample_rate=1e4, channels=1, volts_per_count=(1e-3,), full_scale_counts=2**23)
+PORTS = {"motor": {"port": "/dev/ttyUSB0"}, "daq": {"port": "/dev/ttyACM0"}}
 
 
 def frame(index: int, counts: Sequence[int]) -> bytes:
@@ -32,7 +40,7 @@ def frame(index: int, counts: Sequence[int]) -> bytes:
 
 def recording(*blocks: tuple[int, Sequence[int]]) -> RawRecording:
     return RawRecording(
-        rig=parse(config("powerflex400"), where="test"),
+        rig=parse(config("vfd-ed-rtu", PORTS), where="test"),
         daq=INFO,
         blocks=tuple(
             Block(counts=np.array(counts, dtype=np.int32)[:, None], first_sample=first, t_ns=100_000 * first)
@@ -45,11 +53,6 @@ def recording(*blocks: tuple[int, Sequence[int]]) -> RawRecording:
     )
 
 
-def test_every_drive_of_the_campaign_is_a_rig_of_its_own() -> None:
-    rigs = [parse(config(drive), where=drive) for drive in DRIVES]
-    assert len({rig.motor for rig in rigs}) == len(DRIVES)
-
-
 def test_frames_are_found_between_garbage_and_damaged_ones_left_out() -> None:
     damaged = bytearray(frame(2, [3, 4]))
     damaged[20] ^= 1
@@ -59,123 +62,162 @@ def test_frames_are_found_between_garbage_and_damaged_ones_left_out() -> None:
 
 def test_what_is_on_the_wire_and_not_recorded_is_lost_and_what_the_fault_took_is_not() -> None:
     wire = frame(0, [1, 2]) + frame(2, [3, 4]) + frame(8, [5, 6]) + frame(10, [7, 8])
-    whole = compare(wire, recording((0, [1, 2, 3, 4]), (8, [5, 6])))
-    assert (whole.lost, whole.wrong, whole.taken, whole.tail) == (0, 0, 4, 2)
-    holed = compare(wire, recording((0, [1, 2]), (8, [5, 9])))
-    assert (holed.lost, holed.wrong) == (2, 1)
-    invented = compare(wire, recording((0, [1, 2, 3, 4, 0, 0])))
+    whole = compare(wire, [recording((0, [1, 2, 3, 4]), (8, [5, 6, 7, 8]))])
+    assert (whole.lost, whole.wrong, whole.sent) == (0, 0, 8)
+    holed = compare(wire, [recording((0, [1, 2]), (8, [5, 9]))])
+    assert (holed.lost, holed.wrong) == (4, 1)
+    assert compare(wire, [recording((0, [1, 2]), (8, [5, 6]))], begin=4, end=10).lost == 0
+    invented = compare(wire, [recording((0, [1, 2, 3, 4, 0, 0]), (8, [5, 6, 7, 8]))])
     assert (invented.lost, invented.wrong) == (0, 2)
 
 
-def recorded(kind: str, text: str, **changed: Any) -> dict[str, Any]:
-    """What is kept of a recording of 5.2 s."""
-    return {"complete": True, "events": [[5.2, kind, text]], "faults": [], "fastest": 41.9} | changed
+def test_a_recording_that_goes_on_elsewhere_is_part_of_what_was_recorded() -> None:
+    wire = frame(0, [1, 2]) + frame(2, [3, 4])
+    assert compare(wire, [recording((0, [1, 2])), recording((2, [3, 4]))]).lost == 0
+    assert compare(wire, []).lost == 4
 
 
-def seen(**changed: Any) -> dict[str, Any]:
-    """A run with a drive that trips at 5 s, and all as it should be."""
-    case = {"drive": "powerflex400", "where": "drive", "fault": "drive trips", "number": 0}
-    fault = {"fault": 0, "kind": "drive-fault", "on": "motor"}
-    right: dict[str, Any] = {
-        "case": case,
-        "rate": 1.0,
-        "struck": None,
-        "code": 1,
-        "said": "error: drive: has tripped with 'undervoltage'\n",
-        "bench": [
-            {"t": 0.1, "speed": 0.1, "event": "turns"},
-            {**fault, "t": 5.0, "event": "begins"},
-            {**fault, "t": 5.0, "event": "ends"},
-            {"t": 12.5, "speed": 0.0, "event": "rests"},
-        ],
-        "files": ["run.mcap"],
-        "salvaged": "",
-        "recording": recorded("trip", "drive: has tripped"),
-        "wire": {"sent": 52000, "recorded": 52000, "lost": 0, "wrong": 0, "tail": 0, "taken": 0},
-    }
-    return right | changed
-
-
-def test_a_run_as_it_should_be_has_nothing_wrong() -> None:
-    judgement = judge(seen())
-    assert judgement.wrong == ()
-    assert (judgement.injected, judgement.detected, judgement.stopped, judgement.lost) == (True, True, True, 0)
-    assert judgement.seconds == pytest.approx(7.5)
+def test_a_board_that_begins_again_is_not_followed() -> None:
+    assert compare(frame(0, [1]) + frame(1, [2]) + frame(0, [9]), [recording((0, [1, 2]))]).lost == 0
 
 
 @pytest.mark.parametrize(
-    ("changed", "said"),
+    ("said", "claimed"),
     [
-        ({"bench": seen()["bench"][:1] + seen()["bench"][3:]}, "not injected"),
-        ({"bench": seen()["bench"][:3]}, "not at rest"),
-        ({"bench": [*seen()["bench"][:3], {"t": 40.0, "speed": 0.0, "event": "rests"}]}, "not at rest"),
-        ({"code": 0}, "status 0, want 1"),
-        ({"code": None}, "hung"),
-        ({"said": "Traceback (most recent call last):\n drive: has tripped"}, "traceback"),
-        ({"said": "", "recording": recorded("emergency", "")}, "nothing says"),
-        ({"recording": recorded("stop", "")}, "no event of kind"),
-        ({"wire": seen()["wire"] | {"recorded": 40000}}, "ends at 4.00 s, before the fault at 5.00 s"),
-        ({"recording": recorded("trip", "", complete=False)}, "calls itself cut"),
-        ({"recording": recorded("trip", "", fastest=700.0)}, "recorded at 6685 rpm, asked for 400 rpm"),
-        ({"wire": seen()["wire"] | {"lost": 3}}, "3 scans were on the wire"),
-        ({"wire": seen()["wire"] | {"wrong": 2}}, "2 scans are recorded otherwise"),
-        ({"files": ["run.mcap", "run.mcap.part"]}, "left behind"),
-        ({"crashed": "Traceback\nRuntimeError: no bench"}, "the run itself failed: RuntimeError: no bench"),
+        ("at rest 4.7 s after the stop", "rest"),
+        ("keyphasor: no pulse; the rotor was stopped; run.mcap holds the sweep up to the trip", "rest"),
+        ("THE ROTOR MAY STILL BE TURNING: the drive confirmed no stop", "turning"),
+        ("the rotor is still turning at 300 rpm 3 s after the stop", "turning"),
+        ("whether the rotor is at rest is unknown", "turning"),
+        ("run.mcap: 12.0 s, 60000 scans, 0 gaps recorded", ""),
     ],
 )
-def test_each_thing_that_is_otherwise_is_said(changed: dict[str, Any], said: str) -> None:
-    (sentence, *more) = judge(seen(**changed)).wrong
-    assert said in sentence
-    assert not more
+def test_words_are_told_apart(said: str, claimed: str) -> None:
+    assert claim(said) == claimed
 
 
-def finished(*events: dict[str, Any], end: float = 17.0) -> dict[str, Any]:
-    """A run with a frame of the DAQ lost, in a sweep that goes on to the end of its plan."""
-    marks = [[11.0, "mark", "down"], [end, "mark", "end"]]
-    turning = [{"t": 0.1, "speed": 0.1, "event": "turns"}, {"t": 9.0, "speed": 41.9}, {"t": 11.0, "speed": 41.9}]
-    slowing = [{"t": 17.0, "speed": 20.9}, {"t": 24.0, "speed": 0.0, "event": "rests"}]
-    return seen(
-        case={"drive": "powerflex400", "where": "DAQ", "fault": "one frame lost", "number": 0},
-        code=0,
-        said="2 samples are missing",
-        recording=recorded("stop", "plan finished") | {"events": [*marks, [end, "stop", "plan finished"]]},
-        wire=seen()["wire"] | {"recorded": 170_000},
-        bench=[*turning, *events, *slowing],
+class Bench(Peer):
+    """A rotor whose speed over time is given."""
+
+    def __init__(
+        self, wire: Path, speeds: Sequence[tuple[float, float]], events: Sequence[dict[str, Any]] = ()
+    ) -> None:
+        self.wire = wire
+        self.events = list(events)
+        self.t = [t for t, _ in speeds]
+        self.rpm = [rpm for _, rpm in speeds]
+        self.on = [rpm > 0 for rpm in self.rpm]
+
+
+STOPPING = ((0.0, 0.0), (2.0, 1200.0), (6.0, 1200.0), (8.0, 0.0), (20.0, 0.0))
+FOREVER = ((0.0, 0.0), (2.0, 1200.0), (20.0, 1200.0))
+
+
+def judged(folder: Path, said: str, *, speeds: Any = STOPPING, faults: Any = None, **seen: Any) -> Verdict:
+    """A run of which the program's last line came at 9 s, and what it is found to be."""
+    case = Case(set="singles", controller="vfd-ed-rtu", faults=())
+    rested = 7.95 if speeds is STOPPING else math.nan
+    facts = {"began": 0.0, "struck": faults or {}, "status": 1, "ended": 9.0, "rested": rested} | seen
+    stop = {"t": 9.2, "event": "command", "kind": "ramp", "on": True}
+    return judge(
+        Seen(case=case, lines=[Line(facts["ended"], said)], **facts), Bench(folder / "wire", speeds, [stop]), folder
     )
 
 
-def test_a_message_that_was_never_hit_is_no_fault_injected() -> None:
-    begins = {"fault": 0, "kind": "drop", "on": "daq", "t": 5.0, "event": "begins"}
-    assert judge(finished(begins)).wrong == ("the fault was not injected",)
-    assert judge(finished(begins, begins | {"event": "ends", "hits": 1})).wrong == ()
+def test_a_rotor_said_to_be_at_rest_when_it_is_is_nothing_wrong(tmp_path: Path) -> None:
+    assert judged(tmp_path, "error: a trip; the rotor was stopped").wrong == []
+    assert judged(tmp_path, "run.mcap: 8 s", status=0).wrong == []
 
 
-def test_a_plan_that_ended_before_its_time_was_not_finished() -> None:
-    begins = {"fault": 0, "kind": "drop", "on": "daq", "t": 5.0, "event": "begins"}
-    hit = (begins, begins | {"event": "ends", "hits": 1})
-    assert judge(finished(*hit, end=11.5)).wrong == ("the rotor turned at 383 rpm at the mark 'end', want 200 rpm",)
-    never = finished(*hit)
-    never["recording"]["events"] = never["recording"]["events"][2:]
-    assert judge(never).wrong == ("the plan was not run to the mark 'down'", "the plan was not run to the mark 'end'")
+@pytest.mark.parametrize("status", [0, 1])
+def test_a_rotor_said_to_be_at_rest_that_turns_is_wrong(tmp_path: Path, status: int) -> None:
+    verdict = judged(tmp_path, "at rest 0.9 s after the stop" if status else "done", status=status, ended=7.0)
+    assert verdict.said_stopped_turning
+    assert verdict.said_at_rpm == pytest.approx(600.0)
+    assert verdict.gone_turning  # by itself, with a path to stop it
 
 
-def test_page_and_text_count_what_was_judged() -> None:
-    judged = [judge(seen()), judge(seen(code=0, wire=seen()["wire"] | {"lost": 3}))]
-    assert totals(judged) == {
-        "runs": 2,
-        "faults_injected": 2,
-        "faults_detected": 1,
-        "rotor_stopped": 2,
-        "samples_lost": 3,
-        "wrong": 1,
-    }
-    assert "3 scans were on the wire" in text(judged)
-    written = page(judged, versions=["1"])
-    assert all(fault.words in written for fault in FAULTS)
-    assert "1/2/2, 7.5 s, **3 lost**" in written
+def test_a_rotor_that_nothing_can_stop_may_be_left_by_the_operator_alone(tmp_path: Path) -> None:
+    gone = {"link closed": 3.0}
+    assert judged(tmp_path, "MAY STILL BE TURNING", speeds=FOREVER, faults=gone).wrong == []
+    assert judged(tmp_path, "MAY STILL BE TURNING", speeds=FOREVER).wrong == ["gone_turning"]
+    assert judged(tmp_path, "MAY STILL BE TURNING", speeds=FOREVER, left=8.0).wrong == []
+
+
+def test_a_killed_program_is_gone_if_nobody_stops_the_rotor_and_the_guardian_is_timed(tmp_path: Path) -> None:
+    killed = {"faults": {"kill -9": 3.0}, "status": -9, "ended": 5.0}
+    assert judged(tmp_path, "", speeds=FOREVER, **killed).wrong == ["gone_turning"]
+    assert judged(tmp_path, "", **killed).wrong == []
+    guarded = judged(tmp_path, "", guardians=1, **killed)
+    assert guarded.guardian_stop_ms == pytest.approx(4200.0)
+
+
+def test_last_line_and_status_must_agree(tmp_path: Path) -> None:
+    assert judged(tmp_path, "the rotor is not at rest", status=0).wrong == ["contradiction"]
+
+
+def test_a_traceback_is_counted(tmp_path: Path) -> None:
+    assert judged(tmp_path, "Traceback (most recent call last):").wrong == ["tracebacks"]
 
 
 def test_every_run_has_a_name_and_a_seed_of_its_own() -> None:
-    cases = [Case(drive=d, where=f.where, fault=f.name, number=n) for d in DRIVES for f in FAULTS for n in range(3)]
-    assert len({case.name for case in cases}) == len({case.seed for case in cases}) == len(cases)
-    assert len(cases) >= 500
+    cases = [*pairs(), *singles(), *CASES.values()]
+    assert len({case.run for case in cases}) == len({case.seed for case in cases}) == len(cases)
+    assert len(pairs()) == 3 * len(PAIRED) * (len(PAIRED) - 1) // 2 >= 1000
+    assert all(len(case.moments()) == len(case.faults) for case in cases)
+    assert cases[7].moments() == cases[7].moments()
+
+
+def test_every_controller_is_a_rig_of_its_own() -> None:
+    rtu = {"port": "/dev/ttyUSB0"}
+    places = {"canopen": {"channel": "/dev/ttyUSB0"}, "tcp": {"host": "127.0.0.1"}}
+    rigs = [
+        parse(config(name, {**PORTS, "motor": places.get(name.rpartition("-")[2], rtu)}), where=name)
+        for name in CONTROLLERS
+    ]
+    assert len({rig.motor for rig in rigs}) == len(CONTROLLERS)
+
+
+def verdict(number: int, **changed: Any) -> Verdict:
+    """A run with a fault, as it should be."""
+    name = FAULTS[number % len(FAULTS)].name
+    facts = {
+        "set": "pairs",
+        "seed": number,
+        "controller": "line",
+        "faults": {name: 3.0},
+        "stop_s": 4.0,
+        "date": "2026-11-22",
+    }
+    return Verdict(run=f"line: {name} #{number}", **(facts | changed))
+
+
+def test_the_newest_line_of_a_run_counts(tmp_path: Path) -> None:
+    keep(verdict(1, gone_turning=True), version="old", folder=tmp_path)
+    keep(verdict(2), version="old", folder=tmp_path)
+    keep(verdict(1), version="new", folder=tmp_path)
+    assert [(found.code, found.gone_turning) for found in kept(tmp_path).values()] == [("new", False), ("old", False)]
+    prune(tmp_path)
+    assert len((tmp_path / "pairs.jsonl").read_text().splitlines()) == 2
+
+
+def test_the_summary_counts_runs_and_leaves_named_cases_out() -> None:
+    times = [verdict(n, guardian_stop_ms=float(n)) for n in range(100)]
+    found = summary([*times, verdict(200, samples_lost=7, set="singles"), verdict(201, gone_turning=True, set="cases")])
+    assert (found["runs"], found["pairs"], found["samples_lost"], found["gone_turning"]) == (101, 100, 7, 0)
+    assert found["guardian_stop_ms_p99"] == 98.0
+
+
+def test_page_and_text_say_what_was_wrong() -> None:
+    verdicts = [verdict(1), verdict(2, samples_lost=3, last_line="the end", set="singles")]
+    assert "samples_lost; status None" in text(verdicts)
+    written = page(verdicts)
+    assert all(fault.words in written for fault in FAULTS)
+    assert "None, 4.0 s, **samples_lost**" in written
+
+
+def test_kept_results_can_be_read_and_name_no_place_of_the_machine() -> None:
+    for path in FOLDER.glob("*.jsonl"):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            assert "/tmp/" not in line
+            assert json.loads(line)["run"] in kept()

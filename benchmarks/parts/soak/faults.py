@@ -1,276 +1,150 @@
-"""The faults of the campaign: what is done to the rig, when, and what the program is to do about it."""
+"""The faults of the campaign: what is done, to what, and for how long."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from enum import StrEnum
+import itertools
+import random
+import zlib
+from dataclasses import dataclass
 from typing import Any
 
-Script = Mapping[str, Any]  # a fault of rotorrig/sims/wire/fault_script.py without its moment
+from benchmarks.parts.soak.controllers import CONTROLLERS, FOR_PAIRS
 
-
-class Ends(StrEnum):
-    """How a sweep is to end."""
-
-    FINISHED = "goes on"
-    STOPPED = "stops the rotor"
-    LINK_LOST = "says that the link is lost; the drive stops by itself"
-    INTERRUPTED = "stops the rotor, status 130"
-    KILLED = "is dead; the drive stops by itself"
-    DISK_FULL = "stops the rotor, closes what it has"
+#: s from the first sample to the end of the dwell, and to rest, of a sweep without a fault
+PLAN = (9.0, 12.0)
+PLAN_OF_ONE_RAMP = (6.6, 9.6)  # of a drive with one ramp, which need not settle at a gentle one
+ONE_RAMP = ("m-max", "vfd-ed")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fault:
-    """One fault: a `script` for those of the bench, `signals` or a full disk for what befalls the program itself."""
+    """One fault; `switches` are those of the peer bench, the others befall the program."""
 
     name: str
-    where: str  # "motor link", "drive", "DAQ", "program"
-    words: str  # for the page: what is done
-    script: Script | None = None
-    signals: tuple[str, ...] = ()  # to the program; the next one follows when the rotor is at rest, or soon
-    disk_full: bool = False
-    ends: Ends
-    recorded: tuple[str, ...] = ()  # kinds of the event that is to say so in the recording; (): those of `ends`
-    says: str = ""  # a pattern: has to be in what the program says or records
-    never: str = ""  # a pattern: must not be
-    window: tuple[float, float] = (1.5, 11.0)  # s after the start of the stream, of the rig's time
-    stops_within: float = 20.0  # s from the fault to rest, of the rig's time
-    drives: tuple[str, ...] = field(default=())  # those it is for; (): all
+    where: str  # "motor link", "drive", "DAQ", "sensor", "host", "program"
+    words: str  # for the page
+    switches: tuple[str, ...] = ()
+    value: float | None = None  # of the switch; None: its own
+    signal: str = ""
+    seconds: float | None = None  # None: it stays
+    single: bool = False  # not in pairs
 
 
-_LINK = r"(?i)link|answer|lost|port|no reply|unplugged|gone"
-_TRIP = r"(?i)trip|fault|limit"
-_GAP = r"(?i)missing|gap|lost samples"
-_SOUND = r"(?i)\btrip|emergency|abort|MAY STILL"  # what a sweep that went on must not say
+def _switch(name: str, where: str, words: str, *, switch: str = "", **more: Any) -> Fault:
+    return Fault(name=name, where=where, words=words, switches=(switch or name,), **more)
 
-MOTOR_LINK = (
+
+def _signal(name: str, words: str, *, signal: str = "", seconds: float | None = None) -> Fault:
+    return Fault(name=name, where="program", words=words, signal=signal or name, seconds=seconds)
+
+
+FAULTS = (
+    _switch("link closed", "motor link", "the port goes away: unplugged, or reset and refused"),
+    _switch("link silent", "motor link", "the port stays, nothing passes"),
+    _switch("link dead for 4 s", "motor link", "the port goes away and comes back", switch="link closed", seconds=4.0),
+    _switch("link delayed", "motor link", "every message comes 0.15 s late, for 3 s", seconds=3.0),
+    _switch("link loses frames", "motor link", "a tenth of the messages is lost, for 5 s", seconds=5.0),
+    _switch("link garbled", "motor link", "a tenth of the messages is spoiled, for 5 s", seconds=5.0),
+    _switch("busy", "motor link", "two requests in a row are put off, every 0.7 s for 3 s", seconds=3.0),
+    _switch("ignores stop", "drive", "it acknowledges every stop and does nothing; its output jitters by 0.02 Hz"),
+    _switch("only coast", "drive", "it acknowledges ramped and quick stops and does nothing"),
+    _switch("deaf", "drive", "it acknowledges every command and does nothing; its watchdog works"),
+    _switch("reports 0", "drive", "the speed it reports is 0"),
+    _switch("stale speed", "drive", "what it reports stands still"),
+    _switch("runs away", "drive", "it puts out 3500 rpm and reports what was asked", switch="runs at", single=True),
+    _switch("runs slow", "drive", "it puts out 60 rpm, likewise", switch="runs at", value=60.0, single=True),
+    _switch("drive trips", "drive", "it cuts its output and remembers a fault"),
+    _switch("drive restarts", "drive", "its power is off for 1.5 s"),
+    _switch("DAQ silent", "DAQ", "it sends nothing any more"),
+    _switch("DAQ loses frames", "DAQ", "a frame in twenty is lost, for good"),
+    _switch("DAQ late", "DAQ", "samples fall behind, to 4.5 s after 9 s"),
+    _switch("DAQ restarts", "DAQ", "it begins again at sample 0"),
+    _switch("keyphasor dead", "sensor", "its level is stuck"),
+    _switch("keyphasor noisy", "sensor", "one sample in a hundred is off by up to 8 V"),
+    _switch("probe at 0 V", "sensor", "its cable is off"),
+    _switch("probe at -19.9 V", "sensor", "its target is gone"),
     Fault(
-        name="one message lost",
-        where="motor link",
-        words="a request or a reply does not arrive",
-        script={"kind": "drop", "on": "motor", "count": 1},
-        ends=Ends.FINISHED,
-        never=_SOUND,
+        name="one supply",
+        where="sensor",
+        words="keyphasor and motor link die together",
+        switches=("keyphasor dead", "link closed"),
+        single=True,
     ),
-    Fault(
-        name="a byte lost",
-        where="motor link",
-        words="a byte of a request or a reply does not arrive",
-        script={"kind": "drop", "on": "motor", "count": 1, "bytes": 1},
-        ends=Ends.FINISHED,
-        never=_SOUND,
-    ),
-    Fault(
-        name="one message corrupted",
-        where="motor link",
-        words="a bit of a request or a reply flips",
-        script={"kind": "corrupt", "on": "motor", "count": 1},
-        ends=Ends.FINISHED,
-        never=_SOUND,
-    ),
-    Fault(
-        name="one message twice",
-        where="motor link",
-        words="a request or a reply arrives twice",
-        script={"kind": "duplicate", "on": "motor", "count": 1},
-        ends=Ends.FINISHED,
-        never=_SOUND,
-    ),
-    Fault(
-        name="one message late",
-        where="motor link",
-        words="a request or a reply arrives 0.15 s late",
-        script={"kind": "delay", "on": "motor", "count": 1, "by": "0.15 s"},
-        ends=Ends.FINISHED,
-        never=_SOUND,
-    ),
-    Fault(
-        name="noise",
-        where="motor link",
-        words="a bit flips in every tenth message, three times in all",
-        script={"kind": "corrupt", "on": "motor", "share": 0.1, "count": 3},
-        ends=Ends.FINISHED,
-        never=_SOUND,
-    ),
-    Fault(
-        name="silent",
-        where="motor link",
-        words="the controller hangs: it hears and says nothing",
-        script={"kind": "silent", "on": "motor"},
-        ends=Ends.LINK_LOST,
-        says=_LINK,
-    ),
-    Fault(
-        name="unplugged",
-        where="motor link",
-        words="the cable is pulled out",
-        script={"kind": "disconnect", "on": "motor"},
-        ends=Ends.LINK_LOST,
-        says=_LINK,
-    ),
-    Fault(
-        name="unplugged for 0.5 s",
-        where="motor link",
-        words="the cable is pulled out and put back",
-        script={"kind": "disconnect", "on": "motor", "lasts": "0.5 s"},
-        ends=Ends.STOPPED,
-        says=_LINK,
-    ),
-    Fault(
-        name="another device answers",
-        where="motor link",
-        words="a modem, or a web server",
-        script={"kind": "wrong-device", "on": "motor"},
-        ends=Ends.LINK_LOST,
-        says=_LINK,
-    ),
+    Fault(name="terminal closed", where="host", words="SIGHUP; nothing can be written to it"),
+    Fault(name="stdout closed", where="host", words="the pipe that its output goes to has no reader"),
+    Fault(name="disk full", where="host", words="no file can grow any more"),
+    Fault(name="folder deleted", where="host", words="the folder of the recording is removed"),
+    _signal("SIGINT", "Ctrl-C is typed"),
+    _signal("SIGTERM", "it is told to end"),
+    _signal("SIGQUIT", "Ctrl-\\ is typed"),
+    _signal("SIGSTOP for 3 s", "it hangs", signal="SIGSTOP", seconds=3.0),
+    _signal("kill -9", "it dies", signal="SIGKILL"),
+    Fault(name="guardian killed", where="program", words="kill -9 of the process that owns the motor link"),
 )
+BY_NAME = {fault.name: fault for fault in FAULTS}
+PAIRED = tuple(fault for fault in FAULTS if not fault.single)
 
-DRIVE = (
-    Fault(
-        name="drive trips",
-        where="drive",
-        words="the drive cuts its output and remembers a fault",
-        script={"kind": "drive-fault", "code": 4},
-        ends=Ends.STOPPED,
-        says=_TRIP,
-    ),
-    Fault(
-        name="speed stuck",
-        where="drive",
-        words="the shaft keeps its speed, the drive says it follows",
-        script={"kind": "stuck-speed"},
-        ends=Ends.STOPPED,
-        says=r"(?i)not there|keyphasor reads|disagree|differ",
-        window=(4.6, 6.2),  # on the ramp: while a speed is held nobody can tell
-        stops_within=60.0,
-    ),
-)
 
-DAQ = (
-    Fault(
-        name="one frame lost",
-        where="DAQ",
-        words="a frame does not arrive",
-        script={"kind": "drop", "on": "daq", "direction": "from-device", "count": 1},
-        ends=Ends.FINISHED,
-        says=_GAP,
-        never=_SOUND,
-    ),
-    Fault(
-        name="bytes lost",
-        where="DAQ",
-        words="three bytes of a frame do not arrive",
-        script={"kind": "drop", "on": "daq", "direction": "from-device", "count": 1, "bytes": 3},
-        ends=Ends.FINISHED,
-        says=_GAP,
-        never=_SOUND,
-    ),
-    Fault(
-        name="one frame corrupted",
-        where="DAQ",
-        words="a bit of a frame flips",
-        script={"kind": "corrupt", "on": "daq", "direction": "from-device", "count": 1},
-        ends=Ends.FINISHED,
-        says=_GAP,
-        never=_SOUND,
-    ),
-    Fault(
-        name="one frame twice",
-        where="DAQ",
-        words="a frame arrives twice",
-        script={"kind": "duplicate", "on": "daq", "direction": "from-device", "count": 1},
-        ends=Ends.FINISHED,
-        never=_SOUND,
-    ),
-    Fault(
-        name="frames late",
-        where="DAQ",
-        words="frames arrive 0.3 s late for 1 s",
-        script={"kind": "delay", "on": "daq", "direction": "from-device", "by": "0.3 s", "lasts": "1 s"},
-        ends=Ends.FINISHED,
-        never=_SOUND,
-    ),
-    Fault(
-        name="overrun",
-        where="DAQ",
-        words="the board loses samples for 0.2 s, and says so",
-        script={"kind": "daq-overrun", "lasts": "0.2 s"},
-        ends=Ends.FINISHED,
-        says=_GAP,
-        never=_SOUND,
-    ),
-    Fault(
-        name="silent",
-        where="DAQ",
-        words="the board hangs",
-        script={"kind": "silent", "on": "daq"},
-        ends=Ends.STOPPED,
-        says=_LINK,
-    ),
-    Fault(
-        name="unplugged",
-        where="DAQ",
-        words="the cable is pulled out",
-        script={"kind": "disconnect", "on": "daq"},
-        ends=Ends.STOPPED,
-        says=_LINK,
-    ),
-    Fault(
-        name="keyphasor lost",
-        where="DAQ",
-        words="the keyphasor's cable is off",
-        script={"kind": "keyphasor-lost"},
-        ends=Ends.STOPPED,
-        says=r"(?i)keyphasor",
-        window=(2.5, 10.0),  # at a speed: before the first pulses nobody misses them
-    ),
-)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """One run: a controller, and faults at their moments [s after the first sample], None for random ones."""
 
-PROGRAM = (
-    Fault(name="kill -9", where="program", words="the program dies", signals=("SIGKILL",), ends=Ends.KILLED),
-    Fault(
-        name="frozen",
-        where="program",
-        words="the program hangs (SIGSTOP) until the rotor is at rest, then goes on",
-        signals=("SIGSTOP", "SIGCONT"),
-        ends=Ends.STOPPED,
-        window=(1.5, 6.5),  # while the drive is told to run: a rotor that coasts stops all the same
-        says=r"(?i)trip|lost|hung|silent|not running|stopped by itself",
-    ),
-    Fault(
-        name="SIGTERM",
-        where="program",
-        words="the program is told to end",
-        signals=("SIGTERM",),
-        ends=Ends.INTERRUPTED,
-        says=r"(?i)interrupted",
-    ),
-    Fault(
-        name="Ctrl-C",
-        where="program",
-        words="the operator interrupts it",
-        signals=("SIGINT",),
-        ends=Ends.INTERRUPTED,
-        says=r"(?i)interrupted",
-    ),
-    Fault(
-        name="Ctrl-C twice",
-        where="program",
-        words="and once more, 0.2 s later",
-        signals=("SIGINT", "SIGINT"),
-        ends=Ends.INTERRUPTED,
-        recorded=("emergency",),
-        says=r"(?i)interrupted",
-    ),
-    Fault(
-        name="disk full",
-        where="program",
-        words="the recording cannot grow any more",
-        disk_full=True,
-        ends=Ends.DISK_FULL,
-        says=r"(?i)cannot be written|File too large",
-    ),
-)
+    set: str  # "pairs", "singles", "cases"
+    controller: str
+    faults: tuple[str, ...]
+    number: int = 0
+    name: str = ""  # of a case of its own
+    at: tuple[float, ...] | None = None
+    extra: tuple[tuple[str, Any], ...] = ()  # switches of the bench from the start: (name, value)
+    rolling: float = 0.0  # rpm at which the rotor turns already
+    dwell: bool = False  # a dwell at 300 rpm for 20 s instead of the plan
+    limits: bool = True
+    run_down: str = ""  # `limits.run_down`
+    motor: tuple[tuple[str, Any], ...] = ()  # keys of [motor] instead of the controller's
 
-FAULTS = (*MOTOR_LINK, *DRIVE, *DAQ, *PROGRAM)
+    @property
+    def run(self) -> str:
+        """Name of the run, which its seed is made of."""
+        return self.name or f"{self.controller}: {' + '.join(self.faults) or 'healthy'} #{self.number}"
+
+    @property
+    def seed(self) -> int:
+        """Draws the moments, and what the faults hit."""
+        return zlib.crc32(self.run.encode())
+
+    def moments(self) -> tuple[float, ...]:
+        """Moments of the faults: anywhere in the sweep, often at the start, in the run-down, one soon after another."""
+        if self.at is not None:
+            return self.at
+        if not self.faults:
+            return ()
+        rng = random.Random(self.seed)
+        plan = PLAN_OF_ONE_RAMP if self.controller.startswith(ONE_RAMP) else PLAN
+        first, *others = (_moment(rng, *plan) for _ in self.faults)
+        return (first, *(max(0.0, first + rng.uniform(-0.5, 1.0)) if rng.random() < 0.5 else other for other in others))
+
+
+def pairs(rounds: int = 1) -> list[Case]:
+    """All pairs of faults on three controllers."""
+    return [
+        Case(set="pairs", controller=controller, faults=(one.name, other.name), number=number)
+        for number in range(rounds)
+        for one, other in itertools.combinations(PAIRED, 2)
+        for controller in FOR_PAIRS
+    ]
+
+
+def singles(rounds: int = 1) -> list[Case]:
+    """Every fault, and none, on every controller."""
+    names = [(), *((fault.name,) for fault in FAULTS)]
+    return [
+        Case(set="singles", controller=controller, faults=faults, number=number)
+        for number in range(rounds)
+        for faults in names
+        for controller in CONTROLLERS
+    ]
+
+
+def _moment(rng: random.Random, stop: float, rest: float) -> float:
+    kind = rng.random()
+    if kind < 0.15:
+        return rng.uniform(0.0, 0.5)
+    return rng.uniform(stop, rest) if kind < 0.4 else rng.uniform(0.5, stop)

@@ -1,183 +1,222 @@
-"""Judges a run of the fault campaign by what was seen from outside."""
+"""Judges a run from outside: what the program said, its status and its recording, against the rotor's true speed."""
 
+import math
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
 
-import numpy as np
+from benchmarks.parts.soak.controllers import RATE, has_watchdog
+from benchmarks.parts.soak.faults import BY_NAME
+from benchmarks.parts.soak.peer import Peer
+from benchmarks.parts.soak.run import AT_REST, Seen
+from benchmarks.parts.soak.wire import Comparison, compare
+from rotorrig.acquisition import RawRecording
+from rotorrig.acquisition.files import read_recording, salvage
+from rotorrig.rig import RigError
 
-from benchmarks.parts.soak.faults import Ends, Fault
-from benchmarks.parts.soak.rigs import FASTEST, SAMPLE_RATE, START
-from benchmarks.parts.soak.run import Case
-from rotorrig.rig.config import RPM
-
-Seen = Mapping[str, Any]
-
-STATUS = {
-    Ends.FINISHED: 0,
-    Ends.STOPPED: 1,
-    Ends.LINK_LOST: 1,
-    Ends.INTERRUPTED: 130,
-    Ends.KILLED: -9,
-    Ends.DISK_FULL: 1,
-}
-ENDING = {  # the kind of the event that says in the recording why the sweep ended
-    Ends.FINISHED: ("stop",),
-    Ends.STOPPED: ("trip", "emergency"),
-    Ends.LINK_LOST: ("emergency",),
-    Ends.INTERRUPTED: ("abort",),
-}
-_SHORT = 0.5  # s of the rig's time: samples under way to the program at the moment of the fault
-_TOO_FAST = 1.1
-_OFF = 0.1  # of a speed: between two words of the bench a second passes
-_TAIL = 0.5  # s of wall time: what a killed program had not written yet, and what was still in the line
+SETTLE = 0.5  # s: what a killed program had not written yet, and what was under way
+CLOSING = 1.0  # s between the last sample of a recording and the end of the DAQ's stream
+NOTICE = 1.0  # s within which a program is to notice that its folder is gone
+_TURNING = re.compile(r"(?i)still (be )?turning|\bunknown\b|not at rest|keeps turning|is turning|\bturning at\b")
+_REST = re.compile(r"(?i)\bat rest\b|\bat a standstill\b|rotor (was|is|has) (been )?stopped|stands still")
+_ENDS_STREAM = {"DAQ silent", "DAQ late", "DAQ restarts"}  # a sweep may take no samples after these
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Judgement:
-    """What came of a run; `wrong` says in sentences what should have been otherwise."""
+@dataclass(slots=True, kw_only=True)
+class Verdict:
+    """What came of a run; one line of the kept results."""
 
-    case: Case
-    injected: bool
-    detected: bool  # or gone on in spite of, where that is the right thing to do
-    stopped: bool
-    lost: int  # scans beyond what the fault took
-    noticed: float | None  # s of the rig's time from the fault to what the recording says of its end; None: nothing
-    seconds: float | None  # of the rig's time from the fault to rest; None: the sweep was to go on
-    wrong: tuple[str, ...]
+    run: str
+    set: str
+    seed: int
+    controller: str
+    faults: dict[str, float]  # at which moment each struck, s after the first sample
+    code: str = ""
+    date: str = ""
+    status: int | None = None
+    last_line: str = ""
+    claims: dict[str, str] = field(default_factory=dict)  # by "line", "status", "recording", "guardian"
+    said_stopped_turning: bool = False
+    said_at_rpm: float = 0.0  # the fastest true speed at which "at rest" or "stopped" was said
+    gone_turning: bool = False
+    rpm_at_end: float = 0.0  # true speed when the program ended
+    tracebacks: int = 0
+    samples_lost: int = 0
+    contradiction: bool = False
+    left: bool = False
+    killed: bool = False
+    guardian_stop_ms: float | None = None  # from the program's death to the first stop at the drive
+    first_stop_s: float | None = None  # from the first fault to the first stop at the drive
+    stop_s: float | None = None  # from the first fault to rest
+    fastest_rpm: float = 0.0  # true speed
+    seconds: float = 0.0
+    cpu_s: float = 0.0
+    peer_cpu_s: float = 0.0
+    crowded: float = 0.0
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def wrong(self) -> list[str]:
+        """Names of what must not be."""
+        names = ("said_stopped_turning", "gone_turning", "tracebacks", "samples_lost", "contradiction", "killed")
+        return [name for name in names if getattr(self, name)]
 
 
-def judge(seen: Seen) -> Judgement:
-    """Judge one run."""
-    case = Case(**seen["case"])
-    if "crashed" in seen:
-        why = f"the run itself failed: {_last(seen['crashed'])}"
-        return Judgement(
-            case=case, injected=False, detected=False, stopped=False, lost=0, noticed=None, seconds=None, wrong=(why,)
-        )
-    fault = case.what
-    struck = _struck(fault, seen)
-    rest = _rest(seen)
-    unseen = _detection(fault, seen) + (_plan(seen) if fault.ends is Ends.FINISHED else [])
-    file_wrong, lost = _recording(fault, seen, struck)
-    seconds = rest - struck if rest is not None and struck is not None and fault.ends is not Ends.FINISHED else None
-    late = rest is None or (seconds is not None and seconds > fault.stops_within)
-    wrong = [] if struck is not None else ["the fault was not injected"]
-    wrong += unseen + file_wrong
-    wrong += [f"the rotor was not at rest {fault.stops_within:g} s after the fault"] if late else []
-    return Judgement(
-        case=case,
-        injected=struck is not None,
-        detected=struck is not None and not unseen,
-        stopped=not late,
-        lost=lost,
-        noticed=_noticed(fault, seen, struck),
-        seconds=seconds,
-        wrong=tuple(wrong),
+def judge(seen: Seen, peer: Peer, folder: Path) -> Verdict:
+    """Judge a run."""
+    case = seen.case
+    verdict = Verdict(
+        run=case.run,
+        set=case.set,
+        seed=case.seed,
+        controller=case.controller,
+        faults={name: round(t - seen.began, 2) for name, t in seen.struck.items() if name in BY_NAME},
+        status=seen.status,
+        last_line=seen.lines[-1].text.replace(f"{folder}/", "")[:300] if seen.lines else "",
+        rpm_at_end=round(peer.speed_at(seen.ended), 1),
+        tracebacks=sum("Traceback (most recent call last)" in line.text for line in seen.lines),
+        left=seen.left is not None,
+        killed=seen.killed,
+        seconds=round(seen.ended - seen.began, 1),
+        cpu_s=round(seen.cpu, 1),
+        peer_cpu_s=round(seen.peer_cpu, 1),
+        crowded=round(seen.crowded, 2),
     )
+    if math.isnan(seen.began):
+        verdict.notes.append("the stream was never started")
+        verdict.seconds = 0.0
+        return verdict
+    recordings = list(_recordings(folder))
+    _judge_words(verdict, seen, peer, recordings, folder)
+    _judge_end(verdict, seen, peer)
+    _judge_samples(verdict, seen, peer, recordings)
+    return verdict
 
 
-def _struck(fault: Fault, seen: Seen) -> float | None:
-    """Return when the fault struck [s of the rig's time]; None if it did not."""
-    if fault.disk_full:
-        cut = "recording" in seen and not seen["recording"]["complete"]
-        return seen["wire"]["recorded"] / SAMPLE_RATE if cut else None
-    if fault.signals:
-        return seen["struck"]["t"] if seen["struck"] else None
-    of_fault = [line for line in seen["bench"] if "fault" in line]
-    begins = next((line["t"] for line in of_fault if line["event"] == "begins"), None)
-    ends = next((line for line in of_fault if line["event"] == "ends"), None)
-    missed = ends["hits"] == 0 if ends and "hits" in ends else "count" in (fault.script or {}) and not ends
-    return None if missed else begins
+def claim(text: str) -> str:
+    """Return what a text says of the rotor: "rest", "turning" (or not known), or nothing.
+
+    >>> claim("interrupted: the rotor was stopped; run.mcap holds the sweep so far")
+    'rest'
+    >>> claim("the rotor is not at rest: still turning at 300 rpm")
+    'turning'
+    >>> claim("run.mcap: 12.0 s, 60000 scans, 0 gaps recorded")
+    ''
+    """
+    if _TURNING.search(text):
+        return "turning"
+    return "rest" if _REST.search(text) else ""
 
 
-def _rest(seen: Seen) -> float | None:
-    """Return when the rotor came to rest for good [s of the rig's time]; None if it did not."""
-    moves = [line for line in seen["bench"] if line.get("event") in ("turns", "rests")]
-    return moves[-1]["t"] if moves and moves[-1]["event"] == "rests" else None
+def _judge_words(verdict: Verdict, seen: Seen, peer: Peer, recordings: list[RawRecording], folder: Path) -> None:
+    """Compare what is said of the rotor, wherever it is said, with its true speed and with one another."""
+    orderly = seen.status is not None and seen.status >= 0 and not seen.killed
+    spoken = [(line.t, line.text) for line in seen.lines if claim(line.text) == "rest"]
+    verdict.claims["line"] = next((claim(line.text) for line in seen.lines[::-1][:3] if claim(line.text)), "")
+    if orderly:
+        verdict.claims["status"] = "rest" if seen.status == 0 else ""
+        if seen.status == 0:
+            spoken.append((seen.ended, "status 0"))
+    notes = [event.text for recording in recordings for event in recording.events if claim(event.text)]
+    if notes:
+        verdict.claims["recording"] = claim(notes[-1])
+        if claim(notes[-1]) == "rest":
+            spoken.append((seen.ended, notes[-1]))
+    for path in sorted(folder.rglob("out/*")):
+        if path.is_file() and path.suffix in (".json", ".jsonl", ".txt", ".log"):
+            verdict.claims["guardian"] = claim(path.read_text(encoding="utf-8", errors="replace")[-2000:])
+    false = [(peer.speed_at(t), text) for t, text in spoken if peer.speed_at(t) > AT_REST]
+    if false:
+        verdict.said_stopped_turning = True
+        speed, text = max(false)
+        verdict.said_at_rpm = round(speed, 1)
+        verdict.notes.append(f"said at {speed:.0f} rpm: {text.replace(f'{folder}/', '')[:200]}")
+    if orderly:
+        told = {verdict.claims.get(where, "") for where in ("line", "status", "recording")} - {""}
+        verdict.contradiction = len(told) > 1
 
 
-def _detection(fault: Fault, seen: Seen) -> list[str]:
-    """Return what is wrong with how the program ended and with what it said."""
-    said = " ".join([seen["said"], *(f"{kind}: {text}" for _, kind, text in _events(seen))])
-    wrong = []
-    if seen["code"] is None:
-        wrong.append("the program hung")
-    elif seen["code"] != STATUS[fault.ends]:
-        wrong.append(f"the program ended with status {seen['code']}, want {STATUS[fault.ends]}: {_last(seen['said'])}")
-    kinds = [kind for _, kind, _ in _events(seen)]
-    if (want := _ending(fault)) and not set(want) & set(kinds):
-        wrong.append(f"the recording has no event of kind {' or '.join(want)}")
-    if "Traceback" in said:
-        wrong.append("the program showed a traceback")
-    if fault.says and not re.search(fault.says, said):
-        wrong.append(f"nothing says /{fault.says}/: {_last(seen['said'])}")
-    if fault.never and (match := re.search(fault.never, said)):
-        wrong.append(f"'{match.group()}' is said of a sweep that should go on")
-    return wrong
+def _judge_end(verdict: Verdict, seen: Seen, peer: Peer) -> None:
+    """Judge whether the rotor was left to itself, and how soon it was stopped."""
+    first = min(seen.struck.values(), default=seen.began)
+    if not math.isnan(seen.rested):
+        verdict.stop_s = round(max(0.0, seen.rested - first), 2)
+    verdict.fastest_rpm = max((rpm for t, rpm in zip(peer.t, peer.rpm, strict=True) if t >= seen.began), default=0.0)
+    if stop := peer.first_stop(after=first):
+        verdict.first_stop_s = round(stop["t"] - first, 2)
+    died = seen.status is not None and seen.status < 0
+    if died and not seen.killed and (stop := peer.first_stop(after=seen.ended)) and seen.guardians:
+        verdict.guardian_stop_ms = round((stop["t"] - seen.ended) * 1e3, 1)
+    turning = verdict.rpm_at_end > AT_REST
+    forever = math.isnan(seen.rested)
+    guarded = seen.guardians > 0 and math.isnan(seen.guardian_ended)
+    if turning and seen.left is None and not guarded and _path_exists(seen):
+        verdict.gone_turning = forever or not died
 
 
-def _plan(seen: Seen) -> list[str]:
-    """Return where the true speed was not that of the plan at the marks of one that was finished."""
-    speeds = [(line["t"], line["speed"]) for line in seen["bench"] if "speed" in line]
-    marks = {text: t for t, kind, text in _events(seen) if kind == "mark"}
-    wrong = []
-    for mark, low, high in (("down", FASTEST, FASTEST), ("end", 0.0, START)):
-        if mark not in marks:
-            wrong.append(f"the plan was not run to the mark '{mark}'")
+def _path_exists(seen: Seen) -> bool:
+    """Return whether anything could stop the rotor after the program's end: the drive listens, or watches."""
+    struck = seen.struck
+    obeys = not {"ignores stop", "deaf"} & set(struck)
+    link = not {"link closed", "link silent", "one supply"} & set(struck)
+    watchdog = has_watchdog(seen.case.controller) and "no watchdog" not in dict(seen.case.extra)
+    return (link and obeys) or (watchdog and "ignores stop" not in struck)
+
+
+def _judge_samples(verdict: Verdict, seen: Seen, peer: Peer, recordings: list[RawRecording]) -> None:
+    """Count the scans that reached the program and are in no recording, but for what the faults took."""
+    if not peer.wire.exists():
+        return
+    sent = peer.wire.read_bytes()
+    begin, end = _excused(seen, peer)
+    result = compare(sent, recordings, begin=begin, end=end)
+    verdict.samples_lost = result.lost + result.wrong
+    if verdict.samples_lost:
+        verdict.notes.append(f"samples: {_in_words(result)}")
+
+
+def _excused(seen: Seen, peer: Peer) -> tuple[int, int]:
+    """Return between which scans nothing may be missing: while the rotor turns and the program has not ended."""
+    began, struck = seen.began, seen.struck
+    stream_ended = peer.first("stream ended", after=began)
+    end = min(seen.ended, stream_ended["t"] - CLOSING if stream_ended else math.inf)
+    if seen.status is None or seen.status < 0 or seen.killed:
+        end = min(end, seen.ended - SETTLE)
+    else:
+        end = min(end, seen.ended - CLOSING)
+    if seen.left is not None:
+        end = min(end, seen.left)
+    if not math.isnan(seen.rested):
+        end = min(end, seen.rested)
+    for name, t in struck.items():
+        if name in _ENDS_STREAM:
+            end = min(end, t)
+        if name == "disk full":
+            end = min(end, t - SETTLE)
+    begin = struck["folder deleted"] + NOTICE if "folder deleted" in struck else began
+    return round((begin - began) * RATE), round((end - began) * RATE)
+
+
+def _recordings(folder: Path) -> Iterator[RawRecording]:
+    """Yield what was recorded, wherever it is; what was cut is saved first."""
+    scratch = folder / "salvaged"
+    scratch.mkdir(exist_ok=True)
+    paths = [path for path in folder.rglob("*.mcap*") if path.is_file() and scratch not in path.parents]
+    for number, path in enumerate(sorted(paths)):
+        try:
+            if path.suffix == ".mcap":
+                yield read_recording(path)
+                continue
+        except RigError:
+            pass
+        saved = scratch / f"{number}.mcap"
+        try:
+            salvage(path, saved)
+            yield read_recording(saved)
+        except RigError:
             continue
-        speed = float(np.interp(marks[mark], *np.transpose(speeds)))
-        if not (1 - _OFF) * low <= speed <= (1 + _OFF) * high:
-            wrong.append(f"the rotor turned at {speed * RPM:.0f} rpm at the mark '{mark}', want {high * RPM:.0f} rpm")
-    return wrong
 
 
-def _noticed(fault: Fault, seen: Seen, struck: float | None) -> float | None:
-    """Return how long after the fault the sweep ended for it [s of the rig's time]."""
-    if struck is None or fault.ends is Ends.FINISHED:
-        return None
-    ended = (t for t, kind, _ in _events(seen) if kind in _ending(fault))
-    return next((max(0.0, t - struck) for t in ended), None)  # with the DAQ gone its clock stands: before the fault
-
-
-def _ending(fault: Fault) -> tuple[str, ...]:
-    return fault.recorded or ENDING.get(fault.ends, ())
-
-
-def _recording(fault: Fault, seen: Seen, struck: float | None) -> tuple[list[str], int]:
-    """Return what is wrong with the recording, and how many scans it lost."""
-    if "recording" not in seen:
-        return [f"no recording to be read: {seen['unreadable']} {seen['salvaged']}".strip()], 0
-    wire, recording = seen["wire"], seen["recording"]
-    wrong = []
-    if wire["lost"]:
-        wrong.append(f"{wire['lost']} scans were on the wire and are not in the recording")
-    if wire["wrong"]:
-        wrong.append(f"{wire['wrong']} scans are recorded otherwise than sent")
-    if struck is not None and (until := (wire["recorded"] + wire["taken"]) / SAMPLE_RATE) < struck - _SHORT:
-        wrong.append(f"the recording ends at {until:.2f} s, before the fault at {struck:.2f} s")
-    if recording["faults"] and fault.ends is Ends.FINISHED:
-        wrong.append(f"the drive is recorded with the fault {', '.join(recording['faults'])}")
-    if recording["fastest"] > _TOO_FAST * FASTEST:
-        wrong.append(
-            f"the drive is recorded at {recording['fastest'] * RPM:.0f} rpm, asked for {FASTEST * RPM:.0f} rpm"
-        )
-    cut = fault.ends in (Ends.KILLED, Ends.DISK_FULL)
-    if recording["complete"] == cut:
-        wrong.append(f"the recording calls itself {'whole' if cut else 'cut'}")
-    if fault.ends is not Ends.KILLED and seen["files"] != ["run.mcap"]:
-        wrong.append(f"left behind: {', '.join(seen['files'])}")
-    if fault.ends is Ends.KILLED and wire["tail"] > _TAIL * SAMPLE_RATE * seen["rate"]:
-        wrong.append(f"{wire['tail']} scans before the end are not in what was salvaged")
-    return wrong, wire["lost"] + wire["wrong"]
-
-
-def _events(seen: Seen) -> list[tuple[float, str, str]]:
-    return [(t, kind, text) for t, kind, text in seen.get("recording", {}).get("events", [])]
-
-
-def _last(said: str) -> str:
-    """Return the last line that was said."""
-    lines = [line.strip() for line in said.splitlines() if line.strip()]
-    return lines[-1] if lines else "(nothing)"
+def _in_words(result: Comparison) -> str:
+    return ", ".join(f"{key} {value}" for key, value in asdict(result).items())

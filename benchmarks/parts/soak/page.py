@@ -1,107 +1,105 @@
-"""What the fault campaign found, as text for a terminal and as docs/faults.md."""
+"""What the fault campaign found, as docs/faults.md and for a terminal."""
 
-import statistics
 from collections.abc import Sequence
-from datetime import UTC, datetime
 
-from benchmarks.parts.soak.faults import FAULTS, Fault
-from benchmarks.parts.soak.judge import Judgement
-from benchmarks.parts.soak.rigs import DRIVES
+from benchmarks.parts.soak.controllers import CONTROLLERS
+from benchmarks.parts.soak.faults import FAULTS
+from benchmarks.parts.soak.judge import Verdict
+from benchmarks.parts.soak.results import summary
 from benchmarks.parts.tables import markdown
 
 _LISTED = 40  # runs that were otherwise than they should be
 
 _HEAD = """# Faults, and what becomes of them
 
-Written by `make soak` (benchmarks/soak.py): {runs} runs on {date}, {versions}. Each run is the program `rotor sweep` on
-the wires of a simulated bench, with one fault at a random moment; bench, program and judge are processes of their own.
+Written by `make soak` (benchmarks/soak.py) from the results kept in `benchmarks/parts/soak/results/`: {runs} runs,
+{dates}, code {codes}. Each run is the program `rotor sweep` on a terminal of its own, against a bench of peers: a drive
+scripted from its manual on a pymodbus server, a `canopen` node, or a controller written from its specification, and a
+DAQ board that samples the peer's own rotor. The peers (`tests/peers/`) share no code with rotorrig. The plan is slow
+roll, 1200 rpm, stop: some 12 s in real time. Faults strike at random moments, often at the start and in the run-down,
+and the judge goes by the peer's true speed.
 
-- **injected**: the bench says that the fault struck (messages hit, port gone, drive tripped), or the signal was sent.
-- **detected**: the sweep ended with the right status and said the right thing, in its own words and in the recording;
-  or, where a sound program goes on, it went on to the end of its plan and said nothing wrong. No traceback, no hang.
-- **rotor stopped**: the true speed of the simulated rotor fell to zero, in time.
-- **samples lost**: scans that were in whole frames on the DAQ's wire, behind the fault, and are not in the recording,
-  or are in it otherwise than sent. What the fault itself took is not counted. Must be 0.
-- **noticed after**: from the fault to the event that ends the sweep in the recording; median and longest, of the rig's
-  own time, as the next one.
-- **at rest after**: from the fault to standstill; for a rotor that coasts, most of it is coasting.
+- **said at rest, turning**: a line on the terminal, exit status 0, or the recording said "at rest" or "stopped" while
+  the rotor turned above 30 rpm.
+- **gone, turning**: the program ended by itself above 30 rpm, or was killed and nothing stopped the rotor, though the
+  drive could be reached or has a watchdog.
+- **samples lost**: scans that reached the program while the rotor turned and are in no recording, but for what the
+  fault took.
+- **left**: the program went on until the operator left it by two Ctrl-C, as it should where nothing can stop the rotor.
+- **rest after**: from the first fault to rest, with what is left of the plan; median and longest.
 """
 
 
-def totals(judged: Sequence[Judgement]) -> dict[str, int]:
-    """Return the figures of the last line."""
-    return {
-        "runs": len(judged),
-        "faults_injected": sum(j.injected for j in judged),
-        "faults_detected": sum(j.detected for j in judged),
-        "rotor_stopped": sum(j.stopped for j in judged),
-        "samples_lost": sum(j.lost for j in judged),
-        "wrong": sum(bool(j.wrong) for j in judged),
-    }
-
-
-def text(judged: Sequence[Judgement]) -> str:
-    """Return a table by fault and what was wrong, for a terminal."""
-    return "\n\n".join([_by_fault(judged), *_wrong(judged)])
-
-
-def page(judged: Sequence[Judgement], *, versions: Sequence[str]) -> str:
+def page(verdicts: Sequence[Verdict]) -> str:
     """Return docs/faults.md."""
+    counted = [verdict for verdict in verdicts if verdict.set != "cases"]
+    dates = sorted({verdict.date for verdict in counted})
     head = _HEAD.format(
-        runs=len(judged), date=f"{datetime.now(UTC):%Y-%m-%d}", versions=f"code {' and '.join(versions)}"
+        runs=len(counted),
+        dates=" to ".join(dict.fromkeys((dates[0], dates[-1]))) if dates else "none yet",
+        codes=" and ".join(sorted({verdict.code for verdict in counted})),
     )
-    parts = [head.strip(), "## By fault", _by_fault(judged), "## By fault and drive", _by_drive(judged)]
-    parts += ["## The faults", _faults(), "## Otherwise than it should be", *(_wrong(judged) or ["Nothing."])]
+    singles = [verdict for verdict in counted if verdict.set == "singles"]
+    pairs = [verdict for verdict in counted if verdict.set == "pairs"]
+    parts = [head.strip(), "## In all", _table("runs", [("single faults", singles), ("pairs", pairs)])]
+    parts += ["## Single faults", _by_fault(singles), "## Single faults, by controller", _by_controller(singles)]
+    parts += ["## Pairs, by either fault", _by_fault(pairs), "## The faults", _faults()]
+    parts += ["## Otherwise than it should be", _wrong(counted) or "Nothing."]
     return "\n\n".join(parts) + "\n"
 
 
-def _by_fault(judged: Sequence[Judgement]) -> str:
-    head = ["fault", "runs", "injected", "detected", "rotor stopped", "samples lost", "noticed after", "at rest after"]
-    rows = [[f"{f.where}: {f.name}", *_figures(_of(judged, f))] for f in FAULTS if _of(judged, f)]
-    return markdown(head, [*rows, ["all", *_figures(judged)[:5], "", ""]])
+def text(verdicts: Sequence[Verdict]) -> str:
+    """Return a table by fault and what was wrong, for a terminal."""
+    return "\n\n".join(part for part in (_by_fault(verdicts), _wrong(verdicts)) if part)
 
 
-def _figures(judged: Sequence[Judgement]) -> list[str]:
-    counts = [sum(getattr(j, name) for j in judged) for name in ("injected", "detected", "stopped", "lost")]
-    times = [_median_and_longest([getattr(j, name) for j in judged]) for name in ("noticed", "seconds")]
-    return [*map(str, [len(judged), *counts]), *times]
+def _by_fault(verdicts: Sequence[Verdict]) -> str:
+    rows = [("none", [v for v in verdicts if not v.faults])]
+    rows += [(fault.name, [v for v in verdicts if fault.name in v.faults]) for fault in FAULTS]
+    return _table("fault", [(name, some) for name, some in rows if some])
 
 
-def _median_and_longest(seconds: Sequence[float | None]) -> str:
-    known = [s for s in seconds if s is not None]
-    return f"{statistics.median(known):.2f}, {max(known):.2f} s" if known else ""
+def _table(first: str, rows: Sequence[tuple[str, Sequence[Verdict]]]) -> str:
+    head = [first, "runs", "said at rest, turning", "gone, turning", "tracebacks", "samples lost", "left", "rest after"]
+    return markdown(head, [[name, *_figures(some)] for name, some in rows])
 
 
-def _by_drive(judged: Sequence[Judgement]) -> str:
-    """Return a table of detected of injected; where the rotor was not stopped or scans were lost, that too."""
-    rows = [[f"{f.where}: {f.name}", *(_cell(_of(judged, f, drive)) for drive in DRIVES)] for f in FAULTS]
-    said = "Detected of injected of runs, and the longest time to rest."
-    return f"{said}\n\n{markdown(['fault', *DRIVES], rows)}"
+def _figures(verdicts: Sequence[Verdict]) -> list[str]:
+    found = summary(verdicts)
+    counts = [found[key] for key in ("runs", "said_stopped_turning", "gone_turning", "tracebacks", "samples_lost")]
+    times = sorted(v.stop_s for v in verdicts if v.stop_s is not None and v.faults)
+    rest = f"{times[len(times) // 2]:.1f}, {times[-1]:.1f} s" if times else ""
+    return [*map(str, counts), str(sum(v.left for v in verdicts)), rest]
 
 
-def _cell(judged: Sequence[Judgement]) -> str:
-    if not judged:
+def _by_controller(verdicts: Sequence[Verdict]) -> str:
+    """Return how each single fault ended on each controller: exit status, seconds to rest, what was wrong."""
+    rows = []
+    for fault in FAULTS:
+        of_fault = {v.controller: v for v in verdicts if fault.name in v.faults}
+        rows.append([fault.name, *(_cell(of_fault.get(controller)) for controller in CONTROLLERS)])
+    said = "Exit status (negative: killed by that signal) and time from the fault to rest."
+    return f"{said}\n\n{markdown(['fault', *CONTROLLERS], rows)}"
+
+
+def _cell(verdict: Verdict | None) -> str:
+    if verdict is None:
         return ""
-    figures = totals(judged)
-    said = f"{figures['faults_detected']}/{figures['faults_injected']}/{len(judged)}"
-    times = [j.seconds for j in judged if j.seconds is not None]
-    said += f", {max(times):.1f} s" if times else ""
-    said += "" if figures["rotor_stopped"] == len(judged) else ", **turning**"
-    return said + (f", **{figures['samples_lost']} lost**" if figures["samples_lost"] else "")
+    rest = "turning" if verdict.stop_s is None else f"{verdict.stop_s:.1f} s"
+    return f"{verdict.status}, {rest}" + (f", **{', '.join(verdict.wrong)}**" if verdict.wrong else "")
 
 
 def _faults() -> str:
-    """Return what every fault is and what is to come of it."""
-    rows = [[f"{f.where}: {f.name}", f.words, f"the program {f.ends}", f"{f.stops_within:g} s"] for f in FAULTS]
-    return markdown(["fault", "what is done", "what is to come of it", "at rest within"], rows)
+    lasts = {None: "for good"}
+    rows = [[f.where, f.name, f.words, lasts.get(f.seconds) or f"{f.seconds:g} s"] for f in FAULTS]
+    return markdown(["where", "fault", "what is done", "how long"], rows)
 
 
-def _wrong(judged: Sequence[Judgement]) -> list[str]:
-    found = [f"- {j.case.name}: {'; '.join(j.wrong)}" for j in judged if j.wrong]
+def _wrong(verdicts: Sequence[Verdict]) -> str:
+    found = [
+        f"- {v.run}: {', '.join(v.wrong)}; status {v.status}, {v.rpm_at_end:.0f} rpm at its end; {v.last_line[:120]}"
+        for v in verdicts
+        if v.wrong
+    ]
     more = [f"- and {len(found) - _LISTED} more"] if len(found) > _LISTED else []
-    return ["\n".join([*found[:_LISTED], *more])] if found else []
-
-
-def _of(judged: Sequence[Judgement], fault: Fault, drive: str = "") -> list[Judgement]:
-    key = (fault.where, fault.name)
-    return [j for j in judged if (j.case.where, j.case.fault) == key and (not drive or j.case.drive == drive)]
+    return "\n".join([*found[:_LISTED], *more])

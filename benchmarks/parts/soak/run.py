@@ -1,160 +1,204 @@
-"""One run of the fault campaign: a bench, the program sweeping it, a fault at a random moment, and what came of it.
+"""One run of the fault campaign: a peer bench, the program sweeping it, faults at their moments, and what was seen."""
 
-Nothing is judged here: what was seen goes into a table, for judge.py.
-"""
-
-import json
-import os
-import random
-import resource
-import signal
-import subprocess
-import sys
+import shutil
 import tempfile
 import time
-import zlib
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+import uuid
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
-from benchmarks.parts.soak.faults import FAULTS, Ends, Fault
-from benchmarks.parts.soak.rigs import config
-from benchmarks.parts.soak.wire import compare
-from rotorrig.acquisition import RawRecording
-from rotorrig.acquisition.files import read_recording
-from rotorrig.rig import RigError, code_version
-from rotorrig.sims.wire import Message, simulated_bench
-from rotorrig.sims.wire.console import Console
+from benchmarks.parts.soak.controllers import DWELL, LIMITS, PLAN, RATE, ROOT, config
+from benchmarks.parts.soak.faults import BY_NAME, Case, Fault
+from benchmarks.parts.soak.peer import Peer
+from benchmarks.parts.soak.program import Line, Program
 
-ROTOR = [sys.executable, "-m", "rotorrig.app.cli"]
-_LIMITED = """
-import resource, signal
-signal.signal(signal.SIGINT, signal.default_int_handler)  # who runs the campaign's workers ignores it; inherited
-resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, resource.RLIM_INFINITY))
-from rotorrig.app.cli import main
-main()
-"""
-HANGS = 120.0  # s of wall time after which a sweep hangs
-_ENOUGH = 15.0  # s of wall time the bench is given beyond the rotor's time to stop
-_SOON = 0.2  # s between two signals
+LOOK = 0.02  # s between looks
+OPENING = 40.0  # s for the program to start the DAQ's stream, on a busy machine
+AT_REST = 30.0  # rpm
+TURNING_ON = 20.0  # s after the last fault for which a rotor that turns is watched
+RESTED = 22.0  # s after it has come to rest: a proof from the probes takes 8 s
+LONGEST = 90.0  # s after the first sample
+LEAVE = 1.0  # s between the operator's two Ctrl-C
+PATIENCE = 6.0  # s after them
+PLAN_ENDS, DWELL_ENDS = 12.0, 25.0  # s after the first sample, of plans nothing happens to
+AFTERWARDS = 25.0  # s for which a rotor is watched after the program has gone
+Result = TypeVar("Result")
 _PRESSURE = Path("/proc/pressure/cpu")  # https://docs.kernel.org/accounting/psi.html
-_FULL = (100_000, 300_000)  # bytes of a recording at which the disk is full
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
-    """One run: a drive, a fault, and its number among those."""
+@dataclass(slots=True)
+class Seen:
+    """What was seen of a run."""
 
-    drive: str
-    where: str
-    fault: str
-    number: int
-
-    @property
-    def name(self) -> str:
-        """What its file is called."""
-        return f"{self.drive}, {self.where}, {self.fault}, {self.number}".replace(" ", "-").replace(",", "")
-
-    @property
-    def seed(self) -> int:
-        """Draws the rig behind the wires, the moment of the fault and which bits it hits."""
-        return zlib.crc32(self.name.encode())
-
-    @property
-    def what(self) -> Fault:
-        """The fault itself."""
-        return next(f for f in FAULTS if (f.where, f.name) == (self.where, self.fault))
+    case: Case
+    began: float = float("nan")  # first sample, s monotonic; NaN: the stream was never started
+    struck: dict[str, float] = field(default_factory=dict)  # fault -> when, s monotonic
+    lines: list[Line] = field(default_factory=list)
+    status: int | None = None
+    ended: float = float("nan")  # of the program
+    left: float | None = None  # when the operator left it, by two Ctrl-C, s monotonic
+    killed: bool = False  # and that did not do either
+    guardians: int = 0
+    guardian_ended: float = float("nan")  # NaN: it lived to the end of the run, or there was none
+    rested: float = float("nan")  # when the rotor came to rest for good
+    cpu: float = 0.0
+    peer_cpu: float = 0.0
+    crowded: float = 0.0  # share of the time that some process of the machine waited for a processor
 
 
-def run(case: Case, *, rate: float) -> dict[str, Any]:
-    """Run a case; return what was seen. Raises RigError if the bench does not start."""
-    fault, rng = case.what, random.Random(case.seed)
-    at = rng.uniform(*fault.window)
-    largest = rng.randint(*_FULL) if fault.disk_full else None
-    began, waited = time.monotonic(), _waited()
-    with tempfile.TemporaryDirectory(prefix="rotorrig-soak-") as scratch:
+def run(case: Case, look: Callable[["Seen", Peer, Path], Result]) -> Result:
+    """Run a case; return what `look` makes of it before the folder goes."""
+    mark = uuid.uuid4().hex
+    with tempfile.TemporaryDirectory(prefix="rotorrig-soak-", ignore_cleanup_errors=True) as scratch:
         folder = Path(scratch)
-        script, wire, out = folder / "faults.json", folder / "wire", folder / "run.mcap"
-        faults = [{**fault.script, "at": f"{at:.3f} s"}] if fault.script else []
-        script.write_text(json.dumps({"seed": case.seed, "faults": faults}), encoding="utf-8")
-        text = config(case.drive)
-        with simulated_bench(text, seed=case.seed, rate=rate, faults=script, wire=wire) as ports:
-            (folder / "rig.toml").write_text(config(case.drive, motor=ports.motor, daq=ports.daq), encoding="utf-8")
-            with _sweeping(folder / "rig.toml", out, largest=largest) as program:
-                struck = _strike(fault, program, ports.console, at=at, rate=rate)
-                code, said = _end_of(program)
-            _rest(ports.console, seconds=fault.stops_within / rate + _ENOUGH)
-        return {
-            "case": asdict(case),
-            "code_version": code_version(),
-            "rate": rate,
-            "crowded": (_waited() - waited) / (time.monotonic() - began),
-            "at": at,
-            "struck": struck,
-            "code": code,
-            "said": said,
-            "bench": ports.console.messages,
-            "files": sorted(path.name for path in folder.glob("run.mcap*")),
-            **_recorded(fault, out, wire),
-        }
+        (folder / "bench").mkdir()
+        (folder / "out").mkdir()
+        peer = Peer(case.controller, folder / "bench", root=ROOT, seed=case.seed, rate=RATE, rolling=case.rolling)
+        program = None
+        try:
+            for name, value in case.extra:
+                peer.switch(name, value=value)
+            text = config(
+                case.controller,
+                peer.ports,
+                plan=DWELL if case.dwell else PLAN,
+                limits={**LIMITS, **({"run_down": case.run_down} if case.run_down else {})} if case.limits else None,
+                **dict(case.motor),
+            )
+            (folder / "rig.toml").write_text(text, encoding="utf-8")
+            words = ("sweep", str(folder / "rig.toml"), "--out", str(folder / "out/run.mcap"))
+            piped = "stdout closed" in case.faults
+            program = Program(words, folder=folder, root=ROOT, mark=mark, piped=piped)
+            seen = _watch(case, program, peer, folder)
+            seen.peer_cpu = peer.cpu
+        finally:
+            if program is not None:
+                program.close()
+            peer.close()
+        return look(seen, peer, folder)
 
 
-def _sweeping(rig: Path, out: Path, *, largest: int | None) -> "subprocess.Popen[str]":
-    """Start the program; no file of it may grow beyond `largest` bytes, as on a full disk."""
-    begin = _LIMITED.format(size=resource.RLIM_INFINITY if largest is None else largest)
-    return subprocess.Popen(
-        [sys.executable, "-c", begin, "sweep", str(rig), "--out", str(out)],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        env={**os.environ, "COLUMNS": "2000", "PYTHONFAULTHANDLER": "1"},  # no line is broken
-    )
+def _watch(case: Case, program: Program, peer: Peer, folder: Path) -> Seen:
+    """Strike at the moments, wait for the end of the program and of the rotor."""
+    began, waited = time.monotonic(), _waited()
+    seen = Seen(case=case)
+    _until_stream(seen, program, peer)
+    due = sorted(zip(case.moments(), case.faults, strict=True))
+    undo: list[tuple[float, Fault]] = []
+    operator = _Operator(seen, program)
+    next_search = 0.0
+    while program.status is None and seen.began == seen.began:
+        program.listen(LOOK)
+        peer.follow()
+        now = time.monotonic()
+        while due and now - seen.began >= due[0][0]:
+            _, name = due.pop(0)
+            seen.struck[name] = now
+            _strike(BY_NAME[name], program, peer, folder, undo)
+        for moment, fault in tuple(undo):
+            if now >= moment:
+                program.strike("SIGCONT")
+                undo.remove((moment, fault))
+        if now >= next_search:
+            next_search = now + 2.0
+            program.find_guardians()
+        if not due and not undo and now > _patience(seen, peer):
+            operator.leave(now)
+    seen.ended, seen.status, seen.cpu = program.ended, program.status, program.cpu
+    _afterwards(seen, program, peer)
+    seen.lines = program.lines
+    seen.crowded = (_waited() - waited) / (time.monotonic() - began)
+    return seen
 
 
-def _strike(fault: Fault, program: "subprocess.Popen[str]", rig: Console, *, at: float, rate: float) -> Message | None:
-    """Send the program its signals from rig time `at` on; return when that was, None if it gets none or had ended."""
-    if not fault.signals:
-        return None
-    try:
-        seen = rig.wait_for(lambda line: "speed" in line and line["t"] >= at - rate, timeout=HANGS)
-    except RigError:
-        return None
-    time.sleep(max(0.0, (at - seen["t"]) / rate))
-    if program.poll() is not None:
-        return None
-    now = rig.play([])
-    for signal_name in fault.signals:
-        program.send_signal(signal.Signals[signal_name])
-        if signal_name == "SIGSTOP":
-            _rest(rig, seconds=fault.stops_within / rate)
-        else:
-            time.sleep(_SOON)
-    return now
+def _until_stream(seen: Seen, program: Program, peer: Peer) -> None:
+    deadline = time.monotonic() + OPENING
+    while program.status is None and time.monotonic() < deadline:
+        program.listen(LOOK)
+        peer.follow()
+        if stream := peer.first("stream"):
+            seen.began = stream["t"]
+            return
+    if program.status is None:
+        program.strike("SIGKILL")
+        seen.killed = True
+        while program.status is None:
+            program.listen(LOOK)
 
 
-def _end_of(program: "subprocess.Popen[str]") -> tuple[int | None, str]:
-    """Return the exit status, None if it hung, and all it said."""
-    try:
-        said, _ = program.communicate(timeout=HANGS)
-    except subprocess.TimeoutExpired:
-        program.send_signal(signal.SIGABRT)  # it says where each of its threads is, and ends
-        return None, program.communicate()[0]
-    return program.returncode, said
+def _strike(fault: Fault, program: Program, peer: Peer, folder: Path, undo: list[tuple[float, Fault]]) -> None:
+    """Let a fault strike."""
+    for switch in fault.switches:
+        peer.switch(switch, value=fault.value, seconds=fault.seconds)
+    if fault.signal:
+        program.strike(fault.signal)
+        if fault.seconds:
+            undo.append((time.monotonic() + fault.seconds, fault))
+    elif fault.name == "terminal closed":
+        program.close_terminal()
+    elif fault.name == "stdout closed":
+        program.close_pipe()
+    elif fault.name == "disk full":
+        sizes = [path.stat().st_size for path in (folder / "out").glob("*") if path.is_file()]
+        program.fill_disk(max(sizes, default=0))
+    elif fault.name == "folder deleted":
+        shutil.rmtree(folder / "out", ignore_errors=True)
+    elif fault.name == "guardian killed":
+        program.kill_guardians()
 
 
-def _rest(rig: Console, *, seconds: float) -> None:
-    """Wait until the rotor is at rest, at the most for so long."""
-    deadline = time.monotonic() + seconds
-    while turns(rig.messages) and time.monotonic() < deadline:
-        time.sleep(0.1)
+def _patience(seen: Seen, peer: Peer) -> float:
+    """Return when to stop waiting for the program's end, s monotonic."""
+    last = max([seen.began, *seen.struck.values()])
+    if _at_rest(peer) and len(peer.rpm) > 1:
+        rested = next((t for t, rpm in zip(peer.t[::-1], peer.rpm[::-1], strict=True) if rpm > AT_REST), seen.began)
+        return min(max(rested + RESTED, last + RESTED), seen.began + LONGEST)
+    until = DWELL_ENDS if seen.case.dwell else PLAN_ENDS
+    return min(max(last, seen.began + until) + TURNING_ON, seen.began + LONGEST)
 
 
-def turns(said: Iterable[Message]) -> bool:
-    """Return whether the rotor turns, by what the bench has said."""
-    moves = [line["event"] for line in said if line.get("event") in ("turns", "rests")]
-    return bool(moves) and moves[-1] == "turns"
+class _Operator:
+    """Leaves a program that does not end: two Ctrl-C, then kill -9."""
+
+    def __init__(self, seen: Seen, program: Program) -> None:
+        self._seen, self._program = seen, program
+        self._pressed: list[float] = []
+
+    def leave(self, now: float) -> None:
+        """Do what it is time for."""
+        self._seen.left = self._seen.left or now
+        if not self._pressed or (len(self._pressed) < 2 and now - self._pressed[0] > LEAVE):
+            self._pressed.append(now)
+            self._program.strike("SIGINT")
+        elif now - self._pressed[0] > LEAVE + PATIENCE and not self._seen.killed:
+            self._seen.killed = True
+            self._program.strike("SIGKILL")
+
+
+def _afterwards(seen: Seen, program: Program, peer: Peer) -> None:
+    """Wait until the rotor is at rest for good, whoever stops it."""
+    deadline = time.monotonic() + AFTERWARDS
+    while time.monotonic() < deadline:
+        program.listen(LOOK)
+        peer.follow()
+        living = program.find_guardians() if int(time.monotonic() * 2) % 2 else None
+        if living == [] and program.guardians and seen.guardian_ended != seen.guardian_ended:
+            seen.guardian_ended = time.monotonic()
+        if _at_rest(peer) and not peer.on[-1] and peer.t[-1] - max(_last_turn(peer), seen.ended) > 0.5:
+            break
+    seen.guardians = len(program.guardians)
+    seen.rested = _last_turn(peer) if _at_rest(peer) else float("nan")
+
+
+def _at_rest(peer: Peer) -> bool:
+    return peer.speed <= AT_REST
+
+
+def _last_turn(peer: Peer) -> float:
+    """Return when the rotor was last above rest, s monotonic."""
+    return next((t for t, rpm in zip(peer.t[::-1], peer.rpm[::-1], strict=True) if rpm > AT_REST), 0.0)
 
 
 def _waited() -> float:
@@ -164,28 +208,3 @@ def _waited() -> float:
     except OSError:  # not Linux, or an old one
         return 0.0
     return int(some.rpartition("=")[2]) * 1e-6
-
-
-def _recorded(fault: Fault, out: Path, wire: Path) -> dict[str, Any]:
-    """Return what became of the recording, beside what was on the DAQ's wire."""
-    salvaged = ""
-    if fault.ends is Ends.KILLED:
-        part, out = out.with_name(f"{out.name}.part"), out.with_name("saved.mcap")
-        done = subprocess.run(
-            [*ROTOR, "salvage", str(part), "--out", str(out)], capture_output=True, text=True, check=False
-        )
-        salvaged = done.stdout + done.stderr
-    try:
-        recording = read_recording(out)
-    except RigError as error:
-        return {"salvaged": salvaged, "unreadable": str(error)}
-    return {"salvaged": salvaged, "recording": _table(recording), "wire": asdict(compare(wire.read_bytes(), recording))}
-
-
-def _table(recording: RawRecording) -> dict[str, Any]:
-    return {
-        "complete": recording.complete,
-        "events": [[event.t_ns / 1e9, event.kind, event.text] for event in recording.events],
-        "faults": sorted({sample.fault for sample in recording.motor if sample.fault}),
-        "fastest": max((max(sample.speed, sample.setpoint) for sample in recording.motor), default=0.0),
-    }

@@ -1,12 +1,12 @@
-"""What a recording holds of what was on the DAQ's wire: nothing may be missing but what the fault itself took.
+"""What recordings hold of what was on the DAQ's wire: nothing may be missing but what the fault itself took.
 
 The bytes handed to the DAQ's client are kept, behind every fault; each frame among them that is whole by its CRC-32
-has to be in the recording, count by count. Read here from docs/daq-stream.md alone, not with the driver's decoder.
+has to be in a recording, count by count. Read here from docs/daq-stream.md alone, not with the driver's decoder.
 """
 
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,38 +24,48 @@ Counts = NDArray[np.int32]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Comparison:
-    """The wire beside the recording, in scans of all channels."""
+    """The wire beside the recordings, in scans of all channels."""
 
     sent: int  # scans in whole frames, none counted twice
     recorded: int
-    lost: int  # sent before the last one recorded, and not recorded
+    lost: int  # sent, not recorded, and not excused
     wrong: int  # recorded otherwise than sent, or never sent
-    tail: int  # sent after the last one recorded
-    taken: int  # missing on the wire itself, up to there: what the fault took
 
 
-def compare(wire: bytes, recording: RawRecording) -> Comparison:
-    """Compare the bytes on the DAQ's wire with what was recorded of them."""
-    frames = dict(data_frames(wire))
-    found = recording.segments()
-    end = max((first + len(counts) for first, counts in found), default=0)
-    size = max([end, *(index + len(counts) for index, counts in frames.items())])
-    sent, values = np.zeros(size, dtype=bool), np.zeros((size, recording.daq.channels), dtype=np.int32)
+def compare(wire: bytes, recordings: Sequence[RawRecording], *, begin: int = 0, end: int | None = None) -> Comparison:
+    """Compare the bytes on the DAQ's wire with what was recorded; only from `begin` to `end` may nothing be lost."""
+    frames = dict(_first_stream(data_frames(wire)))
+    found = [segment for recording in recordings for segment in recording.segments()]
+    channels = recordings[0].daq.channels if recordings else 0
+    ends = [first + len(counts) for first, counts in [*found, *frames.items()]]
+    size = max(ends, default=0)
+    sent, values = np.zeros(size, dtype=bool), np.zeros((size, channels), dtype=np.int32)
     for index, counts in frames.items():
-        sent[index : index + len(counts)], values[index : index + len(counts)] = True, counts
+        sent[index : index + len(counts)] = True
+        if channels:
+            values[index : index + len(counts)] = counts
     recorded, wrong = np.zeros(size, dtype=bool), 0
     for first, counts in found:
         there = slice(first, first + len(counts))
         wrong += int((~sent[there] | (values[there] != counts).any(axis=1)).sum())
         recorded[there] = True
+    due = sent.copy()
+    due[: max(0, begin)] = False
+    if end is not None:
+        due[max(0, end) :] = False
     return Comparison(
-        sent=int(sent.sum()),
-        recorded=int(recorded.sum()),
-        lost=int((sent & ~recorded)[:end].sum()),
-        wrong=wrong,
-        tail=int(sent[end:].sum()),
-        taken=int((~sent)[:end].sum()),
+        sent=int(sent.sum()), recorded=int(recorded.sum()), lost=int((due & ~recorded).sum()), wrong=wrong
     )
+
+
+def _first_stream(frames: Iterator[tuple[int, Counts]]) -> Iterator[tuple[int, Counts]]:
+    """Yield the frames up to a restart of the board, which begins again at 0."""
+    last = -1
+    for index, counts in frames:
+        if index < last:
+            return
+        last = index
+        yield index, counts
 
 
 def data_frames(wire: bytes) -> Iterator[tuple[int, Counts]]:
