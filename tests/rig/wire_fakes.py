@@ -163,6 +163,7 @@ class Drive(Wire):
         self.spoil: deque[str] = deque()  # for the next replies: "drop" or "corrupt"
         self.delays: deque[float] = deque()  # s, before the next replies
         self.exceptions: dict[int, int] = {}  # register -> exception code
+        self.busy: deque[int] = deque()  # exception codes, instead of obeying the next requests
         self.obeys = True
         self._buffer = b""
 
@@ -177,7 +178,9 @@ class Drive(Wire):
     def _answer(self, request: bytes) -> None:
         function, register, word = struct.unpack(">xBHHxx", request)
         wanted = range(register, register + word) if function == 3 else [register]
-        if register in self.exceptions or any(r not in self.registers for r in wanted):
+        if self.busy:
+            reply = bytes([self.NODE, function | 0x80, self.busy.popleft()])
+        elif register in self.exceptions or any(r not in self.registers for r in wanted):
             reply = bytes([self.NODE, function | 0x80, self.exceptions.get(register, 2)])
         elif function == 3:
             reply = bytes([self.NODE, 3, 2 * word]) + b"".join(self.registers[r].to_bytes(2, "big") for r in wanted)

@@ -15,6 +15,7 @@ from rotorrig.rig.motor import cia402_frames as cia402
 from rotorrig.rig.motor.base import REMEDY, MotorInfo, MotorState, Stop
 from rotorrig.rig.motor.can_link import CanLink, Refused
 from rotorrig.rig.motor.cia402_frames import Item, State
+from rotorrig.rig.motor.slowing import falls, patience
 
 CONFIRM_SECONDS = 1.0  # for the state to follow a command
 CONFIRM_PAUSE_SECONDS = 0.01
@@ -104,14 +105,16 @@ class CanOpenMotor:
         try:
             if kind is Stop.RAMP and not self._shutdown_ramps:
                 self._link.stop(cia402.TARGET, 0)  # the drive stays enabled, at rest
-                return
-            self._link.stop(cia402.CONTROLWORD, _STOPS[kind])
+            else:
+                self._link.stop(cia402.CONTROLWORD, _STOPS[kind])
         except Refused as refusal:
             raise LinkLost(str(refusal)) from refusal
-        if kind is Stop.RAMP:  # the drive is in operation enabled until the ramp has ended
-            self._write(cia402.TARGET, 0)
-        else:
+        if kind is not Stop.RAMP:
             self._wait_until_not(State.OPERATION_ENABLED, command=kind.value)
+            return
+        if self._shutdown_ramps:
+            self._write(cia402.TARGET, 0)
+        self._wait_until_slower()
 
     def clear_fault(self) -> None:
         """Reset a fault, once its cause is gone. Raises LinkLost if it stays."""
@@ -227,6 +230,25 @@ class CanOpenMotor:
                     f"{CONFIRM_SECONDS:g} s; it is {state}"
                 )
             time.sleep(CONFIRM_PAUSE_SECONDS)
+
+    def _wait_until_slower(self) -> None:
+        """Wait until the drive slows down or is off: it is in operation enabled until the ramp has ended."""
+        before = self._read_speed()
+        within = patience(self._slope and self._unit * self._slope[0] / self._slope[1], least=CONFIRM_SECONDS)
+        deadline = time.monotonic() + within
+        while (state := self._read_state()) is State.OPERATION_ENABLED:
+            speed = self._read_speed()
+            if speed <= self._unit or falls(speed, since=before, step=self._unit):
+                return
+            if time.monotonic() > deadline:
+                raise LinkLost(
+                    f"{self._name}: the drive took the command 'ramp' but did not obey within {within:.2g} s; "
+                    f"it is {state} at {speed * RPM:.0f} rpm, {before * RPM:.0f} rpm before"
+                )
+            time.sleep(CONFIRM_PAUSE_SECONDS)
+
+    def _read_speed(self) -> float:
+        return abs(self._read(cia402.ACTUAL)) * self._unit
 
     def _read_state(self) -> State:
         return self._decode(self._read(cia402.STATUSWORD))

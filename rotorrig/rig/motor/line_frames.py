@@ -106,7 +106,12 @@ def decode_state(text: str) -> MotorState:
 
 def is_stopped(text: str) -> bool:
     """Return whether the answer to STATE is that of a controller at rest, coasting or ramping down to rest."""
-    return text.split(" ")[2:3] in (["off"], ["stopping"])
+    return is_off(text) or text.split(" ")[2:3] == ["stopping"]
+
+
+def is_off(text: str) -> bool:
+    """Return whether the answer to STATE is that of a controller whose output is off."""
+    return text.split(" ")[2:3] == ["off"]
 
 
 def encode_speed(speed: float, *, fastest: float) -> int:

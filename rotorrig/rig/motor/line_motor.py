@@ -73,7 +73,7 @@ class LineMotor:
         say that it stops.
         """
         self._ask(_REQUESTS[kind], first=True)
-        self._confirm(line_frames.is_stopped, _REQUESTS[kind])
+        self._confirm(line_frames.is_off if kind is Stop.COAST else line_frames.is_stopped, _REQUESTS[kind])
 
     def clear_fault(self) -> None:
         """Clear the fault the controller remembers. Raises LimitExceeded while its cause stays, LinkLost."""

@@ -19,6 +19,8 @@ from rotorrig.rig.serial_port import diagnose_port
 
 ANSWER_SECONDS = 0.1  # for a device to answer, besides the wire's own time; a busy drive takes some tens of ms
 TRIES = 6  # of one exchange: a lost link is known after about a second
+BUSY_SECONDS = 1.0  # for a device to be busy: half of the 2 s for which the interlock does without a pulse or a reading
+BUSY_PAUSE = 0.02  # s before it is asked again; not of a stop
 NETWORK_SECONDS = 0.1  # what switches and gateways may add
 CONNECT_SECONDS = 1.0  # for a TCP connection
 SLACK_SECONDS = 0.03
@@ -29,10 +31,12 @@ ILLEGAL = {
     2: "illegal address",
     3: "illegal value",
     4: "device failure",
+    5: "still at the request before",
     6: "device busy",
     10: "no path through the gateway",
     11: "no such device behind the gateway",
 }
+_TRANSIENT = (5, 6)  # Modbus Application Protocol V1.1b3, section 7: the request is to be repeated
 
 # without a handler, Python prints pymodbus' own account of every retry to stderr; errors are raised as LinkLost
 logging.getLogger("pymodbus").addHandler(logging.NullHandler())
@@ -108,27 +112,45 @@ class ModbusLink:
         *,
         urgent: bool = False,
     ) -> ModbusPDU:
-        """Ask until the device answers what was asked, at most `TRIES` times; each is a turn of its own."""
+        """Ask until the device answers what was asked; each try is a turn of its own.
+
+        It may leave `TRIES` of them without an answer, and be busy for `BUSY_SECONDS`.
+        """
         if not urgent:
             self._let_late_answers_arrive()
-        for attempt in range(TRIES):
+        lost, busy_until = 0, time.monotonic() + BUSY_SECONDS
+        while lost < TRIES:
             with self._turns.take(first=urgent):
-                client = self._require_client(asked)
-                if attempt == TRIES // 2 and isinstance(self._table, ModbusTcp):
-                    client.close()  # after one damaged length the two ends never agree again where a message begins
-                    client = self._client = self._connect()
-                with contextlib.suppress(ModbusException, OSError):
-                    reply = request(client)
-                    if reply.isError():
-                        raise self._refusal(reply, asked)
-                    if answers(reply):
-                        return reply
+                reply = self._try(request, asked, anew=lost == TRIES // 2)
+            if reply is None:
+                lost += 1
+            elif reply.isError():
+                if reply.exception_code not in _TRANSIENT or time.monotonic() > busy_until:
+                    raise self._refusal(reply, asked)
+                time.sleep(0.0 if urgent else BUSY_PAUSE)
+            elif answers(reply):
+                return reply
+            else:
                 self._given_up += 1
-                if not client.connected:
-                    raise LinkLost(f"{self.name}: asked to {asked}, but {self._loss}")
+                lost += 1
         raise LinkLost(
             f"{self.name}: asked to {asked}, no valid answer in {TRIES} tries of {self.answer_seconds:.2g} s"
         )
+
+    def _try(
+        self, request: Callable[[ModbusSerialClient | ModbusTcpClient], ModbusPDU], asked: str, *, anew: bool
+    ) -> ModbusPDU | None:
+        """Send a request once; return the reply, None if none comes in time. Raises LinkLost if the link is gone."""
+        client = self._require_client(asked)
+        if anew and isinstance(self._table, ModbusTcp):
+            client.close()  # after one damaged length the two ends never agree again where a message begins
+            client = self._client = self._connect()
+        with contextlib.suppress(ModbusException, OSError):
+            return request(client)
+        self._given_up += 1
+        if not client.connected:
+            raise LinkLost(f"{self.name}: asked to {asked}, but {self._loss}")
+        return None
 
     def _let_late_answers_arrive(self) -> None:
         """Wait for the answers that were given up, off turn: one of RTU does not say to which question it is."""

@@ -25,6 +25,7 @@ from rotorrig.rig.motor.modbus_frames import (
 )
 from rotorrig.rig.motor.modbus_link import ModbusLink
 from rotorrig.rig.motor.modbus_profile import Frequency, Profile
+from rotorrig.rig.motor.slowing import falls, patience
 
 CONFIRM_SECONDS = 1.0  # for the state to follow a command
 CONFIRM_PAUSE_SECONDS = 0.02
@@ -46,6 +47,7 @@ class ModbusMotor:
         self._max_frequency: float | None = None  # Hz
         self._last_setpoint = 0.0  # rad/s, what was last asked of a drive that does not say
         self._stops = 0  # how many have been asked for
+        self._ramp: float | None = None  # rad/s^2, the last asked for
         self._coasting = True  # the output is off, whether it turns or not
 
     @property
@@ -111,6 +113,7 @@ class ModbusMotor:
         if reading.faulted:
             raise LimitExceeded(f"drive: has tripped with '{self._read_fault()}'; {REMEDY}")
         self._set_ramps(ramp_time, reading, overtaken)
+        self._ramp = ramp
         self._link.write(p.reference, reference, "reference", unless=overtaken)
         self._coasting = False
         self._last_setpoint = self._to_speed(self._scale.hertz(reference))
@@ -124,7 +127,8 @@ class ModbusMotor:
         """Bring the rotor to rest: RAMP at the last ramp, COAST unpowered, EMERGENCY as fast as it can follow.
 
         The stop command goes out first; whatever makes it another kind of stop follows. A drive that cannot be told to
-        coast goes down its ramp. Raises LinkLost if the drive does not answer or does not report that it slows down.
+        coast goes down its ramp. Raises LinkLost if the drive does not answer or does not report that it slows down:
+        another kind of stop may then be tried, which is sent whatever was sent before.
         """
         self._stops += 1
         self._link.write(self._profile.command, self._profile.stop.of(kind), "stop", urgent=True)
@@ -132,8 +136,15 @@ class ModbusMotor:
             self._shorten_ramp()
         elif kind is Stop.COAST:
             self._switch_to_coasting()
-        first = self._read_state().frequency
-        self._confirm(lambda now: now.decelerating or not now.output_on or now.frequency < first, "stop")
+        before, step = self._to_speed(self._read_state().frequency), self._to_speed(self._profile.output_step)
+
+        def obeyed(now: Reading) -> bool:
+            return (
+                now.decelerating or not now.output_on or falls(self._to_speed(now.frequency), since=before, step=step)
+            )
+
+        reading = self._confirm(obeyed, "stop", within=patience(self._ramp, least=CONFIRM_SECONDS))
+        self._coasting = not reading.output_on
 
     def clear_fault(self) -> None:
         """Clear a trip the drive remembers, once its cause is gone.
@@ -257,7 +268,6 @@ class ModbusMotor:
         self._link.write(p.stop_mode.register, p.stop_mode.coast, "stop mode", urgent=True)
         try:
             self._link.write(p.command, p.stop.ramp, "stop", urgent=True)
-            self._coasting = True
         finally:  # the next stop command must brake at once
             self._link.write(p.stop_mode.register, p.stop_mode.ramp, "stop mode", urgent=True)
 
@@ -265,16 +275,18 @@ class ModbusMotor:
         if self._link.read(register, 1, what) != [word]:
             self._link.write(register, word, what)
 
-    def _confirm(self, done: Callable[[Reading], bool], command: str) -> None:
-        """Wait until the drive's state shows that it has obeyed a command."""
-        deadline = time.monotonic() + CONFIRM_SECONDS
+    def _confirm(self, done: Callable[[Reading], bool], command: str, *, within: float | None = None) -> Reading:
+        """Wait until the drive's state shows that it has obeyed a command; return that state."""
+        within = CONFIRM_SECONDS if within is None else within
+        deadline = time.monotonic() + within
         while not done(reading := self._read_state()):
             if time.monotonic() > deadline:
                 raise LinkLost(
                     f"{self.link}: the drive took the command '{command}' but did not obey within "
-                    f"{CONFIRM_SECONDS:g} s (it is {reading}); {self._profile.hint}"
+                    f"{within:.2g} s (it is {reading}); {self._profile.hint}"
                 )
             time.sleep(CONFIRM_PAUSE_SECONDS)
+        return reading
 
 
 def _remarks(profile: Profile) -> tuple[str, ...]:

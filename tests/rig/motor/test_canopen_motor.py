@@ -4,11 +4,13 @@ The far end is a node of its own making, from CiA 301 and 402; behind the tty it
 """
 
 import asyncio
+import itertools
 import math
 import threading
 import time
 from collections import deque
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -522,6 +524,50 @@ def test_a_drive_that_does_not_obey_is_said(node: Node, motor: CanOpenMotor, mon
         motor.stop(Stop.COAST)
 
 
+def test_a_ramp_that_is_not_obeyed_is_said_and_followed_by_another_kind_and_nothing_between(
+    node: Node, motor: CanOpenMotor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(canopen_motor, "CONFIRM_SECONDS", 0.1)
+    motor.set_speed(1200 * RPM, ramp=100 * RPM)
+    node.obeys, node.objects[0x6044, 0] = False, (2, 1200)
+    node.heard.clear()
+    for kind in (Stop.RAMP, Stop.EMERGENCY, Stop.COAST, Stop.COAST):
+        with pytest.raises(LinkLost, match=f"took the command '{kind.value}' but did not obey within 0.1 s"):
+            motor.stop(kind)
+    assert [frame[:-6] for frame in without_heartbeat(node.heard)] == [
+        "605 2b 40 60 00 06 00",
+        "605 2b 42 60 00 00 00",  # the target: 0
+        "605 2b 40 60 00 02 00",
+        "605 2b 40 60 00 00 00",
+        "605 2b 40 60 00 00 00",
+    ]
+
+
+def test_a_velocity_that_jitters_is_not_one_that_falls(node: Node, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(canopen_motor, "CONFIRM_SECONDS", 0.3)
+    node.refuses.add((0x605B, 0))  # it is stopped by its target alone
+    ended = threading.Event()
+
+    def turn() -> None:
+        for jitter in itertools.cycle((0, 2, -1, 1, -2)):
+            node.objects[0x6044, 0] = (2, 1200 + jitter)
+            if ended.wait(0.003):
+                return
+
+    with motor_at() as motor:
+        motor.open()
+        motor.set_speed(1200 * RPM, ramp=100 * RPM)
+        node.objects[0x6044, 0] = (2, 1200)
+        with pytest.raises(LinkLost, match=r"'ramp' but did not obey .*operation enabled at 1200 rpm"):
+            motor.stop(Stop.RAMP)
+        turning = threading.Thread(target=turn)
+        turning.start()
+        with pytest.raises(LinkLost, match="'ramp' but did not obey"):
+            motor.stop(Stop.RAMP)
+        ended.set()
+        turning.join()
+
+
 def test_a_bus_that_does_not_open_is_said() -> None:
     with pytest.raises(LinkLost, match="CAN: nosuch can0 cannot be opened"):
         motor_at(interface="nosuch", channel="can0").open()
@@ -560,6 +606,23 @@ class Tty:
             running, self._running = self._running, None
             running.__exit__(None, None, None)
 
+    @contextmanager
+    def time_passes(self) -> Iterator[None]:
+        """Let the rotor follow, as fast as the drive asks, for the length of the block."""
+        ended = threading.Event()
+
+        def advance() -> None:
+            while not ended.wait(0.01):
+                self.plant.advance(self.plant.t + 0.01)
+
+        thread = threading.Thread(target=advance)
+        thread.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            thread.join()
+
     async def _serve(self, end: asyncio.Event) -> None:
         carrying = asyncio.create_task(self.cable.run())
         with self.cable:
@@ -584,7 +647,8 @@ def test_over_a_real_tty_the_drive_turns_and_stops(tty: Tty) -> None:
         state = motor.read()
         assert (state.running, state.at_setpoint) == (True, True)
         assert state.speed == pytest.approx(600 * RPM)
-        motor.stop(Stop.RAMP)
+        with tty.time_passes():
+            motor.stop(Stop.RAMP)
         motor.set_speed(600 * RPM, ramp=600 * RPM)  # a stop under way is taken back
         motor.stop(Stop.EMERGENCY)
         assert tty.plant.commands[-1] == (0.0, pytest.approx(4200 * RPM), True)

@@ -63,7 +63,7 @@ class Controller(Wire):
         if request.startswith("SPEED"):
             self.says["STATE"] = "OK 0 60000 ramping -"
         if request.startswith("STOP") and self.obeys:
-            self.says["STATE"] = "OK 0 0 stopping -"
+            self.says["STATE"] = f"OK 0 0 {'off' if request == 'STOP COAST' else 'stopping'} -"
         reply = framed(f"<{number} {self.says.get(request, 'OK')}")
         match self.spoil.popleft() if self.spoil else "":
             case "drop":
@@ -290,6 +290,23 @@ def test_a_board_that_boots_when_opened_is_waited_for(controller: Controller) ->
     controller.spoil.extend(["drop"] * 5)  # a second: more than the tries of any other request
     with motor_at(controller.port) as motor:
         assert motor.open().model == "RK4 bench controller, rev B"
+
+
+def test_a_stop_that_is_not_obeyed_is_followed_by_another_kind_and_nothing_between(
+    controller: Controller, motor: LineMotor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(line_motor, "CONFIRM_SECONDS", 0.1)
+    motor.set_speed(600 * RPM, ramp=30 * RPM)
+    controller.obeys = False
+    controller.heard.clear()
+    for kind in (Stop.RAMP, Stop.EMERGENCY, Stop.COAST):
+        with pytest.raises(LinkLost, match=f"took 'STOP {kind.name}' but did not obey within"):
+            motor.stop(kind)
+    controller.says["STATE"] = "OK 60000 0 stopping -"  # it goes down its ramp, but was told to switch off
+    with pytest.raises(LinkLost, match="took 'STOP COAST' but did not obey within"):
+        motor.stop(Stop.COAST)
+    told = [request for request in controller.requests() if request != "STATE"]
+    assert told == ["STOP RAMP", "STOP EMERGENCY", "STOP COAST", "STOP COAST"]
 
 
 def test_a_cut_wire_is_a_lost_link(controller: Controller, motor: LineMotor) -> None:

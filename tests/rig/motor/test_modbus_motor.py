@@ -11,7 +11,7 @@ import pytest
 
 from rotorrig.rig.config.devices import ModbusRtu
 from rotorrig.rig.errors import ConfigError, LimitExceeded, LinkLost
-from rotorrig.rig.motor import modbus_motor
+from rotorrig.rig.motor import modbus_link, modbus_motor
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.motor.modbus_motor import ModbusMotor
 from tests.rig.wire_fakes import Drive, crc16, wait_for
@@ -135,6 +135,47 @@ def test_a_stop_the_drive_does_not_obey_is_said(drive: Drive, motor: ModbusMotor
         motor.stop(Stop.RAMP)
 
 
+class Restless(dict[int, int]):
+    """Registers of a drive whose output frequency is never twice the same."""
+
+    def __getitem__(self, register: int) -> int:
+        self.turn = -getattr(self, "turn", 2)  # 0.02 Hz more, 0.02 Hz less
+        return super().__getitem__(register) + (self.turn if register == OUTPUT else 0)
+
+
+def test_a_frequency_that_jitters_is_not_one_that_falls(drive: Drive, motor: ModbusMotor) -> None:
+    motor.set_speed(1200 * RPM, ramp=30 * RPM)
+    drive.obeys, drive.registers = False, Restless(drive.registers | {OUTPUT: 2000})
+    for kind in Stop:
+        with pytest.raises(LinkLost, match="took the command 'stop' but did not obey"):
+            motor.stop(kind)
+
+
+def test_a_frequency_that_falls_is_a_stop_obeyed(drive: Drive, motor: ModbusMotor) -> None:
+    motor.set_speed(1200 * RPM, ramp=30 * RPM)
+    drive.obeys, drive.registers[OUTPUT] = False, 2000
+    stopping = threading.Thread(target=motor.stop, args=[Stop.RAMP])
+    asked = len(drive.requests)
+    stopping.start()
+    wait_for(lambda: len(drive.requests) > asked + 2)
+    drive.registers[OUTPUT] = 1980
+    stopping.join()
+    assert len(drive.requests) < asked + 20
+
+
+def test_a_stop_that_is_not_obeyed_is_followed_by_another_kind_and_nothing_between(
+    drive: Drive, motor: ModbusMotor
+) -> None:
+    motor.set_speed(1200 * RPM, ramp=30 * RPM)
+    drive.obeys, drive.registers[OUTPUT] = False, 2000
+    drive.writes.clear()
+    for kind in (Stop.RAMP, Stop.EMERGENCY, Stop.COAST, Stop.COAST):
+        with pytest.raises(LinkLost, match="did not obey"):
+            motor.stop(kind)
+    coast = [(COMMAND, STOP_WORD), (STOP_MODE, 1), (COMMAND, STOP_WORD), (STOP_MODE, 0)]
+    assert drive.writes == [(COMMAND, STOP_WORD), (COMMAND, STOP_WORD), (DECEL, 100), *coast, *coast]
+
+
 def test_a_drive_that_does_not_start_is_told_what_to_check(drive: Drive, motor: ModbusMotor) -> None:
     drive.obeys = False
     with pytest.raises(LinkLost, match=r"took the command 'start' .*it is at rest.*P036 \[Start Source\]"):
@@ -159,6 +200,66 @@ def test_a_link_that_stays_bad_is_lost_and_says_what_was_asked(
         "no valid answer in 6 tries of 0.12 s"
     )
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("code", [5, 6])
+def test_a_drive_that_is_busy_is_asked_again(drive: Drive, motor: ModbusMotor, code: int) -> None:
+    drive.busy.extend([code] * 3)
+    assert not motor.read().running
+    for _ in range(8):  # exchanges of a start, each at its turn
+        drive.busy.extend([code])
+        motor.set_speed(1200 * RPM, ramp=30 * RPM)
+        drive.busy.extend([code])
+        motor.stop(Stop.COAST)
+    assert not motor.read().running
+
+
+def test_a_busy_drive_is_told_to_stop_again_at_once(drive: Drive, motor: ModbusMotor) -> None:
+    motor.set_speed(1200 * RPM, ramp=30 * RPM)
+    asked = len(drive.requests)
+    drive.busy.extend([6] * 5)
+    motor.stop(Stop.RAMP)
+    stop = bytes.fromhex("64 06 20 00 00 01")
+    assert [request[:6] for request in drive.requests[asked:]][:6] == [stop] * 6
+    assert drive.writes[-1] == (COMMAND, STOP_WORD)
+
+
+def test_a_stop_does_not_wait_for_a_reading_whose_drive_is_busy(drive: Drive, motor: ModbusMotor) -> None:
+    drive.busy.extend([6] * 10_000)
+    reading = threading.Thread(target=motor.read)
+    began = len(drive.requests)
+    reading.start()
+    wait_for(lambda: len(drive.requests) > began + 2)
+    asked = len(drive.requests)
+    stopping = threading.Thread(target=motor.stop, args=[Stop.RAMP])
+    stopping.start()
+    wait_for(lambda: len(drive.requests) > asked + 3)
+    drive.busy.clear()
+    reading.join()
+    stopping.join()
+    assert 6 in [request[1] for request in drive.requests[asked : asked + 2]]
+    assert drive.writes[-1] == (COMMAND, STOP_WORD)
+
+
+def test_a_drive_that_stays_busy_is_given_up(drive: Drive, motor: ModbusMotor, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(modbus_link, "BUSY_SECONDS", 0.2)
+    drive.busy.extend([6] * 10_000)
+    began = time.monotonic()
+    with pytest.raises(LinkLost, match=r"asked to read state .* refused with exception 6 \(device busy\)"):
+        motor.read()
+    assert 0.2 <= time.monotonic() - began < 0.6
+
+
+@pytest.mark.parametrize("code", [1, 2, 3, 4])
+def test_a_refusal_is_final(drive: Drive, motor: ModbusMotor, code: int) -> None:
+    asked = len(drive.requests)
+    drive.busy.append(code)
+    with pytest.raises(LinkLost, match=f"refused with exception {code}"):
+        motor.read()
+    drive.busy.append(code)
+    with pytest.raises(LinkLost, match=f"refused with exception {code}"):
+        motor.stop(Stop.RAMP)
+    assert len(drive.requests) == asked + 2
 
 
 def test_the_link_is_usable_again_once_the_drive_answers(drive: Drive, motor: ModbusMotor) -> None:
