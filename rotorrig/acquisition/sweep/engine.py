@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from rotorrig.acquisition.recording import Event
+from rotorrig.acquisition.sweep.before_start import look_before_start
 from rotorrig.acquisition.sweep.fanout import Listener, Writer
 from rotorrig.acquisition.sweep.interrupts import EMERGENCY_COUNT, Interrupts
 from rotorrig.acquisition.sweep.motor_control import LOOP_STALL, READ_EVERY, MotorControl, ThreadedControl
@@ -76,6 +77,7 @@ def run_sweep(
     operator: Operator | None = None,
     control: MotorControl | None = None,
     clock: Clock | None = None,
+    rolling: bool = False,
 ) -> SweepResult:
     """Run `steps` on opened devices, bring the rotor to rest and close the recording, whatever happens on the way.
 
@@ -83,7 +85,7 @@ def run_sweep(
     stop ends it without. Anything else that ends it early is raised once the rotor has been stopped and the recording
     closed: LinkLost, which says what became of the rotor and warns if no stop was confirmed and the rotor not seen to
     come to rest; DataError if recording failed; KeyboardInterrupt (for SIGTERM and SIGHUP too). Raises ConfigError if
-    a step needs an operator and there is none.
+    a step needs an operator and there is none. A rotor that turns before the start is a trip unless `rolling`.
     """
     plan, clock = tuple(steps), clock or WallClock()
     operator = _require_operator(operator, plan)
@@ -102,7 +104,7 @@ def run_sweep(
     with Interrupts(
         stop=lambda: session.stop_rotor(Stop.EMERGENCY), loop_hangs=lambda: clock.now() - session.last_beat > LOOP_STALL
     ) as interrupts:
-        ending = _run_plan(plan, session, progress, interrupts, operator, about=rig.name)
+        ending = _run_plan(plan, session, progress, interrupts, operator, about=rig.name, rolling=rolling)
         run_down = _stop_rotor(ending, plan, session, interrupts, operator, rig)
     if isinstance(ending.error, LinkLost) or not (run_down.at_rest or run_down.confirmed):
         raise LinkLost(f"{ending.reason}; {run_down.words}") from ending.error
@@ -139,11 +141,14 @@ def _run_plan(
     operator: Operator,
     *,
     about: str,
+    rolling: bool,
 ) -> Ending:
     """Stream and perform the steps until something ends them; return what did. Stops nothing itself."""
     try:
         session.start()
         session.note("note", f"{about}: recorded from {datetime.now(UTC):%Y-%m-%d %H:%M:%S} UTC")
+        for _ in look_before_start(session, rolling=rolling):
+            _check_interrupts(interrupts, operator)
         for _ in perform_steps(steps, session, operator, progress):
             _check_interrupts(interrupts, operator)
         return Ending(kind="stop", stop=Stop.RAMP, reason="plan finished")

@@ -14,9 +14,13 @@ from rotorrig.rig.motor import Stop
 Progress = Callable[[Step, float, float], None]  # step, fraction of the sweep 0..1, speed [rad/s]
 
 AT_SPEED = 0.005  # relative distance from the target that counts as there
-SLIP = 0.05  # an induction motor lags behind its frequency: within this of the target counts as there too ...
+SLIP = 0.055  # an induction motor lags 5 % behind its frequency, read to 0.5 %: within this counts as there too ...
 SLIP_STEADY = 3.0  # ... once the speed has been steady for so many seconds
 DISAGREEMENT = 5.0  # s for which a drive may be at its setpoint and the rotor steady somewhere else
+FACTOR = 1.5  # between the two: not slip, but another number of pole pairs, or a rotor that does not turn ...
+FACTOR_SECONDS = 2.0  # ... for which so long is enough
+DWELL_BAND = 0.1  # relative: a rotor that strays so far from the speed it is to dwell at, twice the slip ...
+DWELL_SECONDS = 2.0  # ... and for so long, has lost it
 RAMP_SLACK = (2.0, 20.0)  # a ramp may take twice its time and 20 s more
 COAST_LIMIT = 900.0  # s; an RK4 needs about 45
 
@@ -75,9 +79,16 @@ def _ramp(step: Ramp, session: Session) -> Iterator[float]:
 
 
 def _dwell(step: Dwell, session: Session) -> Iterator[float]:
-    began = session.t
+    began = agreed = session.t
     while session.t - began < step.seconds:
         session.take_block()
+        if abs(session.speed - session.commanded_speed) <= DWELL_BAND * session.commanded_speed:
+            agreed = session.t
+        elif session.commanded_speed and session.t - agreed > DWELL_SECONDS:
+            raise LimitExceeded(
+                f"dwell at {session.commanded_speed * RPM:.0f} rpm: not kept for {session.t - agreed:.0f} s, "
+                f"{_both_speeds(session)}"
+            )
         yield (session.t - began) / step.seconds
 
 
@@ -137,10 +148,11 @@ def _check_agreement(step: Ramp, session: Session, *, since: float) -> None:
     """Raise LimitExceeded if the drive has long been at its setpoint while the rotor holds another speed."""
     state = session.motor_state
     steady_for = min(session.steady_for, session.t - since)
+    by_a_factor = not 1 / FACTOR < session.speed / step.to < FACTOR
     if (
         state is None
         or not state.at_setpoint
-        or steady_for < DISAGREEMENT
+        or steady_for < (FACTOR_SECONDS if by_a_factor else DISAGREEMENT)
         or abs(session.speed - step.to) <= SLIP * step.to
     ):
         return

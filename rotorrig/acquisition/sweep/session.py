@@ -62,6 +62,7 @@ class Session:
         self.samples = 0  # recorded
         self.gaps = 0  # places where samples are missing
         self.motor_state: MotorState | None = None  # the controller's last reading since the last command
+        self.commanded_speed = 0.0  # rad/s, by the last command; 0: it was a stop
         self.limits_armed = True  # False: the rotor is being stopped, or is at rest and worked on
         self.recording_paused = False  # True: blocks are not recorded
         self.recorder_alive = True  # False: the recorder has failed and the rotor is being stopped
@@ -72,7 +73,6 @@ class Session:
         self._viewers = [Viewer(listener) for listener in listeners]
         self._next_sample: int | None = None  # None: no block yet
         self._commands_sent = 0  # number of the last command
-        self._commanded_speed = 0.0  # rad/s, by that command; 0: it was a stop
         self._steadiness = Steadiness(0.0, 0.0)
         self._received = self._decided = math.nan
         self._first_stop: StopReport | None = None  # once there was another
@@ -116,14 +116,14 @@ class Session:
     def command_speed(self, speed: float, *, ramp: float) -> None:
         """Send the motor to `speed` [rad/s] at `ramp` [rad/s^2]; `take_block` raises what goes wrong."""
         self.motor_state = None
-        self._commanded_speed = speed
+        self.commanded_speed = speed
         self._interlock.command(speed, ramp=ramp)
         self._commands_sent = self.control.send(lambda: self._motor.set_speed(speed, ramp=ramp))
 
     def command_stop(self, kind: Stop) -> None:
         """Stop the motor as a step of the plan: it may be started again. `take_block` raises what goes wrong."""
         self.motor_state = None
-        self._commanded_speed = 0.0
+        self.commanded_speed = 0.0
         self._interlock.command(0.0)
         self._commands_sent = self.control.send(lambda: self._motor.stop(kind))
 
@@ -133,8 +133,13 @@ class Session:
             self._decided = self.clock.now()
         self._first_stop = self._first_stop or self.control.report
         self.control.stop(kind)
-        self.motor_state, self._commanded_speed = None, 0.0
-        self._interlock.command(0.0)
+        self.motor_state, self.commanded_speed = None, 0.0
+        if kind is Stop.RAMP:  # the one under which limits stay armed; another may come from a signal handler
+            self._interlock.command(0.0)
+
+    def check_standstill(self, state: MotorState) -> None:
+        """Check before the first command that the rotor is at rest. Raises LimitExceeded."""
+        self._interlock.check_standstill(state)
 
     def start(self) -> None:
         """Start the motor control and the DAQ's stream."""
@@ -211,9 +216,9 @@ class Session:
             return
         try:
             self._interlock.check_motor(state)
-            if self.motor_state is not None and self._commanded_speed and not state.running:
+            if self.motor_state is not None and self.commanded_speed and not state.running:
                 raise LimitExceeded(
-                    f"drive: is off, though it was sent to {self._commanded_speed * RPM:.0f} rpm; "
+                    f"drive: is off, though it was sent to {self.commanded_speed * RPM:.0f} rpm; "
                     "was it stopped by hand or by its watchdog?"
                 )
         except LimitExceeded:

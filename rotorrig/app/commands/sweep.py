@@ -114,11 +114,13 @@ def record_sweep(
     progress: Progress | None = None,
     operator: Operator | None = None,
     on_move: Callable[[Path], object] = lambda path: None,
+    rolling: bool = False,
 ) -> SweepResult:
     """Run plan `plan` of the config and record it to `out`; `ports` replace the config's, for a simulated rig.
 
     `trial` are the trial masses on the rotor, such as "disk: 12 g mm at 90 deg"; they are noted in the recording.
-    However the sweep ends, the rotor is stopped and the recording closed. Raises ConfigError, LinkLost, LimitExceeded.
+    However the sweep ends, the rotor is stopped and the recording closed. A rotor that turns before the start is a
+    trip unless `rolling`. Raises ConfigError, LinkLost, LimitExceeded.
     """
     steps = steps_of(rig, plan, trial=trial)
     with ExitStack() as stack:
@@ -144,6 +146,7 @@ def record_sweep(
             listeners=[live.listen] if live else [],
             progress=progress,
             operator=operator,
+            rolling=rolling,
         )
     if live:
         live.sink.linger()

@@ -29,6 +29,7 @@ from rotorrig.app.commands.config_model import criticals_of
 from rotorrig.app.terminal import out, tell
 from rotorrig.rig import ConfigError
 from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.rig.interlock import overspeed_limit
 from rotorrig.rig.probes import channels_used
 
 BYTES_PER_SAMPLE = 2  # and channel, before compression
@@ -153,7 +154,9 @@ def limits_words(rig: RigConfig) -> str:
     """Return the config's limits in a line."""
     limits = rig.limits
     if limits is None:
-        return "none: the config has no [limits], only drive and keyphasor are monitored"
+        speed = overspeed_limit(rig)
+        top = f"{speed * RPM:.0f} rpm and " if math.isfinite(speed) else ""
+        return f"the config has no [limits]: {top}the probes' linear range"
     words = [f"{limits.overspeed * RPM:.0f} rpm", f"{limits.vibration * 1e6:g} um 0-peak"]
     words += [f"{name} {limit * 1e6:g} um" for name, limit in limits.probes.items()]
     words += [

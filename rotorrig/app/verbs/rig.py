@@ -100,6 +100,7 @@ def sweep(
     trial: Trial = None,
     view: View = False,
     yes: Annotated[bool, typer.Option("--yes", help="rehearsal: do not wait for trial masses to be mounted")] = False,
+    rolling: Annotated[bool, typer.Option("--rolling", help="take over a rotor that turns already")] = False,
     seed: Seed = 1,
     hidden: Hidden = None,
     rate: Rate = 20.0,

@@ -11,7 +11,9 @@ from rotorrig.rig.interlock.drive_speed import DriveSpeed
 from rotorrig.rig.interlock.gap_voltage import GapVoltage
 from rotorrig.rig.interlock.keyphasor_loss import KeyphasorLoss
 from rotorrig.rig.interlock.overspeed import check_overspeed, overspeed_limit
+from rotorrig.rig.interlock.rotation_sense import RotationSense
 from rotorrig.rig.interlock.sample_loss import LateSamples, SampleLoss
+from rotorrig.rig.interlock.standstill import check_standstill
 from rotorrig.rig.interlock.vibration import Vibration
 from rotorrig.rig.motor import MotorState
 from rotorrig.rig.probes import Block, DaqInfo, KeyphasorSpeed
@@ -34,6 +36,7 @@ class Interlock:
         self._asked = AskedSpeed()
         self._drive = DriveSpeed()
         self._keyphasor_loss = KeyphasorLoss()
+        self._sense = RotationSense(rig, info)
 
     def command(self, speed: float, *, ramp: float = 0.0) -> None:
         """Take what is about to be asked of the drive [rad/s, rad/s^2]; a speed of 0 is a stop of any kind."""
@@ -46,17 +49,23 @@ class Interlock:
 
         Raises LimitExceeded.
         """
-        if self.keyphasor:
-            self.keyphasor.update(block)
+        zeros = self.keyphasor.update(block) if self.keyphasor else None
         self._loss.check(block)
         if now is not None:
             self._late.check(block, now)
+        speed = self.keyphasor.steady_speed if self.keyphasor else 0.0
         if self.keyphasor:
-            check_overspeed(self.keyphasor.steady_speed, limit=self._overspeed, source="keyphasor")
+            check_overspeed(speed, limit=self._overspeed, source="keyphasor")
             self._asked.check(self.keyphasor)
             self._keyphasor_loss.check(self._asked.command, self.keyphasor)
         if len(block.counts):
-            self._check_probes(block)
+            self._check_probes(block, speed)
+        if zeros is not None:
+            self._sense.check(block, zeros, speed=speed)
+
+    def check_standstill(self, state: MotorState) -> None:
+        """Check before the first command that the rotor is at rest. Raises LimitExceeded."""
+        check_standstill(state, self.keyphasor)
 
     def follow(self, block: Block) -> None:
         """Update the speed from a block without checking it: the rotor is being stopped already."""
@@ -80,7 +89,7 @@ class Interlock:
         if (command := self._asked.command) and command.rises:
             self._drive.check(state, self.keyphasor, most=float(command.allows(self.keyphasor.time)))
 
-    def _check_probes(self, block: Block) -> None:
-        speed, steady = (self.keyphasor.speed, self.keyphasor.steady_speed) if self.keyphasor else (0.0, 0.0)
-        volts = self._vibration.check(block.counts, speed=speed, steady_speed=steady)
+    def _check_probes(self, block: Block, steady_speed: float) -> None:
+        speed = self.keyphasor.speed if self.keyphasor else 0.0
+        volts = self._vibration.check(block.counts, speed=speed, steady_speed=steady_speed)
         self._gaps.check(volts, seconds=len(block.counts) / self._sample_rate)

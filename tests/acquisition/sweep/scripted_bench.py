@@ -15,6 +15,7 @@ from rotorrig.rig.provenance import Provenance
 from tests.acquisition.sweep.scripted_rig import ScriptedDaq, ScriptedMotor, Shaft
 from tests.manual_clock import ManualClock
 
+LOOKED = 25_000  # samples taken before the first command
 PLAN: tuple[Step, ...] = (
     Mark(label="slow roll"),
     Ramp(to=60.0, rate=60.0),

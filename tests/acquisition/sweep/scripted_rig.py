@@ -16,20 +16,38 @@ SCANS = 200
 
 
 class Shaft:
-    """Follows its setpoint at the ramp rate; without power it slows down at 40 rad/s^2."""
+    """Follows its setpoint at the ramp rate; without power it slows down at 40 rad/s^2.
 
-    def __init__(self, *, slip: float = 0.0, stuck_at: float = math.inf) -> None:
-        self.speed = 0.0
+    `factor` is its speed over the drive's: 2 where the config has twice the motor's pole pairs. `steepest` [rad/s^2] is
+    the steepest ramp the drive has; `angle` [rad] is where the shaft stands before the start, `speed` what it has then.
+    """
+
+    def __init__(
+        self,
+        *,
+        slip: float = 0.0,
+        stuck_at: float = math.inf,
+        factor: float = 1.0,
+        steepest: float = math.inf,
+        angle: float = 0.0,
+        speed: float = 0.0,
+    ) -> None:
+        self.speed, self.angle, self.factor = speed, angle, factor
         self.setpoint, self.ramp, self.powered = 0.0, 1.0, False
-        self._slip, self._stuck_at = slip, stuck_at
+        self.held: float | None = None  # a script's: the speed it has, whatever is asked for
+        self._slip, self._stuck_at, self._steepest = slip, stuck_at, steepest
 
     def advance(self, dt: float) -> float:
         """Move on by dt [s] and return the angle turned through [rad]."""
-        goal = min(self.setpoint * (1 - self._slip), self._stuck_at) if self.powered else 0.0
-        step = (self.ramp if self.powered else 40.0) * dt
+        goal = min(self.factor * self.setpoint * (1 - self._slip), self._stuck_at) if self.powered else 0.0
+        step = (self.factor * min(self.ramp, self._steepest) if self.powered else 40.0) * dt
         before = self.speed
         self.speed += min(max(goal - self.speed, -step), step)
-        return (before + self.speed) / 2 * dt
+        if self.powered and self.held is not None:
+            self.speed = self.held
+        turned = (before + self.speed) / 2 * dt
+        self.angle += turned
+        return turned
 
 
 class ScriptedMotor:
@@ -51,10 +69,10 @@ class ScriptedMotor:
         shaft = self._shaft
         return self.on_read(
             MotorState(
-                speed=shaft.speed,
+                speed=shaft.speed / shaft.factor,
                 setpoint=shaft.setpoint,
                 running=shaft.powered,
-                at_setpoint=shaft.powered and shaft.speed >= shaft.setpoint * 0.94,
+                at_setpoint=shaft.powered and shaft.speed >= shaft.factor * shaft.setpoint * 0.94,
             )
         )
 
@@ -84,10 +102,11 @@ class ScriptedDaq:
     def __init__(self, rig: RigConfig, info: DaqInfo, shaft: Shaft, clock: ManualClock) -> None:
         self.vibration: Callable[[float], float] = lambda speed: 50e-6  # m, 0-peak
         self.on_block: Callable[[Block], Block] = lambda block: block
+        self.sense = 1.0  # of the shaft's rotation: -1 from y to x
         self.streaming = False
         self.counters = DaqCounters()
         self._rig, self._info, self._shaft, self._clock = rig, info, shaft, clock
-        self._first, self._angle = 0, 0.0
+        self._first = 0
 
     def open(self) -> DaqInfo:
         return self._info
@@ -98,9 +117,8 @@ class ScriptedDaq:
     def read(self, timeout: float = 1.0) -> Block:
         assert self.streaming
         dt = SCANS / self._info.sample_rate
-        turned = self._shaft.advance(dt)
-        angle = self._angle + np.arange(SCANS) / SCANS * turned
-        self._angle += turned
+        before = self._shaft.angle
+        angle = before + np.arange(SCANS) / SCANS * self._shaft.advance(dt)
         self._clock.sleep(dt)
         block = Block(
             counts=np.round(self._volts(angle) / np.array(self._info.volts_per_count)).astype(np.int32),
@@ -114,7 +132,7 @@ class ScriptedDaq:
         volts = np.zeros((SCANS, self._info.channels))
         amplitude = self.vibration(self._shaft.speed)
         for probe in self._rig.probes:
-            wave = amplitude * np.cos(angle - probe.angle)
+            wave = amplitude * np.cos(angle - self.sense * probe.angle)
             volts[:, probe.channel] = probe.gap_voltage + probe.sensitivity * wave
         assert self._rig.keyphasor
         volts[:, self._rig.keyphasor.channel] = -2.0 - 8.0 * notch(angle)

@@ -9,7 +9,7 @@ from rotorrig.acquisition.sweep.plans import Dwell, Mark, Ramp
 from rotorrig.rig.errors import LinkLost
 from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.probes.base import Block
-from tests.acquisition.sweep.scripted_bench import MakeBench, Watching, at_sample
+from tests.acquisition.sweep.scripted_bench import LOOKED, MakeBench, Watching, at_sample
 
 
 @pytest.mark.parametrize("refusal", [LinkLost("drive: no answer"), OSError("port is gone"), RuntimeError("defect")])
@@ -45,8 +45,8 @@ def test_a_stop_that_is_never_confirmed_is_said_loudly(bench: MakeBench) -> None
 
 
 def pressing(number: signal.Signals, *at: int) -> Callable[[Block], Block]:
-    """Return a script that sends the process a signal when the stream comes to each of these samples."""
-    left = list(at)
+    """Return a script that sends the process a signal so many samples after the first command, at each of these."""
+    left = [LOOKED + sample for sample in at]
 
     def script(block: Block) -> Block:
         while left and block.first_sample >= left[0]:
@@ -78,7 +78,7 @@ def test_ctrl_c_kill_or_a_closed_terminal_abort_the_sweep_and_record_the_rotor_t
     assert rig.marks("stop") == rig.marks("trip") == rig.marks("emergency") == []
     assert rig.marks("note")[-1].startswith("at rest")
     assert rig.recorded().complete
-    assert rig.recorded().samples > 40_000  # two seconds from 60 rad/s at 40 rad/s^2, and two without a pulse
+    assert rig.recorded().samples > LOOKED + 40_000  # two seconds from 60 rad/s at 40 rad/s^2, and two without a pulse
     assert signal.getsignal(number) is handler
 
 
@@ -88,7 +88,7 @@ def test_a_rotor_stopped_before_its_speed_is_known_is_recorded_to_rest_all_the_s
     with pytest.raises(KeyboardInterrupt):
         rig.sweep((Ramp(to=60.0, rate=60.0),))
     assert rig.shaft.speed == 0.0
-    assert rig.recorded().samples > 24_000  # at rest, and two seconds without a pulse
+    assert rig.recorded().samples > LOOKED + 24_000  # at rest, and two seconds without a pulse
     assert rig.marks("note")[-1].startswith("at rest")
 
 
@@ -108,7 +108,7 @@ def test_a_third_ctrl_c_ends_the_recording_at_once(bench: MakeBench) -> None:
     rig.daq.on_block = pressing(signal.SIGINT, 20_000, 22_000, 24_000)
     with pytest.raises(KeyboardInterrupt):
         rig.sweep()
-    assert rig.recorded().samples == 24_200
+    assert rig.recorded().samples == LOOKED + 24_200
     assert rig.recorded().complete
     assert "still turning at" in rig.marks("note")[-1]
 
@@ -118,7 +118,7 @@ def test_a_signal_stops_the_rotor_before_the_loop_takes_note_of_it(bench: MakeBe
     commands: list[list[object]] = []
 
     def press(block: Block) -> Block:
-        if block.first_sample == 20_000:
+        if block.first_sample == LOOKED + 20_000:
             signal.raise_signal(signal.SIGTERM)
             commands.append(list(rig.motor.commands))  # a program that hangs here would not come any further
         return block
@@ -151,7 +151,7 @@ def test_after_the_plan_the_rotor_is_recorded_to_rest(bench: MakeBench) -> None:
 
 def test_a_limit_exceeded_on_the_way_down_the_ramp_makes_it_an_emergency_stop(bench: MakeBench) -> None:
     rig = bench()
-    rig.daq.vibration = lambda speed: 50e-6 if rig.shaft.powered else 1000e-6
+    rig.daq.vibration = lambda speed: 50e-6 if rig.shaft.powered or not speed else 1000e-6
     result = rig.sweep((Ramp(to=120.0, rate=60.0),))
     assert rig.motor.commands[-2:] == [("stop", Stop.RAMP), ("stop", Stop.EMERGENCY)]
     assert result.trip.endswith("limit 900 um; while stopping")
@@ -185,7 +185,7 @@ def test_a_rotor_that_never_stops_is_recorded_for_as_long_as_the_config_says(ben
 
 def test_without_samples_and_without_the_drive_the_danger_is_named(bench: MakeBench) -> None:
     rig = bench()
-    rig.daq.on_block = at_sample(20_000, LinkLost("DAQ: silent for 2 s"))
+    rig.daq.on_block = at_sample(LOOKED + 20_000, LinkLost("DAQ: silent for 2 s"))
 
     def unconfirmed(kind: Stop) -> None:
         raise LinkLost("drive: no answer")

@@ -94,4 +94,5 @@ def test_the_chart_rises_where_the_speed_does(plain: bool) -> None:
 
 def test_a_rig_without_limits_is_told_so() -> None:
     bare = parse(RK4.read_text().replace('[limits]\noverspeed = "4000 rpm"\nvibration = "900 um"', ""), where="x")
-    assert sweep_preview.limits_words(bare).startswith("none: the config has no [limits]")
+    said = sweep_preview.limits_words(bare)
+    assert said == "the config has no [limits]: 4410 rpm and the probes' linear range"  # 1.05 times motor.max_speed
