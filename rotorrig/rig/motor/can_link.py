@@ -25,7 +25,7 @@ from rotorrig.rig.config import CanOpen
 from rotorrig.rig.errors import BadFrame, LinkLost, RigError
 from rotorrig.rig.motor.cia402_frames import Item
 from rotorrig.rig.motor.turns import Turns
-from rotorrig.rig.serial_port import diagnose_port
+from rotorrig.rig.serial_port import open_serial
 
 ANSWER_SECONDS = 0.2  # for one answer, beside the time of both frames on the bus
 RETRIES = 3
@@ -271,14 +271,14 @@ def _is_answer(frame: bytes | bytearray, request: bytes) -> bool:
 
 
 def _claim(table: CanOpen) -> serial.Serial | None:
-    """Lock the tty of an slcan adapter, which python-can leaves open to a second program. Raises LinkLost."""
+    """Lock the tty of an slcan adapter, which python-can leaves open to a second program. Raises LinkLost.
+
+    What `open_serial` sets holds for python-can's opening of it too.
+    """
     if table.interface != "slcan" or os.name != "posix":
         return None
-    port = table.channel.partition("@")[0]
-    try:
-        return serial.Serial(port, exclusive=True)
-    except (OSError, ValueError) as error:
-        raise LinkLost(f"{port}: the CAN adapter's port cannot be opened ({diagnose_port(port)})") from error
+    port, _, baudrate = table.channel.partition("@")
+    return open_serial(port, int(baudrate) if baudrate.isdecimal() else 9600, of="CAN adapter")
 
 
 def _open_bus(table: CanOpen) -> can.BusABC:

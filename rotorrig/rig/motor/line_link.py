@@ -12,7 +12,7 @@ import serial
 from rotorrig.rig.errors import BadFrame, LinkLost, RigError
 from rotorrig.rig.motor.line_frames import LONGEST_LINE, Reply, decode_reply, encode_request
 from rotorrig.rig.motor.turns import Turns
-from rotorrig.rig.serial_port import diagnose_port
+from rotorrig.rig.serial_port import open_serial
 
 ANSWER_SECONDS = 0.2  # for one reply, beside the time of both lines on the wire
 RETRIES = 3
@@ -43,12 +43,7 @@ class LineLink:
         self._buffer = b""
         self._stray = 0  # bytes since the last reply that are none
         self._patience = ANSWER_SECONDS + 2 * LONGEST_LINE * BITS_PER_BYTE / baudrate
-        try:
-            self._serial = serial.Serial(
-                port, baudrate, timeout=POLL_SECONDS, write_timeout=WRITE_SECONDS, exclusive=True
-            )
-        except (OSError, ValueError) as error:
-            raise LinkLost(f"{port}: the controller's port cannot be opened ({diagnose_port(port)})") from error
+        self._serial = open_serial(port, baudrate, of="controller", timeout=POLL_SECONDS, write_timeout=WRITE_SECONDS)
 
     def ask(self, text: str, *, first: bool = False, seconds: float = 0.0) -> str:
         """Return what the controller says to request `text` after OK.

@@ -15,7 +15,7 @@ from pymodbus.pdu import ModbusPDU
 from rotorrig.rig.config import ModbusRtu, ModbusTcp
 from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.rig.motor.turns import Turns
-from rotorrig.rig.serial_port import diagnose_port
+from rotorrig.rig.serial_port import diagnose_port, keep_lines_when_closed
 
 ANSWER_SECONDS = 0.1  # for a device to answer, besides the wire's own time; a busy drive takes some tens of ms
 TRIES = 6  # of one exchange: a lost link is known after about a second
@@ -182,8 +182,9 @@ class ModbusLink:
         table = self._table
         if isinstance(table, ModbusRtu):
             line = ModbusSerialClient(table.port, baudrate=table.baudrate, timeout=self.answer_seconds, retries=0)
-            if not line.connect():
+            if not line.connect() or line.socket is None:
                 raise LinkLost(f"{table.port}: the drive's port cannot be opened ({diagnose_port(table.port)})")
+            keep_lines_when_closed(line.socket)
             return line
         host = ModbusTcpClient(table.host, port=table.tcp_port, timeout=CONNECT_SECONDS, retries=0)
         if not host.connect():

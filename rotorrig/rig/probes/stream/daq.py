@@ -15,7 +15,7 @@ from rotorrig.rig.probes.stream.frames import ASK, START, STOP, Complaint, Data,
 from rotorrig.rig.probes.stream.port import POLL_SECONDS, FramePort
 from rotorrig.rig.probes.stream.sequence import FrameSequence, Place
 from rotorrig.rig.probes.tally import Tally
-from rotorrig.rig.serial_port import diagnose_port
+from rotorrig.rig.serial_port import open_serial
 
 ANSWER_SECONDS = 3.0  # for INFO: boards that reset when their port is opened boot in about two
 ASK_AGAIN_SECONDS = 0.5
@@ -117,12 +117,7 @@ class StreamDaq:
         self.close()
 
     def _open_port(self) -> serial.Serial:
-        try:
-            return serial.Serial(
-                self.port, self._baudrate, timeout=POLL_SECONDS, write_timeout=WRITE_SECONDS, exclusive=True
-            )
-        except (OSError, ValueError) as error:
-            raise LinkLost(f"{self.port}: the DAQ's port cannot be opened ({diagnose_port(self.port)})") from error
+        return open_serial(self.port, self._baudrate, of="DAQ", timeout=POLL_SECONDS, write_timeout=WRITE_SECONDS)
 
     def _ask(self) -> DaqInfo:
         """Ask until the device answers; what a stream of before left on the wire is passed over."""
