@@ -28,7 +28,7 @@ from rotorrig.rig.motor.turns import Turns
 from rotorrig.rig.serial_port import open_serial
 
 ANSWER_SECONDS = 0.2  # for one answer, beside the time of both frames on the bus
-RETRIES = 3
+RETRIES = 3  # all tries take 0.8 s of the 2 s for which the interlock does without a pulse or a reading
 WRITE_SECONDS = 0.2
 FRAME_BITS = 135  # 8 bytes of data with the most stuffing
 SETTLE_SECONDS = 0.0005  # without a frame, after which none is left from before; adapters deliver in bursts

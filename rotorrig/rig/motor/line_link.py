@@ -15,7 +15,7 @@ from rotorrig.rig.motor.turns import Turns
 from rotorrig.rig.serial_port import open_serial
 
 ANSWER_SECONDS = 0.2  # for one reply, beside the time of both lines on the wire
-RETRIES = 3
+RETRIES = 3  # all tries take 0.9 s at 115200 baud of the 2 s for which the interlock does without a pulse or a reading
 POLL_SECONDS = 0.02  # of one read of the port
 WRITE_SECONDS = 0.2
 BITS_PER_BYTE = 10  # 8N1
