@@ -74,8 +74,8 @@ class Bench:
             return {"port": str(self.cable.path), "address": self.drive.map.address}
         return {"channel" if self.controller == "canopen" else "port": str(self.cable.path)}
 
-    async def turn(self) -> None:
-        """Turn the rotor in real time."""
+    async def turn(self, *, rolling: float) -> None:
+        """Turn the rotor in real time; until the first sample, somebody else keeps it at `rolling` rpm."""
         began = last = time.monotonic()
         done, told = 0, 0.0
         while True:
@@ -85,6 +85,8 @@ class Bench:
             done += scans
             before_trip = self.inverter.fault
             output = self.inverter.advance(now - last)
+            if rolling and not self.board.scans:
+                output = rolling
             angle = self.rotor.angle
             first, end = self.rotor.advance(now - last, output=output)
             steps = np.arange(scans) / self.board.rate
@@ -200,8 +202,7 @@ SWITCHES: dict[str, Callable[..., Undo]] = {
 async def serve(bench: Bench, rolling: float) -> None:
     """Serve until the standard input ends."""
     motor = await bench.open()
-    turning = asyncio.ensure_future(bench.turn())
-    bench.rotor.rpm = rolling
+    turning = asyncio.ensure_future(bench.turn(rolling=rolling))
     print(json.dumps({"motor": motor, "daq": {"port": str(bench.board.cable.path)}}), flush=True)
     loop = asyncio.get_running_loop()
     commands = asyncio.StreamReader()

@@ -59,23 +59,38 @@ WANTED: dict[str, Wanted] = {
     "kill -9": lambda verdict: verdict.guardian_stop_ms is not None and verdict.guardian_stop_ms <= 500.0,
     "dwell at 3500 rpm": within(2.0),
     "dwell at 60 rpm": within(5.0),
-    "wrong pole pairs": lambda verdict: verdict.status == 1 and verdict.fastest_rpm < 300.0,
-    "wrong pole pairs, dwell": lambda verdict: verdict.status == 1 and verdict.fastest_rpm < 300.0,
-    "rolling start": lambda verdict: verdict.status not in (0, None) and verdict.fastest_rpm <= 1800.0,
+    "wrong pole pairs": lambda verdict: within(2.5)(verdict) and verdict.fastest_rpm < 600.0,
+    "wrong pole pairs, dwell": lambda verdict: within(2.5)(verdict) and verdict.fastest_rpm < 600.0,
+    "rolling start": lambda verdict: verdict.status not in (0, None) and not verdict.started,
     "dead probe, 0 V": within(10.0),
     "dead probe, -19.9 V": within(10.0),
     "reports 0 and keyphasor": within(5.0),
 }
-HOLDS_ALREADY = {"pipe and link for 4 s", "ignored stop, interrupted"}
-NOT_YET = pytest.mark.xfail(strict=True, reason="the engine is being changed for it")
+#: what the sweep engine does not hold yet
+NOT_YET = {
+    "one supply",
+    "one supply, no watchdog",
+    "terminal and link for 4 s",
+    "lost frames and keyphasor",
+    "lost frames",
+    "ignored stop",
+    "ignored stop, tripped",
+    "only coast",
+    "only coast, plan's end",
+    "one busy",
+    "SIGQUIT",
+    "kill -9",
+    "reports 0 and keyphasor",
+}
+XFAIL = pytest.mark.xfail(strict=True, reason="not yet: the sweep engine and its guardian are being rebuilt for it")
 
 
 def test_every_case_says_what_it_wants() -> None:
-    assert set(WANTED) == set(CASES)
+    assert set(WANTED) == set(CASES) >= NOT_YET
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[] if name in HOLDS_ALREADY else NOT_YET) for name in CASES])
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[XFAIL] if name in NOT_YET else []) for name in CASES])
 def test_what_was_found_once_does_not_come_back(name: str) -> None:
     verdict = run(CASES[name], judge)
     assert verdict.wrong == []

@@ -7,7 +7,7 @@ from benchmarks.parts.soak.faults import Case
 ON_TOP = 6.0  # s after the first sample: the rotor is at its fastest, or on its way there
 VFD_ON_TOP = 5.0  # s, of a drive with one ramp
 TURNING = 4.0  # s: above slow roll
-DWELLS = 5.0  # s: in the dwell at 300 rpm
+DWELLS = 7.0  # s: in the dwell at 300 rpm
 
 
 def _case(name: str, controller: str, *faults: str, **more: Any) -> Case:
@@ -22,16 +22,16 @@ CASES = {
         _case(
             "terminal and link for 4 s",
             "vfd-ed-rtu",
-            "terminal closed",
             "link dead for 4 s",
-            at=(VFD_ON_TOP, VFD_ON_TOP + 0.2),
+            "terminal closed",
+            at=(VFD_ON_TOP, VFD_ON_TOP + 0.05),
         ),
         _case(
             "pipe and link for 4 s",
             "vfd-ed-rtu",
-            "stdout closed",
             "link dead for 4 s",
-            at=(VFD_ON_TOP, VFD_ON_TOP + 0.2),
+            "stdout closed",
+            at=(VFD_ON_TOP, VFD_ON_TOP + 0.05),
         ),
         _case(
             "lost frames and keyphasor", "acs355-tcp", "DAQ loses frames", "keyphasor dead", at=(0.5, 3.0), dwell=True

@@ -36,7 +36,7 @@ PLAN = {
     "dwell": "1.5 s",
     "settle": "0.5 s",
 }
-DWELL = {"kind": "dwell", "speed": "300 rpm", "time": "20 s", "ramp": _RAMP, "settle": "0.5 s"}
+DWELL = {"kind": "dwell", "speed": "300 rpm", "time": "20 s", "ramp": "100 rpm/s", "settle": "0.5 s"}
 LIMITS = {"overspeed": "1700 rpm", "vibration": "900 um"}
 
 Table = Mapping[str, Any]

@@ -50,6 +50,7 @@ class Verdict:
     first_stop_s: float | None = None  # from the first fault to the first stop at the drive
     stop_s: float | None = None  # from the first fault to rest
     fastest_rpm: float = 0.0  # true speed
+    started: bool = False  # the drive was sent to a speed
     seconds: float = 0.0
     cpu_s: float = 0.0
     peer_cpu_s: float = 0.0
@@ -143,6 +144,7 @@ def _judge_end(verdict: Verdict, seen: Seen, peer: Peer) -> None:
     if not math.isnan(seen.rested):
         verdict.stop_s = round(max(0.0, seen.rested - first), 2)
     verdict.fastest_rpm = max((rpm for t, rpm in zip(peer.t, peer.rpm, strict=True) if t >= seen.began), default=0.0)
+    verdict.started = any(e["event"] == "command" and e["kind"] == "run" for e in peer.events)
     if stop := peer.first_stop(after=first):
         verdict.first_stop_s = round(stop["t"] - first, 2)
     died = seen.status is not None and seen.status < 0
@@ -161,7 +163,7 @@ def _path_exists(seen: Seen) -> bool:
     obeys = not {"ignores stop", "deaf"} & set(struck)
     link = not {"link closed", "link silent", "one supply"} & set(struck)
     watchdog = has_watchdog(seen.case.controller) and "no watchdog" not in dict(seen.case.extra)
-    return (link and obeys) or (watchdog and "ignores stop" not in struck)
+    return (link and obeys) or watchdog
 
 
 def _judge_samples(verdict: Verdict, seen: Seen, peer: Peer, recordings: list[RawRecording]) -> None:

@@ -28,12 +28,12 @@ class Comparison:
 
     sent: int  # scans in whole frames, none counted twice
     recorded: int
-    lost: int  # sent, not recorded, and not excused
-    wrong: int  # recorded otherwise than sent, or never sent
+    lost: int  # sent and not recorded where nothing is excused
+    wrong: int  # recorded there otherwise than sent, or never sent
 
 
 def compare(wire: bytes, recordings: Sequence[RawRecording], *, begin: int = 0, end: int | None = None) -> Comparison:
-    """Compare the bytes on the DAQ's wire with what was recorded; only from `begin` to `end` may nothing be lost."""
+    """Compare the bytes on the DAQ's wire with what was recorded; judge scans `begin` to `end` alone."""
     frames = dict(_first_stream(data_frames(wire)))
     found = [segment for recording in recordings for segment in recording.segments()]
     channels = recordings[0].daq.channels if recordings else 0
@@ -44,17 +44,18 @@ def compare(wire: bytes, recordings: Sequence[RawRecording], *, begin: int = 0, 
         sent[index : index + len(counts)] = True
         if channels:
             values[index : index + len(counts)] = counts
-    recorded, wrong = np.zeros(size, dtype=bool), 0
+    recorded, wrong = np.zeros(size, dtype=bool), np.zeros(size, dtype=bool)
     for first, counts in found:
         there = slice(first, first + len(counts))
-        wrong += int((~sent[there] | (values[there] != counts).any(axis=1)).sum())
+        wrong[there] |= ~sent[there] | (values[there] != counts).any(axis=1)
         recorded[there] = True
-    due = sent.copy()
-    due[: max(0, begin)] = False
-    if end is not None:
-        due[max(0, end) :] = False
+    due = np.zeros(size, dtype=bool)
+    due[max(0, begin) : size if end is None else max(0, end)] = True
     return Comparison(
-        sent=int(sent.sum()), recorded=int(recorded.sum()), lost=int((due & ~recorded).sum()), wrong=wrong
+        sent=int(sent.sum()),
+        recorded=int(recorded.sum()),
+        lost=int((due & sent & ~recorded).sum()),
+        wrong=int((due & wrong).sum()),
     )
 
 
