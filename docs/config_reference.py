@@ -181,7 +181,7 @@ def _written(value: Any, quantity: str) -> str:
         return f"[{', '.join(_written(each, quantity) for each in value)}]"
     if not quantity:
         return _toml(value)
-    unit, example = QUANTITIES[quantity]
+    unit, example, _ = QUANTITIES[quantity]
     shown = SHOWN.get(quantity, example.split(" ", maxsplit=1)[1])
     if shown == "um" and (abs(value) >= 1e-3 or not value):
         shown = "mm"

@@ -86,7 +86,7 @@ def main() -> None:
     try:
         app()
     except RigError as error:
-        err.print("[red]error:[/]", Text(str(error)), highlight=False, soft_wrap=True)
+        err.print(Text("error:", style="red"), Text(str(error)), highlight=False, soft_wrap=True)
         sys.exit(1)
 
 

@@ -116,7 +116,10 @@ def _critical_rpm(rig: RigConfig) -> list[float]:
     from rotorrig.sims.rotor.model import assemble
     from rotorrig.sims.rotor.modes import critical_speeds
 
-    return (np.asarray(critical_speeds(assemble(rig), up_to=_ceiling(rig))) * RPM).tolist()
+    try:
+        return (np.asarray(critical_speeds(assemble(rig), up_to=_ceiling(rig))) * RPM).tolist()
+    except np.linalg.LinAlgError as error:
+        raise DataError(f"{rig.name}: the model has no solution ({error}), want dimensions of a rotor") from error
 
 
 def _ceiling(rig: RigConfig) -> float:

@@ -32,7 +32,7 @@ def run_until_interrupted(rig: RigConfig, simulation: SimulatedRig) -> None:
     with run_simulated_rig(rig, simulation) as ports:
         for table, keys in (("motor", ports.motor), ("daq", {"driver": "stream"} | ports.daq)):
             for key, value in keys.items():
-                out.print(f"\\[{table}] {key} = {json.dumps(value)}", highlight=False)
+                out.print(f"[{table}] {key} = {json.dumps(value)}", highlight=False)
         out.print("Put these keys into a copy of the config and sweep it from another terminal; Ctrl-C ends the rig.")
         shown = 0
         try:

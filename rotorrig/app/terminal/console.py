@@ -2,12 +2,12 @@
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import timedelta
 from typing import Any
 
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
 from rich.progress import (
     BarColumn,
     Progress,
@@ -17,10 +17,29 @@ from rich.progress import (
     TextColumn,
     TimeElapsedColumn,
 )
+from rich.segment import Segment
 from rich.text import Text
 
-out = Console()
-err = Console(stderr=True)
+
+class PlainConsole(Console):
+    """Console that shows text and obeys none: no markup, no emoji codes, no control characters in what it is given."""
+
+    def __init__(self, *, stderr: bool = False) -> None:
+        super().__init__(stderr=stderr, markup=False, emoji=False)
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        """Yield the segments of a renderable; what a terminal would obey in their text is left out."""
+        for segment in super().render(renderable, options):
+            yield segment if segment.control else Segment(_show(segment.text), segment.style)
+
+
+def _show(text: str) -> str:
+    """Return text as a terminal shows it; names and messages come from files and devices."""
+    return text if text.isprintable() else "".join(c for c in text if c.isprintable() or c in "\n\t")
+
+
+out = PlainConsole()
+err = PlainConsole(stderr=True)
 
 
 def tell(words: str, facts: Mapping[str, Any], *, as_json: bool) -> None:
@@ -39,13 +58,13 @@ def progress_bars() -> Iterator[Progress]:
     """
     columns = (
         SpinnerColumn(),
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(bar_width=24),
         TextColumn("{task.percentage:>3.0f} %"),
         TimeElapsedColumn(),
         _TimeLeft(),
         _Rate(),
-        TextColumn("{task.fields[note]}"),
+        TextColumn("{task.fields[note]}", markup=False),
     )
     with Progress(*columns, console=err, disable=not err.is_terminal) as bars:
         yield bars

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 
 from rich import box
-from rich.markup import escape
 from rich.table import Table
 
 from rotorrig.app.text import (
@@ -36,7 +35,7 @@ def identification_table(identification: Identification, truth: Mapping[str, flo
     for first in identification.fits[0].estimates:
         unit, factor = SHOWN.get(first.unit, (first.unit, 1.0))
         known = truth.get(first.name, math.nan) if truth else first.nameplate
-        cells = [rf"{first.name} \[{unit}]", number(known * factor)]
+        cells = [f"{first.name} [{unit}]", number(known * factor)]
         for fit in identification.fits:
             estimate = fit.estimate(first.name)
             cells.append(estimate_cell(estimate, factor))
@@ -52,7 +51,7 @@ def causes_table(diagnosis: Diagnosis) -> Table:
         table.add_column(heading, justify="right" if heading == "evidence" else "left")
     for cause in causes_to_list(diagnosis):
         cells = (cause.label, cause_size(cause), cause_evidence(cause), cause_prediction_error(cause))
-        table.add_row(*map(escape, cells), cause_status(cause, diagnosis), style="bold" if cause.chosen else "")
+        table.add_row(*cells, cause_status(cause, diagnosis), style="bold" if cause.chosen else "")
     return table
 
 
@@ -95,7 +94,7 @@ def rig_parts(rig: RigConfig) -> Table:
         table.add_row("keyphasor", "", f"channel {rig.keyphasor.channel}, {rig.keyphasor.edge} edge")
     for effect in rig.effects:
         values = ", ".join(f"{name} {value:.4g}" for name, value in effect.parameters.items())
-        table.add_row("effect", "", escape(f"{effect.label}: {values} (SI)"))
+        table.add_row("effect", "", f"{effect.label}: {values} (SI)")
     if rig.limits:
         limits = f"{rig.limits.overspeed * RPM:.0f} rpm, {rig.limits.vibration * 1e6:g} um 0-peak"
         table.add_row("limits", "", limits)

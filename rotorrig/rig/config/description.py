@@ -17,6 +17,7 @@ from rotorrig.rig.config.devices import Daq, Keyphasor, Limits, Motor
 from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.config.nameplate import (
     COEFFICIENTS,
+    MOST,
     SHORTEST,
     Angle,
     Bearing,
@@ -25,12 +26,14 @@ from rotorrig.rig.config.nameplate import (
     Damping,
     Disk,
     Length,
+    Name,
     Part,
     Plane,
     Probe,
     Shaft,
     Speed,
     Stiffness,
+    Text,
     Time,
     UnbalanceAmount,
 )
@@ -66,10 +69,13 @@ class Identify(Part):
     """
 
     bearings: Annotated[
-        tuple[Annotated[tuple[str, ...], Field(min_length=1)], ...], BeforeValidator(_as_groups), Field(min_length=1)
+        tuple[Annotated[tuple[str, ...], Field(min_length=1, max_length=MOST)], ...],
+        BeforeValidator(_as_groups),
+        Field(min_length=1, max_length=MOST),
     ]  # to identify; one group shares its coefficients
     coefficients: Literal["direct", "all"] = "direct"  # kxx kyy cxx cyy, or with the four cross coefficients
-    unbalance: Annotated[tuple[str, ...], BeforeValidator(_as_list), Field(min_length=1)]  # disks or planes
+    # disks or planes
+    unbalance: Annotated[tuple[str, ...], BeforeValidator(_as_list), Field(min_length=1, max_length=MOST)]
     also: tuple[Literal["youngs_modulus", "density"], ...] = ()  # of the shaft: identified, without a prior
     k_bounds: tuple[Stiffness, Stiffness] = (1e2, 1e6)  # of kxx and kyy
     c_bounds: tuple[Damping, Damping] = (1.0, 1e3)  # of cxx and cyy
@@ -78,7 +84,7 @@ class Identify(Part):
     # of cxy and cyx; default: likewise
     cxy_bounds: tuple[CrossDamping, CrossDamping] = Field(default_factory=_symmetric("c_bounds"))
     u_bounds: tuple[UnbalanceAmount, UnbalanceAmount] = (1e-7, 1e-3)  # of the global search
-    bands: dict[str, tuple[Speed, Speed]] = Field(default_factory=dict)  # speed ranges to fit besides the whole sweep
+    bands: dict[Name, tuple[Speed, Speed]] = Field(default_factory=dict)  # speed ranges to fit besides the whole sweep
 
     @property
     def coefficient_names(self) -> tuple[str, ...]:
@@ -122,11 +128,11 @@ class Identify(Part):
 class Prior(Part):
     """Uncertainty of the nameplate, one standard deviation each: nuisances of every fit, never reported as causes."""
 
-    youngs_modulus: float = Field(0.01, gt=0)  # relative
-    disk_mass: float = Field(0.01, gt=0)  # relative
-    bearing: float = Field(0.05, gt=0)  # relative, stiffness of the bearings not identified
-    probe_gain: float = Field(0.01, gt=0)  # relative
-    probe_linearity: float = Field(0.003, ge=0)  # of the reading: nonlinearity that remains after calibration
+    youngs_modulus: float = Field(0.01, gt=0, le=1)  # relative
+    disk_mass: float = Field(0.01, gt=0, le=1)  # relative
+    bearing: float = Field(0.05, gt=0, le=1)  # relative, stiffness of the bearings not identified
+    probe_gain: float = Field(0.01, gt=0, le=1)  # relative
+    probe_linearity: float = Field(0.003, ge=0, le=1)  # of the reading: nonlinearity that remains after calibration
     probe_angle: Annotated[Angle, Field(gt=0)] = 0.01745329  # 1 degree, of every probe
     runout: Length = 10e-6  # per probe, 0-peak; the slow-roll vector narrows it
     keyphasor_angle: Annotated[Angle, Field(gt=0)] = 0.034906585  # 2 degrees, of the mark; trial masses narrow it
@@ -137,23 +143,24 @@ class Prior(Part):
 class RigConfig(Part):
     """The rig as its nameplate tells it, in SI units; `load` makes one from a TOML file."""
 
-    name: str  # for reports
-    notes: str = ""  # for people
+    name: Name  # for reports
+    notes: Text = ""  # for people
     shaft: Shaft  # geometry, material, damping
-    disks: tuple[Disk, ...] = Field(min_length=1)  # on the shaft
-    planes: tuple[Plane, ...] = ()  # more places for unbalance or forces
-    bearings: tuple[Bearing, ...] = Field(min_length=1)  # at least two, some distance apart
-    probes: tuple[Probe, ...] = Field(min_length=1)  # proximity probes
+    disks: tuple[Disk, ...] = Field(min_length=1, max_length=MOST)  # on the shaft
+    planes: tuple[Plane, ...] = Field((), max_length=MOST)  # more places for unbalance or forces
+    bearings: tuple[Bearing, ...] = Field(min_length=1, max_length=MOST)  # at least two, some distance apart
+    probes: tuple[Probe, ...] = Field(min_length=1, max_length=MOST)  # proximity probes
     keyphasor: Keyphasor | None = None  # needed for a sweep and for tracking
     motor: Motor | None = None  # needed for a sweep
     daq: Daq | None = None  # needed for a sweep
     limits: Limits | None = None  # interlocks that stop a sweep
     rotation: Literal["x-to-y", "y-to-x"] = "x-to-y"  # sense of rotation
     gravity: Literal["-x", "-y", "none"] = "-y"  # direction of gravity
-    plans: dict[str, Plan] = Field(default_factory=dict)  # `default` runs unless `--plan` names another
+    # `default` runs unless `--plan` names another
+    plans: dict[Name, Plan] = Field(default_factory=dict, max_length=MOST)
     identify: Identify | None = None  # unknowns to identify
     prior: Prior = Prior()  # uncertainty of the nameplate
-    effects: tuple[Extension, ...] = ()  # causes that extend the model beyond the nameplate
+    effects: tuple[Extension, ...] = Field((), max_length=MOST)  # causes that extend the model beyond the nameplate
     _text: str = PrivateAttr(default="")
 
     @property

@@ -7,12 +7,27 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
-from pydantic import Discriminator, Field, field_validator, model_validator
+from pydantic import AfterValidator, Discriminator, Field, field_validator, model_validator
 
 from rotorrig.rig.config.drive_profiles import load_profile, profile_names
-from rotorrig.rig.config.nameplate import Length, Part, RampRate, Rate, Speed, Time, Voltage, is_none
+from rotorrig.rig.config.nameplate import (
+    MOST_CHANNELS,
+    Length,
+    Name,
+    Part,
+    RampRate,
+    Rate,
+    Speed,
+    Text,
+    Time,
+    Voltage,
+    check_size,
+    is_none,
+)
 from rotorrig.rig.config.units import RPM, reads
 
+MOST_RPM = 60_000.0  # of the shaft per Hz, or per unit of a drive's velocity: a gear of a thousand on two poles
+MOST_BAUD = 100_000_000
 _LARGEST_TARGET = 32767  # 6042h is an INTEGER16
 _SLCAN_BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 750_000, 1_000_000)
 
@@ -27,7 +42,7 @@ else:  # pydantic refuses another name and lists these
 class Keyphasor(Part):
     """The once-per-turn pulse; shaft angle is zero at the chosen edge."""
 
-    channel: int = Field(ge=0)  # input of the DAQ, from 0
+    channel: int = Field(ge=0, lt=MOST_CHANNELS)  # input of the DAQ, from 0
     edge: Literal["falling", "rising"] = "falling"  # the one made by the leading side of the mark
     pulses_per_revolution: int = Field(1, ge=1, le=1024)  # if several, angle zero is the pulse after the widest spacing
     threshold: Voltage | None = None  # default: midway between the levels in the data
@@ -46,7 +61,8 @@ class _Inverter(_Controller):
     """A variable-frequency drive."""
 
     profile: ModbusProfile = "powerflex400"  # drive family
-    rpm_per_hz: float = Field(60.0, gt=0)  # shaft speed over output frequency: 60 / pole pairs, times the gear
+    # shaft speed over output frequency: 60 / pole pairs, times the gear
+    rpm_per_hz: float = Field(60.0, gt=0, le=MOST_RPM)
     # silence after which the drive stops by itself, if it has a watchdog; long enough to repeat a lost request,
     # within the range of every drive family
     watchdog: Annotated[Time, Field(ge=0.5, le=60.0)] = 2.0
@@ -60,6 +76,16 @@ class _Inverter(_Controller):
             raise ValueError(f"ramp is given, want none: a {self.profile} is told its ramp")
         return self
 
+    @model_validator(mode="after")
+    def _reaches_its_speed(self) -> Self:
+        hertz, highest = self.max_speed * RPM / self.rpm_per_hz, load_profile(self.profile).highest_frequency
+        if hertz > highest:
+            raise ValueError(
+                f"max_speed is {hertz:.4g} Hz at {self.rpm_per_hz:g} rpm per Hz, want at most {highest:g} Hz, the "
+                f"highest output frequency of a {self.profile}"
+            )
+        return self
+
     @property
     def keeps_ramp(self) -> bool:
         """True if it keeps the ramp it has while it turns, so that a plan can have but one."""
@@ -70,8 +96,8 @@ class ModbusRtu(_Inverter):
     """A drive on a serial line."""
 
     driver: Literal["modbus-rtu"]  # chooses this table
-    port: str  # "/dev/ttyUSB0"; better, "/dev/serial/by-id/..."
-    baudrate: int = Field(19200, ge=1200)  # as set at the drive; 8 data bits, no parity
+    port: Name  # "/dev/ttyUSB0"; better, "/dev/serial/by-id/..."
+    baudrate: int = Field(19200, ge=1200, le=MOST_BAUD)  # as set at the drive; 8 data bits, no parity
     address: int = Field(100, ge=1, le=247)  # of the drive on the line
 
 
@@ -79,7 +105,7 @@ class ModbusTcp(_Inverter):
     """A drive behind an Ethernet port."""
 
     driver: Literal["modbus-tcp"]  # chooses this table
-    host: str  # name or address: "192.168.1.10"
+    host: Name  # name or address: "192.168.1.10"
     tcp_port: int = Field(502, ge=1, le=65535)  # of the drive
     address: int = Field(1, ge=0, le=255)  # unit identifier; many drives ignore it
 
@@ -92,8 +118,8 @@ class LineController(_Controller):
     """A home-built controller that speaks the line protocol of docs/motor-line.md."""
 
     driver: Literal["serial-line"]  # chooses this table
-    port: str  # "/dev/ttyACM0"; better, "/dev/serial/by-id/..."
-    baudrate: int = Field(115200, ge=1200)  # as set at the controller
+    port: Name  # "/dev/ttyACM0"; better, "/dev/serial/by-id/..."
+    baudrate: int = Field(115200, ge=1200, le=MOST_BAUD)  # as set at the controller
     watchdog: SentWatchdog = 2.0
 
 
@@ -101,11 +127,12 @@ class CanOpen(_Controller):
     """A CiA 402 drive in velocity mode."""
 
     driver: Literal["canopen"]  # chooses this table
-    interface: str = "socketcan"  # any of python-can: socketcan, slcan, pcan, kvaser, ...
-    channel: str  # "can0", or the adapter's serial port
-    bitrate: int = Field(500_000, ge=10_000)  # of the bus
+    interface: Name = "socketcan"  # any of python-can: socketcan, slcan, pcan, kvaser, ...
+    channel: Name  # "can0", or the adapter's serial port
+    bitrate: int = Field(500_000, ge=10_000, le=8_000_000)  # of the bus
     node: int = Field(1, ge=1, le=127)  # of the drive
-    rpm_per_unit: float = Field(1.0, gt=0)  # shaft speed per unit of the drive's velocity (vl), gear included
+    # shaft speed per unit of the drive's velocity (vl), gear included
+    rpm_per_unit: float = Field(1.0, gt=0, le=MOST_RPM)
     watchdog: SentWatchdog = 2.0
 
     @model_validator(mode="after")
@@ -128,24 +155,24 @@ class StreamDaq(Part):
     """A board that speaks the framed serial stream of docs/daq-stream.md."""
 
     driver: Literal["stream"]  # chooses this table
-    port: str  # "/dev/ttyACM0"; better, "/dev/serial/by-id/..."
-    baudrate: int = Field(115200, ge=1200)  # of a UART; ignored by USB
+    port: Name  # "/dev/ttyACM0"; better, "/dev/serial/by-id/..."
+    baudrate: int = Field(115200, ge=1200, le=MOST_BAUD)  # of a UART; ignored by USB
     sample_rate: Rate  # of the board; any other is refused
 
 
-Setting = bool | int | float | str
+Setting = bool | Annotated[int, AfterValidator(check_size)] | float | Text
 
 
 class OpenDaq(Part):
     """A device of the openDAQ SDK; its channels are numbered in the order it lists them."""
 
     driver: Literal["opendaq"]  # chooses this table
-    connection: str  # "daqref://device0", "daq.nd://192.168.1.5"
+    connection: Text  # "daqref://device0", "daq.nd://192.168.1.5"
     sample_rate: Rate  # requested; the device must confirm it
-    device_settings: dict[str, Setting] = Field(
+    device_settings: dict[Name, Setting] = Field(
         default_factory=dict
     )  # properties of the device, by the names it gives them
-    channel_settings: dict[str, Setting] = Field(default_factory=dict)  # properties of every channel: range, coupling
+    channel_settings: dict[Name, Setting] = Field(default_factory=dict)  # properties of every channel: range, coupling
 
     @field_validator("connection")
     @classmethod
@@ -160,7 +187,7 @@ class NiDaqmx(Part):
     """An analog input device of National Instruments, through its own driver; channel n is input ai<n>."""
 
     driver: Literal["nidaqmx"]  # chooses this table
-    device: str  # "Dev1", "cDAQ1Mod1"
+    device: Name  # "Dev1", "cDAQ1Mod1"
     sample_rate: Rate  # a rate that the device's clock can produce
     terminals: Literal["default", "rse", "nrse", "diff", "pseudo-diff"] = "default"  # how the inputs are wired
     low: Voltage = -24.0  # lower end of the requested range; an eddy-current probe's output is negative

@@ -16,6 +16,11 @@ class DriveProfile(Protocol):
     """The part of a profile that a config and its plans depend on; registers are the driver's business."""
 
     @property
+    def highest_frequency(self) -> float:
+        """Highest output frequency [Hz] it can be asked for."""
+        ...
+
+    @property
     def ramp_by_hand(self) -> bool:
         """True if its ramp is set at the drive and cannot be written over Modbus."""
         ...

@@ -6,19 +6,19 @@ simulated rig, and says in one sentence what it has no effect for.
 
 from typing import Annotated, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import AfterValidator, Field, Strict, model_validator
 
-from rotorrig.rig.config.nameplate import Part
+from rotorrig.rig.config.nameplate import Name, Part, Text, check_size
 
-Number = Annotated[float, Strict()]  # SI: no text with a unit
+Number = Annotated[float, Strict(), AfterValidator(check_size)]  # SI: no text with a unit
 
 
 class Extension(Part):
     """One effect at one place, with the values of its unknowns, SI."""
 
-    name: str  # "bow": a file in sims/effects
-    where: str = ""  # "plane 2"; empty if there is only one place
-    parameters: dict[str, Number]  # "bow re" -> value
+    name: Name  # "bow": a file in sims/effects
+    where: Text = ""  # "plane 2"; empty if there is only one place
+    parameters: dict[Name, Number]  # "bow re" -> value
     sigmas: dict[str, Annotated[Number, Field(ge=0)]] = Field(default_factory=dict)  # one standard deviation of each
 
     @property

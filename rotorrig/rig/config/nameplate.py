@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, field_validator, model_validator
 
 from rotorrig.rig.config.units import reads
 from rotorrig.rig.errors import ConfigError
@@ -16,7 +16,39 @@ from rotorrig.rig.errors import ConfigError
 COEFFICIENTS = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy")
 NUMBER, TABLE = "<number>", "<table>"  # the two forms of a bearing coefficient, as pydantic names them in its errors
 SHORTEST = 1e-6  # m: places nearer than this are one place, so no section may be as short
+LONGEST_SHAFT = 20.0  # m; the matrices of a model grow with its square
 AGREE = 1e-6  # m: rounding of a length that is given twice
+
+
+def _check_text(text: str) -> str:
+    """Return text that a terminal shows and does not obey. Raises ValueError."""
+    odd = next((letter for letter in text if not letter.isprintable() and letter not in "\n\r\t"), "")
+    if odd:
+        raise ValueError(f"has the control character U+{ord(odd):04X}, want text that can be printed")
+    return text
+
+
+def _check_name(name: str) -> str:
+    if not name.isprintable() or not name.strip() or len(name) > LONGEST_NAME:
+        raise ValueError(f"got {name[:LONGEST_NAME]!r}, want 1 to {LONGEST_NAME} characters that can be printed")
+    return name
+
+
+def check_size(number: float) -> float:
+    """Return a number that 64 bits hold and squares of which stay finite. Raises ValueError for any other."""
+    if abs(number) > LARGEST if isinstance(number, float) else abs(number) >= 2**63:
+        raise ValueError(f"got {number:.4g}, want a number of a size that can be meant")
+    return number
+
+
+LARGEST = 1e30  # of a number in a unit that is not known here
+LONGEST_NAME = 500  # characters: it stands in tables, in headings and in the names of others
+LONGEST_PROBE = 60  # characters: it stands in names of topics, columns and files
+MOST_CHANNELS = 1024  # of a DAQ
+MOST = 256  # parts of a kind; a list of a million would be checked for hours
+TAKEN = ("keyphasor", "time")  # topics and columns beside those of the probes
+Text = Annotated[str, AfterValidator(_check_text)]
+Name = Annotated[str, AfterValidator(_check_name)]
 
 
 class Part(BaseModel):
@@ -101,7 +133,7 @@ def _largest_diameter(given: dict[str, Any]) -> float:
 class Shaft(Part):
     """The shaft: uniform, or in `sections` from the coupling, which then give length and diameter."""
 
-    sections: tuple[Section, ...] = ()  # of a stepped shaft, in order from the coupling
+    sections: tuple[Section, ...] = Field((), max_length=MOST)  # of a stepped shaft, in order from the coupling
     length: Length = Field(default_factory=_total_length)  # from end to end; of a stepped shaft: the sum
     diameter: Length = Field(default_factory=_largest_diameter)  # outer; of a stepped shaft: the largest
     inner_diameter: Position = 0.0  # of the bore; 0: solid
@@ -134,6 +166,10 @@ class Shaft(Part):
         for name in ("length", "diameter"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} is missing, want it, or the shaft in sections")
+        if self.length > LONGEST_SHAFT:
+            raise ValueError(
+                f"length {self.length:g} m, want at most {LONGEST_SHAFT:g} m: the model has 50 elements per m"
+            )
         if self.sections:
             self._check_sections()
         else:
@@ -168,7 +204,7 @@ class Unbalance(Part):
 class Disk(Part):
     """A rigid disk, with the unbalance expected of it."""
 
-    name: str  # of your choice, unique
+    name: Name  # of your choice, unique
     position: Position  # of its middle, from the coupling end of the shaft
     mass: Mass
     polar_inertia: Inertia  # about the shaft
@@ -181,7 +217,7 @@ class Disk(Part):
 class Plane(Part):
     """A massless plane on the shaft for unbalance or a force: a coupling, a balance ring, a journal."""
 
-    name: str  # of your choice, not that of a disk
+    name: Name  # of your choice, not that of a disk
     position: Position  # from the coupling end of the shaft
 
 
@@ -246,7 +282,7 @@ class Bearing(Part):
     A `rigid` one has none and holds the shaft at x = y = 0, free to tilt. x and y are the probes' axes.
     """
 
-    name: str  # of your choice, unique
+    name: Name  # of your choice, unique
     position: Position  # from the coupling end of the shaft
     rigid: bool = False  # x = y = 0 exactly, free to tilt
     kxx: DirectK | None = None  # force along x per deflection along x
@@ -289,10 +325,17 @@ class Bearing(Part):
 class Probe(Part):
     """A proximity probe: volts rise as the shaft comes nearer; `angle` is where it sits, from +x towards +y."""
 
-    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$")  # of your choice: letters, digits, _ . -
+    name: str = Field(pattern=r"^[A-Za-z0-9_.-]+$", max_length=LONGEST_PROBE)  # of your choice: letters, digits, _ . -
     position: Position  # from the coupling end of the shaft
     angle: Angle  # where it sits about the shaft, from +x towards +y
-    channel: int = Field(ge=0)  # input of the DAQ, from 0
+    channel: int = Field(ge=0, lt=MOST_CHANNELS)  # input of the DAQ, from 0
     sensitivity: Sensitivity = 7874.0  # 200 mV/mil; divided down if a divider is in the way
     gap_voltage: Voltage = -10.0  # of its driver with the shaft at rest: displacement 0
     linear_range: tuple[Voltage, Voltage] = (-18.0, -2.0)  # an 8 mm probe's 80 mil about -10 V
+
+    @field_validator("name")
+    @classmethod
+    def _is_free(cls, name: str) -> str:
+        if name.casefold() in TAKEN or not name.strip("."):
+            raise ValueError(f"got '{name}', which names something else; want another name, such as '1x'")
+        return name

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, model_validator
 
-from rotorrig.rig.config.nameplate import Part, RampRate, Speed, Time
+from rotorrig.rig.config.nameplate import MOST, Name, Part, RampRate, Speed, Time
 
 MOST_SPEEDS = 1000  # of a stepped plan
 
@@ -52,7 +52,7 @@ class Stepped(Part):
     kind: Literal["stepped"]  # chooses this table
     slow_roll: Speed  # before the steps
     slow_roll_time: Time  # how long the slow roll is recorded
-    speeds: tuple[Speed, ...] = ()  # instead of start, end and step
+    speeds: tuple[Speed, ...] = Field((), max_length=MOST_SPEEDS)  # instead of start, end and step
     start: Speed | None = None  # the lowest speed
     end: Speed | None = None  # the highest speed
     step: Speed | None = None  # between neighbouring speeds
@@ -120,8 +120,8 @@ class TrialMassRuns(Part):
     """
 
     kind: Literal["trial-mass"]  # chooses this table
-    plan: str = "default"  # another plan of the config
-    masses: tuple[str, ...] = Field(min_length=1)  # "disk: 12 g mm at 90 deg", one after the other
+    plan: Name = "default"  # another plan of the config
+    masses: tuple[str, ...] = Field(min_length=1, max_length=MOST)  # "disk: 12 g mm at 90 deg", one after the other
 
     @property
     def fastest(self) -> float:

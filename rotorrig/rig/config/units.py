@@ -15,26 +15,27 @@ from rotorrig.rig.config.unit_registry import registry
 RPM = 30.0 / math.pi  # rpm per rad/s
 UM = 1e6  # um per m
 
-#: quantity -> (SI unit, an example to show in an error)
-QUANTITIES: dict[str, tuple[str, str]] = {
-    "length": ("m", "10 mm"),
-    "mass": ("kg", "0.809 kg"),
-    "inertia": ("kg m^2", "568.46e-6 kg m^2"),
-    "density": ("kg/m^3", "7801 kg/m^3"),
-    "modulus": ("Pa", "208.11 GPa"),
-    "stiffness": ("N/m", "33.9 kN/m"),
-    "damping": ("N s/m", "15 N s/m"),
-    "damping rate": ("1/s", "0.1 1/s"),
-    "unbalance": ("kg m", "15 g mm"),
-    "angle": ("rad", "45 deg"),
-    "speed": ("rad/s", "480 rpm"),
-    "ramp": ("rad/s^2", "30 rpm/s"),
-    "time": ("s", "10 s"),
-    "voltage": ("V", "-10 V"),
-    "sensitivity": ("V/m", "7.874 mV/um"),
-    "rate": ("Hz", "10 kHz"),
-    "acceleration": ("m/s^2", "9.81 m/s^2"),
+#: quantity -> (SI unit, an example to show in an error, the largest that is taken for more than a slip)
+QUANTITIES: dict[str, tuple[str, str, float]] = {
+    "length": ("m", "10 mm", 100.0),
+    "mass": ("kg", "0.809 kg", 1e6),
+    "inertia": ("kg m^2", "568.46e-6 kg m^2", 1e9),
+    "density": ("kg/m^3", "7801 kg/m^3", 1e6),
+    "modulus": ("Pa", "208.11 GPa", 1e15),
+    "stiffness": ("N/m", "33.9 kN/m", 1e15),
+    "damping": ("N s/m", "15 N s/m", 1e12),
+    "damping rate": ("1/s", "0.1 1/s", 1e9),
+    "unbalance": ("kg m", "15 g mm", 1e3),
+    "angle": ("rad", "45 deg", 1e6),
+    "speed": ("rad/s", "480 rpm", 1e6),
+    "ramp": ("rad/s^2", "30 rpm/s", 1e9),
+    "time": ("s", "10 s", 1e10),
+    "voltage": ("V", "-10 V", 1e6),
+    "sensitivity": ("V/m", "7.874 mV/um", 1e12),
+    "rate": ("Hz", "10 kHz", 1e9),
+    "acceleration": ("m/s^2", "9.81 m/s^2", 1e6),
 }
+SMALLEST = 1e-30  # SI, of anything: what is less is 0, lest a square or a quotient of it leave the range of numbers
 _ANGULAR = ("rpm", "rad", "deg", "revolution", "turn")
 _LONGEST = 80  # characters; pint evaluates what it is given, so hostile text is kept from it
 #: a power of something in brackets, or one that is not a whole number of one or two digits
@@ -52,7 +53,7 @@ def to_si(text: object, quantity: str) -> float:
     Traceback (most recent call last):
     ValueError: got '60 Hz', want a shaft speed in rpm or rad/s (Hz could mean either), such as '480 rpm'
     """
-    unit, example = QUANTITIES[quantity]
+    unit, example, _ = QUANTITIES[quantity]
     want = f"want {_a(quantity)} with its unit, such as '{example}'"
     if not isinstance(text, str):
         raise ValueError(f"got {text!r}, {want}")
@@ -74,10 +75,21 @@ def to_si(text: object, quantity: str) -> float:
         raise ValueError(f"got '{text}' without a unit; {want}")
     if not value.is_compatible_with(unit):
         raise ValueError(f"got '{text}' ({value.units:~P}), {want}")
-    number = float(value.to(unit).magnitude)
-    if number != number or number in (float("inf"), float("-inf")):
+    try:
+        number = float(value.to(unit).magnitude)
+    except (ArithmeticError, TypeError, ValueError) as error:  # an integer beyond the range of numbers, a complex one
+        raise ValueError(f"got '{text}', {want}") from error
+    if not math.isfinite(number):
         raise ValueError(f"got '{text}', {want}")
-    return float(f"{number:.15g}")  # 10 mm is 0.01 m, not 0.010000000000000002
+    return _bounded(float(f"{number:.15g}"), quantity)  # 10 mm is 0.01 m, not 0.010000000000000002
+
+
+def _bounded(number: float, quantity: str) -> float:
+    """Return a number in SI, 0 if it is next to it. Raises ValueError for one too large to be meant."""
+    unit, _, largest = QUANTITIES[quantity]
+    if abs(number) > largest:
+        raise ValueError(f"got {number:.4g} {unit}, want at most {largest:g} {unit}")
+    return number if abs(number) >= SMALLEST else 0.0
 
 
 def _a(noun: str) -> str:
@@ -92,7 +104,10 @@ def reads(quantity: str) -> BeforeValidator:
 
     def validate(value: object, info: ValidationInfo) -> float:
         if info.context and info.context.get("si") and isinstance(value, (int, float)):
-            return float(value)
+            try:
+                return _bounded(float(value), quantity)
+            except OverflowError as error:
+                raise ValueError(f"got a number of {len(str(value))} digits, want one in SI") from error
         return to_si(value, quantity)
 
     return BeforeValidator(validate)

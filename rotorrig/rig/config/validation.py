@@ -8,6 +8,8 @@ from pydantic import BaseModel, ValidationError
 from rotorrig.rig.config.nameplate import NUMBER, TABLE
 from rotorrig.rig.errors import ConfigError
 
+_LONGEST = 80  # characters of a key that are compared
+
 Table = TypeVar("Table", bound=BaseModel)
 
 
@@ -47,6 +49,7 @@ def _sentence(model: type[BaseModel], error: ValidationError, where: str) -> str
 
 
 def _hint(got: str, known: list[str]) -> str:
+    got = got[:_LONGEST]  # the search takes time with the square of its length
     near = difflib.get_close_matches(got, known, n=1)
     return f"did you mean '{near[0]}'" if near else f"want one of {', '.join(known)}"
 

@@ -123,6 +123,12 @@ class Profile:
     watchdog: Watchdog | None = None
 
     @property
+    def highest_frequency(self) -> float:
+        """Highest output frequency [Hz] that the family has, or that its signed register holds."""
+        held = 0x7FFF * self.output_step
+        return min(held, self.max_frequency.range[1]) if self.max_frequency else held
+
+    @property
     def ramp_by_hand(self) -> bool:
         """True if its ramp is set at the drive and cannot be written over Modbus."""
         return self.ramps is None
