@@ -89,7 +89,7 @@ def _bounded(number: float, quantity: str) -> float:
     unit, _, largest = QUANTITIES[quantity]
     if abs(number) > largest:
         raise ValueError(f"got {number:.4g} {unit}, want at most {largest:g} {unit}")
-    return number if abs(number) >= SMALLEST else 0.0
+    return 0.0 if abs(number) < SMALLEST else number  # NaN stays, for the field to refuse
 
 
 def _a(noun: str) -> str:

@@ -72,6 +72,14 @@ def test_next_to_nothing_is_nothing(quantity: str) -> None:
     assert to_si(f"1e-300 {QUANTITIES[quantity][0]}", quantity) == 0.0
 
 
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
+def test_what_is_no_number_is_not_taken_for_nothing(value: float) -> None:
+    table = copy.deepcopy(SI)
+    table["probes"][0]["angle"] = value
+    with pytest.raises(ConfigError, match=r"probes\[0\]\.angle: got"):
+        from_si(table)
+
+
 @pytest.mark.parametrize("profile", [name for name in profile_names() if name != "vfd-ed"])
 def test_a_drive_is_not_asked_for_a_frequency_its_register_does_not_hold(profile: str) -> None:
     table = {"driver": "modbus-tcp", "host": "x", "profile": profile, "max_speed": "4200 rpm", "rpm_per_hz": 0.25}
