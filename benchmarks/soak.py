@@ -66,7 +66,7 @@ def run_all(wanted: Sequence[Case], options: argparse.Namespace) -> None:
     version = code()
     done = {} if options.again else kept(options.folder)
     jobs = [case for case in wanted if case.run not in done or done[case.run].code != version]
-    jobs = jobs[: options.run] if options.run else jobs
+    jobs = sorted(jobs, key=lambda case: case.seed)[: options.run] if options.run else jobs
     signal.signal(signal.SIGTERM, _terminated)
     count = 0
 
@@ -119,7 +119,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument(
         "--on", nargs="+", choices=CONTROLLERS, default=[], metavar="NAME", help="these controllers alone"
     )
-    parser.add_argument("--run", type=int, default=0, metavar="N", help="so many at the most")
+    parser.add_argument("--run", type=int, default=0, metavar="N", help="so many of them, at random")
     parser.add_argument("--rounds", type=int, default=1, help="runs of each, at other moments (default 1)")
     parser.add_argument("--again", action="store_true", help="run also what is kept for this code")
     workers = 2 * (os.cpu_count() or 2)

@@ -2,7 +2,12 @@
 
 import json
 import math
+import os
+import signal
 import struct
+import subprocess
+import sys
+import time
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,7 +22,7 @@ from benchmarks.parts.soak.faults import FAULTS, PAIRED, Case, pairs, singles
 from benchmarks.parts.soak.judge import Verdict, claim, judge
 from benchmarks.parts.soak.page import page, text
 from benchmarks.parts.soak.peer import Peer
-from benchmarks.parts.soak.program import Line
+from benchmarks.parts.soak.program import GUARDIAN, MARK, Line, Program
 from benchmarks.parts.soak.results import FOLDER, keep, kept, prune, summary
 from benchmarks.parts.soak.run import Seen
 from benchmarks.parts.soak.wire import compare, data_frames
@@ -150,6 +155,32 @@ def test_a_killed_program_is_gone_if_nobody_stops_the_rotor_and_the_guardian_is_
     assert judged(tmp_path, "", **killed).wrong == []
     guarded = judged(tmp_path, "", guardians=1, **killed)
     assert guarded.guardian_stop_ms == pytest.approx(4200.0)
+
+
+def test_what_the_guardian_wrote_is_compared_too(tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    now = time.monotonic()
+    speeds = tuple((now - 9.0 + t, rpm) for t, rpm in FOREVER)
+    (tmp_path / "out/run.guardian.json").write_text('{"rotor": "at rest"}')
+    killed = {"faults": {"kill -9": now - 6.0}, "status": -9, "began": now - 9.0, "ended": now - 4.0, "guardians": 1}
+    verdict = judged(tmp_path, "", speeds=speeds, **killed)
+    assert verdict.claims["guardian"] == "rest"
+    assert verdict.said_stopped_turning
+
+
+def test_a_guardian_is_known_by_its_command_line_and_the_mark_of_its_run(tmp_path: Path) -> None:
+    program = Program(("--help",), folder=tmp_path, root=tmp_path, mark="mine", piped=False)
+    words = [sys.executable, "-c", "import time; time.sleep(60)", GUARDIAN]
+    with (
+        subprocess.Popen(words, env={**os.environ, MARK: "mine"}) as guardian,
+        subprocess.Popen(words, env={**os.environ, MARK: "another's"}) as stranger,
+    ):
+        assert program.find_guardians() == [guardian.pid]
+        assert program.kill_guardians() == 1
+        assert guardian.wait(10) == -signal.SIGKILL
+        assert program.find_guardians() == []
+        stranger.kill()
+    program.close()
 
 
 def test_last_line_and_status_must_agree(tmp_path: Path) -> None:

@@ -6,12 +6,24 @@ import zlib
 from dataclasses import dataclass
 from typing import Any
 
-from benchmarks.parts.soak.controllers import CONTROLLERS, FOR_PAIRS
+from benchmarks.parts.soak.controllers import CONTROLLERS, FOR_PAIRS, TOP
 
-#: s from the first sample to the end of the dwell, and to rest, of a sweep without a fault
-PLAN = (9.0, 12.0)
-PLAN_OF_ONE_RAMP = (6.6, 9.6)  # of a drive with one ramp, which need not settle at a gentle one
+TURNS = 5.0  # rpm: the rotor has begun to turn
+AT_TOP = 0.97 * TOP  # rpm
+DWELL_SECONDS = 1.5  # at the top
+RUN_DOWN_SECONDS = 3.0
+RUN_UP = 8.5  # s from the first turn to the end of the dwell
+RUN_UP_OF_ONE_RAMP = 6.3  # of a drive with one ramp, which need not settle at a gentle one
 ONE_RAMP = ("m-max", "vfd-ed")
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """When a fault strikes, counted from when the rotor first exceeds a speed, another fault, or the first sample."""
+
+    seconds: float
+    above: float = 0.0  # rpm
+    after: str = ""  # a fault
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +67,14 @@ FAULTS = (
     _switch("drive restarts", "drive", "its power is off for 1.5 s"),
     _switch("DAQ silent", "DAQ", "it sends nothing any more"),
     _switch("DAQ loses frames", "DAQ", "a frame in twenty is lost, for good"),
+    _switch(
+        "DAQ loses a few frames",
+        "DAQ",
+        "three frames in two hundred are lost",
+        switch="DAQ loses frames",
+        value=0.015,
+        single=True,
+    ),
     _switch("DAQ late", "DAQ", "samples fall behind, to 4.5 s after 9 s"),
     _switch("DAQ restarts", "DAQ", "it begins again at sample 0"),
     _switch("keyphasor dead", "sensor", "its level is stuck"),
@@ -85,14 +105,14 @@ PAIRED = tuple(fault for fault in FAULTS if not fault.single)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """One run: a controller, and faults at their moments [s after the first sample], None for random ones."""
+    """One run: a controller, and faults at their moments, None for random ones."""
 
     set: str  # "pairs", "singles", "cases"
     controller: str
     faults: tuple[str, ...]
     number: int = 0
     name: str = ""  # of a case of its own
-    at: tuple[float, ...] | None = None
+    at: tuple[Moment, ...] | None = None
     extra: tuple[tuple[str, Any], ...] = ()  # switches of the bench from the start: (name, value)
     rolling: float = 0.0  # rpm at which the rotor turns already
     dwell: bool = False  # a dwell at 300 rpm for 20 s instead of the plan
@@ -110,16 +130,22 @@ class Case:
         """Draws the moments, and what the faults hit."""
         return zlib.crc32(self.run.encode())
 
-    def moments(self) -> tuple[float, ...]:
-        """Moments of the faults: anywhere in the sweep, often at the start, in the run-down, one soon after another."""
+    def moments(self) -> tuple[Moment, ...]:
+        """Return the moments of the faults: anywhere, often at the start, in the run-down, or one upon another."""
         if self.at is not None:
             return self.at
-        if not self.faults:
-            return ()
         rng = random.Random(self.seed)
-        plan = PLAN_OF_ONE_RAMP if self.controller.startswith(ONE_RAMP) else PLAN
-        first, *others = (_moment(rng, *plan) for _ in self.faults)
-        return (first, *(max(0.0, first + rng.uniform(-0.5, 1.0)) if rng.random() < 0.5 else other for other in others))
+        run_up = RUN_UP_OF_ONE_RAMP if self.controller.startswith(ONE_RAMP) else RUN_UP
+        moments: list[Moment] = []
+        for _ in self.faults:
+            kind = rng.random()
+            if moments and kind < 0.5:
+                moments.append(Moment(rng.uniform(0.0, 1.0), after=self.faults[0]))
+            elif moments and kind < 0.75:
+                moments.append(Moment(rng.uniform(1.0, 6.0), after=self.faults[0]))
+            else:
+                moments.append(_moment(rng, run_up))
+        return tuple(moments)
 
 
 def pairs(rounds: int = 1) -> list[Case]:
@@ -143,8 +169,10 @@ def singles(rounds: int = 1) -> list[Case]:
     ]
 
 
-def _moment(rng: random.Random, stop: float, rest: float) -> float:
+def _moment(rng: random.Random, run_up: float) -> Moment:
     kind = rng.random()
     if kind < 0.15:
-        return rng.uniform(0.0, 0.5)
-    return rng.uniform(stop, rest) if kind < 0.4 else rng.uniform(0.5, stop)
+        return Moment(rng.uniform(0.0, 0.5))
+    if kind < 0.4:
+        return Moment(DWELL_SECONDS + rng.uniform(0.0, RUN_DOWN_SECONDS), above=AT_TOP)
+    return Moment(rng.uniform(0.0, run_up), above=TURNS)

@@ -2,6 +2,7 @@
 
 import math
 import re
+import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -20,6 +21,8 @@ CLOSING = 1.0  # s between the last sample of a recording and the end of the DAQ
 NOTICE = 1.0  # s within which a program is to notice that its folder is gone
 _TURNING = re.compile(r"(?i)still (be )?turning|\bunknown\b|not at rest|keeps turning|is turning|\bturning at\b")
 _REST = re.compile(r"(?i)\bat rest\b|\bat a standstill\b|rotor (was|is|has) (been )?stopped|stands still")
+_GUARDIAN_WRITES = (".json", ".jsonl", ".txt", ".log")  # beside the recording
+_LAST_WORDS = 300  # characters of it
 _ENDS_STREAM = {"DAQ silent", "DAQ late", "DAQ restarts"}  # a sweep may take no samples after these
 
 
@@ -125,8 +128,11 @@ def _judge_words(verdict: Verdict, seen: Seen, peer: Peer, recordings: list[RawR
         if claim(notes[-1]) == "rest":
             spoken.append((seen.ended, notes[-1]))
     for path in sorted(folder.rglob("out/*")):
-        if path.is_file() and path.suffix in (".json", ".jsonl", ".txt", ".log"):
-            verdict.claims["guardian"] = claim(path.read_text(encoding="utf-8", errors="replace")[-2000:])
+        if path.is_file() and path.suffix in _GUARDIAN_WRITES:
+            words = path.read_text(encoding="utf-8", errors="replace").rstrip()[-_LAST_WORDS:]
+            verdict.claims["guardian"] = claim(words)
+            if claim(words) == "rest":
+                spoken.append((path.stat().st_mtime - time.time() + time.monotonic(), f"{path.name}: {words}"))
     false = [(peer.speed_at(t), text) for t, text in spoken if peer.speed_at(t) > AT_REST]
     if false:
         verdict.said_stopped_turning = True

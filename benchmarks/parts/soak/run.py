@@ -1,5 +1,6 @@
 """One run of the fault campaign: a peer bench, the program sweeping it, faults at their moments, and what was seen."""
 
+import math
 import shutil
 import tempfile
 import time
@@ -10,7 +11,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from benchmarks.parts.soak.controllers import DWELL, LIMITS, PLAN, RATE, ROOT, config
-from benchmarks.parts.soak.faults import BY_NAME, Case, Fault
+from benchmarks.parts.soak.faults import BY_NAME, Case, Fault, Moment
 from benchmarks.parts.soak.peer import Peer
 from benchmarks.parts.soak.program import Line, Program
 
@@ -22,7 +23,7 @@ RESTED = 22.0  # s after it has come to rest: a proof from the probes takes 8 s
 LONGEST = 90.0  # s after the first sample
 LEAVE = 1.0  # s between the operator's two Ctrl-C
 PATIENCE = 6.0  # s after them
-PLAN_ENDS, DWELL_ENDS = 12.0, 28.0  # s after the first sample, of plans nothing happens to
+PLAN_ENDS, DWELL_ENDS = 15.0, 30.0  # s after the first sample, of plans nothing happens to
 AFTERWARDS = 25.0  # s for which a rotor is watched after the program has gone
 Result = TypeVar("Result")
 _PRESSURE = Path("/proc/pressure/cpu")  # https://docs.kernel.org/accounting/psi.html
@@ -85,7 +86,7 @@ def _watch(case: Case, program: Program, peer: Peer, folder: Path) -> Seen:
     began, waited = time.monotonic(), _waited()
     seen = Seen(case=case)
     _until_stream(seen, program, peer)
-    due = sorted(zip(case.moments(), case.faults, strict=True))
+    due = list(zip(case.moments(), case.faults, strict=True))
     undo: list[tuple[float, Fault]] = []
     operator = _Operator(seen, program)
     next_search = 0.0
@@ -93,18 +94,19 @@ def _watch(case: Case, program: Program, peer: Peer, folder: Path) -> Seen:
         program.listen(LOOK)
         peer.follow()
         now = time.monotonic()
-        while due and now - seen.began >= due[0][0]:
-            _, name = due.pop(0)
-            seen.struck[name] = now
-            _strike(BY_NAME[name], program, peer, folder, undo)
-        for moment, fault in tuple(undo):
-            if now >= moment:
+        for moment, name in tuple(due):
+            if now - _origin(moment, seen, peer) >= moment.seconds:
+                due.remove((moment, name))
+                seen.struck[name] = now
+                _strike(BY_NAME[name], program, peer, folder, undo)
+        for end, fault in tuple(undo):
+            if now >= end:
                 program.strike("SIGCONT")
-                undo.remove((moment, fault))
+                undo.remove((end, fault))
         if now >= next_search:
             next_search = now + 2.0
             program.find_guardians()
-        if not due and not undo and now > _patience(seen, peer):
+        if not undo and now > _patience(seen, peer):
             operator.leave(now)
     seen.ended, seen.status, seen.cpu = program.ended, program.status, program.cpu
     _afterwards(seen, program, peer)
@@ -126,6 +128,16 @@ def _until_stream(seen: Seen, program: Program, peer: Peer) -> None:
         seen.killed = True
         while program.status is None:
             program.listen(LOOK)
+
+
+def _origin(moment: Moment, seen: Seen, peer: Peer) -> float:
+    """Return from when a moment is counted, s monotonic; infinite: that is still to come."""
+    if moment.after:
+        return seen.struck.get(moment.after, math.inf)
+    if moment.above:
+        passed = (t for t, rpm in zip(peer.t, peer.rpm, strict=True) if t >= seen.began and rpm > moment.above)
+        return next(passed, math.inf)
+    return seen.began
 
 
 def _strike(fault: Fault, program: Program, peer: Peer, folder: Path, undo: list[tuple[float, Fault]]) -> None:
