@@ -44,7 +44,14 @@ EVERYWHERE = {*sys.stdlib_module_names, "numpy", "lazy_loader"}
 
 #: folder -> its floors, lowest first: what stands on one may import from those below it alone
 FLOORS: dict[str, tuple[str, ...]] = {
-    "rig": ("clock errors provenance", "serial_port whole_file", "config", "motor probes ross", "connect interlock"),
+    "rig": (
+        "clock errors provenance",
+        "serial_port whole_file",
+        "config",
+        "motor probes ross",
+        "connect interlock",
+        "control",
+    ),
     "rig.probes": (
         "base",
         "calibration clock_comparison requirements",

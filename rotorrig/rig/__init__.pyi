@@ -4,6 +4,7 @@ from .errors import ConfigError as ConfigError
 from .errors import DataError as DataError
 from .errors import LimitExceeded as LimitExceeded
 from .errors import LinkLost as LinkLost
+from .errors import NotAtRest as NotAtRest
 from .errors import RigError as RigError
 from .interlock import Interlock as Interlock
 from .provenance import Provenance as Provenance
@@ -22,6 +23,7 @@ __all__ = [
     "Interlock",
     "LimitExceeded",
     "LinkLost",
+    "NotAtRest",
     "Provenance",
     "RigError",
     "WallClock",

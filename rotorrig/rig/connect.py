@@ -16,9 +16,18 @@ Place = Mapping[str, Any]  # keys of [motor] or [daq] that stand instead of the 
 
 def motor(rig: RigConfig, *, at: Place | None = None) -> MotorDriver:
     """Return the config's motor driver, not yet open; `at` says where instead. Raises ConfigError."""
+    return driver_of(motor_table(rig, at=at))
+
+
+def motor_table(rig: RigConfig, *, at: Place | None = None) -> devices.Motor:
+    """Return the config's [motor], with the keys of `at` instead of its own. Raises ConfigError."""
     if rig.motor is None:
         raise ConfigError(f"motor: is missing in the config of '{rig.name}', want [motor] with its driver")
-    table = rig.motor.model_copy(update=dict(at or {}))
+    return rig.motor.model_copy(update=dict(at or {}))
+
+
+def driver_of(table: devices.Motor) -> MotorDriver:
+    """Return the driver of a [motor] table, not yet open."""
     match table:
         case devices.ModbusRtu() | devices.ModbusTcp():
             from rotorrig.rig.motor import ModbusMotor

@@ -34,3 +34,7 @@ class BadFrame(RigError):
 
 class LimitExceeded(RigError):
     """An interlock limit reached: the rotor must be stopped."""
+
+
+class NotAtRest(RigError):
+    """A rotor that turns or may turn when the program ends: see to it before anything else."""

@@ -15,12 +15,13 @@ from typing import Any, Literal
 
 from benchmarks.parts.recorder.rig import SPEED
 from rotorrig.acquisition.files import RecordingWriter
-from rotorrig.acquisition.sweep import run_sweep
+from rotorrig.acquisition.sweep import reading_interval, run_sweep
 from rotorrig.acquisition.sweep.plans import Dwell, Mark, Ramp
 from rotorrig.app.viewer.live import LiveView
 from rotorrig.app.viewer.sinks import to_file
 from rotorrig.rig import Interlock, Provenance, connect
 from rotorrig.rig.config import RigConfig, load
+from rotorrig.rig.control import GuardedControl
 from rotorrig.rig.probes import DaqInfo
 
 RAMP = 1000.0  # rad/s^2: the rotor of the benchmark has no mass
@@ -45,9 +46,7 @@ def record(task: Task) -> None:
     """Record the sweeps, a line of JSON about each."""
     rig = load(Path(task.config))
     with contextlib.ExitStack() as stack:
-        motor = stack.enter_context(connect.motor(rig, at=task.motor))
         daq = stack.enter_context(connect.daq(rig, at=task.daq))
-        motor.open()
         info = daq.open()
         view = stack.enter_context(_view(rig, info, Path(task.out))) if task.viewer != "none" else None
         for number in range(task.sweeps):
@@ -55,15 +54,18 @@ def record(task: Task) -> None:
                 _disturb(view, task.viewer)
             out = Path(task.out).with_suffix(f".{number}.mcap")
             steps = (Mark(label="up"), Ramp(to=SPEED, rate=RAMP), Mark(label="dwell"), Dwell(seconds=task.seconds))
+            control = GuardedControl(rig, log=out.with_suffix(".txt"), at=task.motor, every=reading_interval(rig))
+            watchdog = control.open().watchdog
             wall, cpu = time.monotonic(), time.process_time()
             result = run_sweep(
                 steps,
-                motor=motor,
+                control=control,
                 daq=daq,
                 rig=rig,
                 writer=RecordingWriter(out, rig, info, Provenance(config_hash=rig.hash, code_version="benchmark")),
                 interlock=Interlock(rig, info),
                 listeners=[view.listen] if view else [],
+                watchdog=watchdog,
             )
             cpu, wall = time.process_time() - cpu, time.monotonic() - wall
             said = {"out": str(out), "samples": result.samples, "gaps": result.gaps, "trip": result.trip}

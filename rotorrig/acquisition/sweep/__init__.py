@@ -1,7 +1,7 @@
 """A sweep in operation: a plan's steps, the per-block loop that checks, records and shows, and the way back to rest.
 
 `plans.py` yields `Ramp`, `Dwell`, `Coast` ...; `engine.py` runs them; `session.py` handles each block;
-`motor_control.py` talks to the drive from a thread of its own; `run_down.py` follows the rotor to rest.
+`run_down.py` follows the rotor until `rest.py` has proof that it is at rest.
 """
 
 import lazy_loader

@@ -1,11 +1,13 @@
 from .critical_speeds import Band as Band
 from .critical_speeds import critical_bands as critical_bands
 from .engine import SweepResult as SweepResult
+from .engine import reading_interval as reading_interval
 from .engine import run_sweep as run_sweep
 from .operator import Operator as Operator
 from .plans import draft_sweep as draft_sweep
 from .plans import objections as objections
 from .plans import plan_sweep as plan_sweep
+from .rest import RotorState as RotorState
 from .steps import Ask as Ask
 from .steps import Coast as Coast
 from .steps import Dwell as Dwell
@@ -28,6 +30,7 @@ __all__ = [
     "Operator",
     "Ramp",
     "Rest",
+    "RotorState",
     "Step",
     "SweepResult",
     "TimedStep",
@@ -37,5 +40,6 @@ __all__ = [
     "objections",
     "plan_sweep",
     "plan_timeline",
+    "reading_interval",
     "run_sweep",
 ]

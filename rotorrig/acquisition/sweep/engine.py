@@ -1,32 +1,35 @@
 """Run a plan on a rig and bring the rotor to rest, however the plan ends.
 
 The path to the stop: `run_sweep` -> `_run_plan` (every step, until something ends it) -> `_stop_rotor` ->
-`Session.stop_rotor` -> `MotorControl.stop` -> `MotorDriver.stop`, then `follow_run_down` until the rotor is at rest.
+`Session.stop_rotor` -> `MotorControl.stop` -> `MotorDriver.stop`, then `follow_run_down` until rest is proven.
 
 Steps are timed by the DAQ's sample clock, so a simulated rig may run faster than real time; only the interval between
 readings of the motor controller is wall time.
 """
 
-import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 
 from rotorrig.acquisition.recording import Event
 from rotorrig.acquisition.sweep.before_start import look_before_start
 from rotorrig.acquisition.sweep.fanout import Listener, Writer
 from rotorrig.acquisition.sweep.interrupts import EMERGENCY_COUNT, Interrupts
-from rotorrig.acquisition.sweep.motor_control import LOOP_STALL, READ_EVERY, MotorControl, ThreadedControl
-from rotorrig.acquisition.sweep.operator import Nobody, Operator
-from rotorrig.acquisition.sweep.perform import Progress, perform_steps
+from rotorrig.acquisition.sweep.operator import Nobody, Operator, Steadfast
+from rotorrig.acquisition.sweep.perform import perform_steps
+from rotorrig.acquisition.sweep.rest import RotorState
 from rotorrig.acquisition.sweep.run_down import RunDown, follow_run_down
 from rotorrig.acquisition.sweep.session import Session, StopTimes
 from rotorrig.acquisition.sweep.steps import Ask, Ramp, Step
-from rotorrig.rig import Clock, ConfigError, Interlock, LimitExceeded, LinkLost, RigError, WallClock
+from rotorrig.rig import Clock, ConfigError, Interlock, LimitExceeded, LinkLost, NotAtRest, RigError, WallClock
 from rotorrig.rig.config import RigConfig
-from rotorrig.rig.motor import MotorDriver, Stop
+from rotorrig.rig.control import LOOP_STALL, READ_EVERY, Ladder, MotorControl, cut_power
+from rotorrig.rig.motor import Stop
 from rotorrig.rig.probes import Daq
+
+Progress = Callable[[Step, float, float], None]  # step, fraction of the sweep 0..1, speed [rad/s]
 
 RUN_DOWN_LIMIT = 180.0  # s, where the config has no [limits]
 WATCHDOG_SHARE = 0.25  # of the drive's watchdog time, between two readings of it at most
@@ -42,7 +45,7 @@ class SweepResult:
     trip: str  # which limit was exceeded; empty: none
     events: tuple[Event, ...]
     ending: str = "stop"  # kind of the event that ended it: "stop", "abort", "emergency" or "trip"
-    at_rest: bool = True  # the rotor was seen to come to rest
+    state: RotorState = RotorState.AT_REST  # of the rotor at the end
     stop_times: StopTimes | None = None  # by the engine's clock
 
 
@@ -67,7 +70,7 @@ class _AbortRequested(Exception):
 def run_sweep(
     steps: Iterable[Step],
     *,
-    motor: MotorDriver,
+    control: MotorControl,
     daq: Daq,
     rig: RigConfig,
     writer: Writer,
@@ -75,38 +78,33 @@ def run_sweep(
     listeners: Sequence[Listener] = (),
     progress: Progress | None = None,
     operator: Operator | None = None,
-    control: MotorControl | None = None,
+    watchdog: float | None = None,
     clock: Clock | None = None,
     rolling: bool = False,
 ) -> SweepResult:
     """Run `steps` on opened devices, bring the rotor to rest and close the recording, whatever happens on the way.
 
-    A limit exceeded, or a step that does not reach its target, ends the sweep with `SweepResult.trip`; the operator's
-    stop ends it without. Anything else that ends it early is raised once the rotor has been stopped and the recording
-    closed: LinkLost, which says what became of the rotor and warns if no stop was confirmed and the rotor not seen to
-    come to rest; DataError if recording failed; KeyboardInterrupt (for SIGTERM and SIGHUP too). Raises ConfigError if
-    a step needs an operator and there is none. A rotor that turns before the start is a trip unless `rolling`.
+    `watchdog` [s] is the drive's own, None: it has none. A limit exceeded, or a step that does not reach its target,
+    ends the sweep with `SweepResult.trip`; the operator's stop ends it without. Anything else that ends it early is
+    raised once the rotor is proven at rest and the recording closed: LinkLost, DataError if recording failed,
+    KeyboardInterrupt (for SIGTERM, SIGHUP and SIGQUIT too). Raises NotAtRest, which says all that, if the operator has
+    left a rotor that is not proven at rest; ConfigError if a step needs an operator and there is none. A rotor that
+    turns before the start is a trip unless `rolling`.
     """
     plan, clock = tuple(steps), clock or WallClock()
-    operator = _require_operator(operator, plan)
-    watchdog = rig.motor.watchdog if rig.motor else math.inf
-    control = control or ThreadedControl(motor, every=_reading_interval(rig), watchdog=watchdog, clock=clock)
+    steadfast = Steadfast(_require_operator(operator, plan))
     session = Session(
-        motor=motor,
-        control=control,
-        daq=daq,
-        rig=rig,
-        writer=writer,
-        interlock=interlock,
-        listeners=listeners,
-        clock=clock,
+        control=control, daq=daq, rig=rig, writer=writer, interlock=interlock, listeners=listeners, clock=clock
     )
+    ladder = Ladder(ramp=_slowest_ramp(plan), watchdog=watchdog, power_cut=rig.power_cut is not None)
     with Interrupts(
         stop=lambda: session.stop_rotor(Stop.EMERGENCY), loop_hangs=lambda: clock.now() - session.last_beat > LOOP_STALL
     ) as interrupts:
-        ending = _run_plan(plan, session, progress, interrupts, operator, about=rig.name, rolling=rolling)
-        run_down = _stop_rotor(ending, plan, session, interrupts, operator, rig)
-    if isinstance(ending.error, LinkLost) or not (run_down.at_rest or run_down.confirmed):
+        ending = _run_plan(plan, session, progress, interrupts, steadfast, about=rig.name, rolling=rolling)
+        run_down = _stop_rotor(ending, session, interrupts, steadfast, rig, ladder)
+    if not run_down.at_rest:
+        raise NotAtRest(f"{run_down.words} ({ending.reason})") from ending.error
+    if isinstance(ending.error, LinkLost):
         raise LinkLost(f"{ending.reason}; {run_down.words}") from ending.error
     if ending.error is not None:
         raise ending.error
@@ -117,7 +115,7 @@ def run_sweep(
         trip=next((event.text for event in session.events if event.kind == "trip"), ""),
         events=tuple(session.events),
         ending=ending.kind,
-        at_rest=run_down.at_rest,
+        state=run_down.state,
         stop_times=session.stop_times,
     )
 
@@ -128,9 +126,13 @@ def _require_operator(operator: Operator | None, steps: tuple[Step, ...]) -> Ope
     return operator or Nobody()
 
 
-def _reading_interval(rig: RigConfig) -> float:
-    """Seconds between readings of the drive: often enough that only a dead program lets its watchdog run out."""
+def reading_interval(rig: RigConfig) -> float:
+    """Return the seconds between readings of the drive, so that only a dead program lets its watchdog run out."""
     return min(READ_EVERY, WATCHDOG_SHARE * rig.motor.watchdog) if rig.motor else READ_EVERY
+
+
+def _slowest_ramp(steps: tuple[Step, ...]) -> float:
+    return min((step.rate for step in steps if isinstance(step, Ramp)), default=1.0)
 
 
 def _run_plan(
@@ -138,7 +140,7 @@ def _run_plan(
     session: Session,
     progress: Progress | None,
     interrupts: Interrupts,
-    operator: Operator,
+    operator: Steadfast,
     *,
     about: str,
     rolling: bool,
@@ -149,11 +151,13 @@ def _run_plan(
         session.note("note", f"{about}: recorded from {datetime.now(UTC):%Y-%m-%d %H:%M:%S} UTC")
         for _ in look_before_start(session, rolling=rolling):
             _check_interrupts(interrupts, operator)
-        for _ in perform_steps(steps, session, operator, progress):
+        for step, done in perform_steps(steps, session, operator):
+            if progress:
+                operator.attempt(partial(progress, step, done, session.speed))
             _check_interrupts(interrupts, operator)
         return Ending(kind="stop", stop=Stop.RAMP, reason="plan finished")
     except _StopRequested:
-        return Ending(kind="stop", stop=Stop.RAMP, reason="stopped by the operator")
+        return Ending(kind="stop", stop=Stop.RAMP, reason=operator.fault or "stopped by the operator")
     except (_AbortRequested, KeyboardInterrupt):
         kind = "emergency" if interrupts.count >= EMERGENCY_COUNT else "abort"
         reason = f"interrupted by the operator ({interrupts.first or 'Ctrl-C'})"
@@ -177,32 +181,34 @@ def _check_interrupts(interrupts: Interrupts, operator: Operator) -> None:
 
 
 def _stop_rotor(
-    ending: Ending,
-    steps: tuple[Step, ...],
-    session: Session,
-    interrupts: Interrupts,
-    operator: Operator,
-    rig: RigConfig,
+    ending: Ending, session: Session, interrupts: Interrupts, operator: Operator, rig: RigConfig, ladder: Ladder
 ) -> RunDown:
     """Stop the rotor before anything else can fail, record why, follow it to rest, close the recording."""
+    at_rest = False
     try:
-        session.beat()  # a silent DAQ may have been waited for
         report = session.control.report
         if report is None or report.kind is not ending.stop:  # else the limit or the signal has sent it already
             session.stop_rotor(ending.stop)
+        session.beat()  # a silent DAQ may have been waited for
         session.limits_armed = ending.stop is Stop.RAMP
         session.recording_paused = False
         with suppress(Exception):  # the recorder may be what failed; `close` raises it again
             session.note(ending.kind, ending.reason)
-        limit = rig.limits.run_down if rig.limits else RUN_DOWN_LIMIT
-        ramp = min((step.rate for step in steps if isinstance(step, Ramp)), default=1.0)
-        run_down = follow_run_down(session, ramp=ramp, limit=limit, interrupts=interrupts, operator=operator)
+        run_down = follow_run_down(
+            session,
+            ladder=ladder,
+            limit=rig.limits.run_down if rig.limits else RUN_DOWN_LIMIT,
+            interrupts=interrupts,
+            operator=operator,
+            cut_power=partial(cut_power, rig.power_cut) if rig.power_cut else None,
+        )
+        at_rest = run_down.at_rest
         with suppress(Exception):
-            session.note("note" if run_down.at_rest or run_down.confirmed else "emergency", run_down.words)
+            session.note("note" if at_rest else "emergency", run_down.words)
     finally:
         try:
-            session.close()
+            session.close(at_rest=at_rest)
         except Exception:
-            if ending.error is None:  # else the same fault of the recorder, or the lesser one
+            if ending.error is None and at_rest:  # else the same fault of the recorder, or the lesser one
                 raise
     return run_down

@@ -1,6 +1,7 @@
 """Ctrl-C, `kill` and a closed terminal while a rotor turns: each stops it, none ends the program before it is at rest.
 
-The first one aborts the sweep, the second is an emergency stop, the third ends the recording of the run-down.
+The first one aborts the sweep, the second is an emergency stop. Later ones leave a rotor that cannot be proven at rest,
+see run_down.py.
 """
 
 import signal
@@ -9,9 +10,14 @@ from collections.abc import Callable
 from types import FrameType, TracebackType
 from typing import Self
 
-HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "the terminal was closed"}
-EMERGENCY_COUNT, FINAL_COUNT = 2, 3  # signals that make an emergency stop, and that end the recording
+HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+NAMES = {
+    signal.SIGINT: "Ctrl-C",
+    signal.SIGTERM: "SIGTERM",
+    signal.SIGHUP: "the terminal was closed",
+    signal.SIGQUIT: "Ctrl-\\",
+}
+EMERGENCY_COUNT = 2  # signals that make an emergency stop
 
 
 class Interrupts:

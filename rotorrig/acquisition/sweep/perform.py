@@ -1,17 +1,15 @@
 """Perform the steps of a plan: the command each sends, the condition it waits for, and its time limit."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from rotorrig.acquisition.sweep.operator import Operator
-from rotorrig.acquisition.sweep.run_down import AT_REST
+from rotorrig.acquisition.sweep.rest import AT_REST, RotorState
 from rotorrig.acquisition.sweep.session import Session
 from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
 from rotorrig.acquisition.sweep.timeline import plan_timeline
 from rotorrig.rig import LimitExceeded
 from rotorrig.rig.config import RPM
 from rotorrig.rig.motor import Stop
-
-Progress = Callable[[Step, float, float], None]  # step, fraction of the sweep 0..1, speed [rad/s]
 
 AT_SPEED = 0.005  # relative distance from the target that counts as there
 SLIP = 0.055  # an induction motor lags 5 % behind its frequency, read to 0.5 %: within this counts as there too ...
@@ -25,10 +23,11 @@ RAMP_SLACK = (2.0, 20.0)  # a ramp may take twice its time and 20 s more
 COAST_LIMIT = 900.0  # s; an RK4 needs about 45
 
 
-def perform_steps(
-    steps: tuple[Step, ...], session: Session, operator: Operator, progress: Progress | None
-) -> Iterator[None]:
-    """Perform the steps; yield after every block. Raises LimitExceeded if one does not reach its target in time."""
+def perform_steps(steps: tuple[Step, ...], session: Session, operator: Operator) -> Iterator[tuple[Step, float]]:
+    """Perform the steps; after every block yield the present one and the fraction of the sweep done, 0 to 1.
+
+    Raises LimitExceeded if one does not reach its target in time.
+    """
     timed = plan_timeline(steps)
     total = timed[-1].end if timed and timed[-1].end else 1.0
     shown = 0.0
@@ -36,9 +35,7 @@ def perform_steps(
         for done in _perform_step(part.step, session, operator):
             now = (part.begin + part.seconds * min(done, 1.0)) / total
             shown = max(shown, now)  # a measured speed falters, progress does not
-            if progress:
-                progress(part.step, shown, session.speed)
-            yield
+            yield part.step, shown
 
 
 def _perform_step(step: Step, session: Session, operator: Operator) -> Iterator[float]:
@@ -166,7 +163,9 @@ def _is_past(speed: float, session: Session, *, rising: bool) -> bool:
 
 
 def _at_rest(session: Session) -> bool:
-    return session.speed < AT_REST and session.motor_state is not None and not session.motor_state.running
+    """Return True once the rotor is proven at rest and the drive off: hands may come near it."""
+    off = session.motor_state is not None and not session.motor_state.running
+    return off and session.rest is RotorState.AT_REST
 
 
 def _both_speeds(session: Session) -> str:

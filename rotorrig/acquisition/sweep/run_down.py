@@ -1,58 +1,70 @@
-"""Run-down after a stop: record the rotor until it is at rest, and stop it harder if it does not slow down.
+"""Run-down after a stop: watch and record the rotor until it is proven at rest, and stop it harder while it is not.
 
 docs/sweeps.md says what stops a sweep, how, and what the recording says of it.
 """
 
 import math
+import threading
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
-from rotorrig.acquisition.sweep.interrupts import EMERGENCY_COUNT, FINAL_COUNT, Interrupts
+from rotorrig.acquisition.sweep.interrupts import EMERGENCY_COUNT, Interrupts
 from rotorrig.acquisition.sweep.operator import Operator
+from rotorrig.acquisition.sweep.rest import RotorState
 from rotorrig.acquisition.sweep.session import Session
 from rotorrig.rig import LimitExceeded, LinkLost
 from rotorrig.rig.config import RPM
+from rotorrig.rig.control import Ladder, Measure
 from rotorrig.rig.motor import Stop
 
-AT_REST = 3.0  # rad/s, 29 rpm
-QUIET = 2.0  # s without a pulse, in which a shaft at that speed turns once; before two pulses no speed is known
-SLOWER = 0.98  # of the speed at the stop: a rotor that is faster than that after a while does not slow down
-PATIENCE = 3.0  # s of the sample clock for it, and twice the time its ramp takes
-CONFIRM = 1.0  # s of wall time for it since the drive has obeyed; a simulated rig's sample clock runs ahead
-BLIND = 10.0  # s of wall time to go on trying when neither samples nor the drive's word arrive
+CONFIRM = 1.0  # s of wall time for a stop to show once it was tried; a simulated rig's sample clock runs ahead
 LOOK = 0.05  # s of wall time between looks at the drive when there are no samples
-HARDER = {Stop.RAMP: Stop.EMERGENCY, Stop.EMERGENCY: Stop.COAST}  # what to try when a stop does nothing
+PATIENT = 4.0  # times slower up the ladder while the drive says that it is off and nobody sees the rotor
+LEAVE_COUNT = 2  # signals that leave a rotor not proven at rest, once that was offered
+WARN_AFTER = 12.0  # s of wall time after which the operator is told that rest is not proven ...
+WARN_EVERY = 60.0  # ... and how often again
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunDown:
-    """Outcome of a run-down: at rest or not, by whose word."""
+    """Outcome of a run-down."""
 
-    at_rest: bool
+    state: RotorState
     confirmed: bool  # the drive obeyed a stop
     words: str  # for a person
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether the rotor is proven at rest."""
+        return self.state is RotorState.AT_REST
+
 
 def follow_run_down(
-    session: Session, *, ramp: float, limit: float, interrupts: Interrupts, operator: Operator
+    session: Session,
+    *,
+    ladder: Ladder,
+    limit: float,
+    interrupts: Interrupts,
+    operator: Operator,
+    cut_power: Callable[[], str] | None,
 ) -> RunDown:
-    """Watch a rotor already commanded to stop until it is at rest or for `limit` seconds; never raises RigError.
+    """Watch a rotor already commanded to stop until it is proven at rest, or the operator leaves it; never raises.
 
-    `ramp` [rad/s^2] is the slowest that a stop of kind RAMP may slow down by.
+    It is recorded for `limit` seconds [s] of samples at most; `cut_power` switches the drive's supply off, where that
+    can be done, and returns what came of it.
     """
-    watch = _Watch(session, ramp)
-    operator_warned = False
-    while not watch.at_rest and not watch.over(limit) and interrupts.count < FINAL_COUNT:
-        _take_block(session, watch)
+    watch = _Watch(session, ladder, operator, cut_power)
+    while session.rest is not RotorState.AT_REST or not watch.stop_was_sent:
+        if watch.is_left(interrupts.count):
+            break
+        watch.take_block()
         if interrupts.count >= EMERGENCY_COUNT and not watch.emergency:
-            watch.emergency = True
-            session.note("emergency", "emergency stop by the operator")
-        report = session.control.report
-        if report and report.trouble and report.tries > 1 and not operator_warned:
-            operator_warned = True
-            operator.tell(
-                f"The drive does not confirm the stop ({report.trouble}); trying again. "
-                "If the rotor does not slow down, cut its power by hand."
-            )
+            watch.make_it_an_emergency()
+        if session.t - watch.began > limit and not session.recording_paused:
+            watch.end_recording(limit)
+        watch.warn_of_trouble()
+        watch.offer_to_leave(interrupts.count)
         watch.stop_harder_if_needed()
     return watch.result()
 
@@ -60,98 +72,148 @@ def follow_run_down(
 class _Watch:
     """State of a rotor that has been commanded to stop."""
 
-    def __init__(self, session: Session, ramp: float) -> None:
+    def __init__(
+        self, session: Session, ladder: Ladder, operator: Operator, cut_power: Callable[[], str] | None
+    ) -> None:
+        self.began = session.t
         self.emergency = False  # the operator has asked for more than an abort
-        self.blind = False  # there are no samples any more
-        self._session, self._ramp = session, ramp
-        self._began, self._began_wall = session.t, session.clock.now()
-        self._from = self._since = math.nan  # speed and sample time at which the present stop was seen to be obeyed
-        self._kind: Stop | None = None  # of the stop those belong to
+        self._session, self._ladder, self._operator, self._cut_power = session, ladder, operator, cut_power
+        self._blind = False  # there are no samples any more
+        self._began_wall = self._looked_wall = session.clock.now()
+        self._looked = session.t
+        self._warn_at = self._began_wall + WARN_AFTER
+        self._warned_of_trouble = self._climbed = False
+        self._offered_at: int | None = None  # signals that had come when leaving was offered; None: it was not
+        self._begun: Stop | None = None  # kind of stop the ladder knows of
+        self._tried_at = math.nan  # wall time at which it was first tried
 
     @property
-    def at_rest(self) -> bool:
-        """True if keyphasor and drive say so, or the one of them that can be heard."""
-        state, report = self._session.motor_state, self._session.control.report
-        if report is None or not report.tries:
-            return False  # the stop is not out yet
-        off = state is not None and not state.running
-        if self.blind:
-            return off and not report.trouble
-        still = self._session.speed < AT_REST and self._session.pulse_age >= QUIET
-        return still and (off or bool(report.trouble))
+    def stop_was_sent(self) -> bool:
+        """True once the drive, or at least its link, was sent a stop."""
+        report = self._session.control.report
+        return report is not None and report.tries > 0
 
-    def over(self, limit: float) -> bool:
-        """Return True once there is no use in waiting longer."""
-        passed = self._session.clock.now() - self._began_wall
-        if self.blind:
-            return passed > (BLIND if self._session.motor_state is None else limit)
-        return self._session.t - self._began > limit
+    def take_block(self) -> None:
+        """Take a block as during the sweep, whatever goes wrong with it; without samples, listen to the drive alone."""
+        session = self._session
+        try:
+            if self._blind:
+                session.clock.sleep(LOOK)
+                session.beat()
+                session.poll_motor()
+            else:
+                session.take_block()
+        except LimitExceeded as trip:  # it is being stopped already; from here on, no limit can do more
+            session.limits_armed = False
+            self.note("trip", f"{trip}; while stopping")
+        except LinkLost as lost:
+            self._blind = True
+            self.note("note", f"{lost}; from here on only the drive says how the rotor is")
+        except Exception as error:  # the recorder: what matters now is that the rotor stops
+            self.note("note", f"{type(error).__name__}: {error}")
+
+    def note(self, kind: str, text: str) -> None:
+        """Record an event, if the recorder can."""
+        with suppress(Exception):
+            self._session.note(kind, text)
+
+    def make_it_an_emergency(self) -> None:
+        """Note that the operator wants it stopped as fast as can be; the signal has sent the stop."""
+        self.emergency = True
+        self.note("emergency", "emergency stop by the operator")
+
+    def end_recording(self, limit: float) -> None:
+        """Record no more samples: the disk is not there for a rotor that turns for hours."""
+        self.note("note", f"the rotor is {self._describe()} {limit:.0f} s after the stop, where the recording ends")
+        self._session.recording_paused = True
+
+    def warn_of_trouble(self) -> None:
+        """Tell the operator once that the drive does not confirm the stop."""
+        report = self._session.control.report
+        if report and report.trouble and report.tries > 1 and not self._warned_of_trouble:
+            self._warned_of_trouble = True
+            self._operator.tell(
+                f"The drive does not confirm the stop ({report.trouble}); trying again. "
+                "If the rotor does not slow down, cut its power by hand."
+            )
+
+    def offer_to_leave(self, signals: int) -> None:
+        """Tell the operator now and then that the rotor is not stopped or not seen, and how to leave it."""
+        now = self._session.clock.now()
+        if now < self._warn_at or not (self._climbed or self._speed() is None):
+            return
+        self._warn_at = now + WARN_EVERY
+        self._offered_at = signals if self._offered_at is None else self._offered_at
+        self._operator.tell(
+            f"THE ROTOR MAY STILL BE TURNING: it is {self._describe()}. Still trying to stop it; look at it. "
+            "Ctrl-C twice leaves it as it is."
+        )
+
+    def is_left(self, signals: int) -> bool:
+        """Return whether the operator has said twice, after it was offered, to leave the rotor as it is."""
+        return self._offered_at is not None and signals >= self._offered_at + LEAVE_COUNT
 
     def stop_harder_if_needed(self) -> None:
-        """Stop harder if the drive has obeyed and the rotor goes on as before."""
-        session, report = self._session, self._session.control.report
-        if self.blind or report is None or math.isnan(report.confirmed):
+        """Go up the ladder if the rotor goes on as before; time counts from when the present stop was first tried."""
+        session, report, now = self._session, self._session.control.report, self._session.clock.now()
+        seconds = now - self._looked_wall if self._blind else session.t - self._looked
+        self._looked, self._looked_wall = session.t, now
+        if self._speed() is None and session.motor_state is not None and not session.motor_state.running:
+            seconds /= PATIENT  # the drive says that it is off, and the probes need their time to prove it
+        if report is None or not report.tries:
             return
-        if session.motor_state is not None and not session.motor_state.running:
-            return  # the power is off, there is nothing harder
-        if self._kind is not report.kind:
-            self._kind, self._from, self._since = report.kind, session.speed, session.t
-        patience = PATIENCE
-        if report.kind is Stop.RAMP:
-            patience += 2 * (1 - SLOWER) * self._from / self._ramp
-        waited = session.t - self._since > patience and session.clock.now() - report.confirmed > CONFIRM
-        if waited and session.speed > SLOWER * self._from and session.speed > AT_REST:
-            self._stop_harder(report.kind)
-        elif session.speed <= SLOWER * self._from:
-            self._from, self._since = session.speed, session.t  # it has to go on slowing down
+        if report.kind is not self._begun:
+            self._begun, self._tried_at = report.kind, now
+            self._ladder.begin(Measure(report.kind.value), self._speed())
+        elif now - self._tried_at > CONFIRM and (measure := self._ladder.advance(seconds, self._speed())):
+            self._tried_at = now
+            self._take(measure)
 
-    def _stop_harder(self, kind: Stop) -> None:
-        session = self._session
-        if (harder := HARDER.get(kind)) is None:
-            return
-        session.stop_rotor(harder)
-        session.limits_armed = False
-        session.note(
-            "emergency",
-            f"the rotor does not slow down, {session.speed * RPM:.0f} rpm after a stop of kind '{kind}': "
-            f"'{harder}' instead",
-        )
+    def _take(self, measure: Measure) -> None:
+        session, self._climbed = self._session, True
+        self.note("emergency", f"the rotor is {self._describe()}, it does not slow down as it should: '{measure}'")
+        if stop := measure.stop:
+            self._begun = stop
+            session.stop_rotor(stop)
+            session.limits_armed = False
+        elif measure is Measure.SILENCE:
+            session.control.fall_silent(self._ladder.silence)
+        elif self._cut_power:
+            threading.Thread(target=self._cut_and_note, daemon=True).start()
+
+    def _cut_and_note(self) -> None:
+        assert self._cut_power
+        text = self._cut_power()
+        self.note("emergency", text)
+
+    def _speed(self) -> float | None:
+        """Speed [rad/s] by the keyphasor; None: it gives no pulses, or there are no samples."""
+        if self._blind or self._session.rest is not RotorState.TURNING:
+            return None
+        return self._session.speed
+
+    def _describe(self) -> str:
+        state = self._session.rest
+        if state is RotorState.TURNING and not self._blind:
+            return f"turning at {self._session.speed * RPM:.0f} rpm"
+        return "not seen to turn or to rest"
 
     def result(self) -> RunDown:
         """Return how the run-down ended."""
         session, report = self._session, self._session.control.report
         confirmed = report is not None and not math.isnan(report.confirmed)
-        at_rest = self.at_rest
-        passed = session.t - self._began
-        if at_rest:
-            words = f"at rest {passed:.1f} s after the stop" if not self.blind else "the drive reports that it is off"
-            words += "" if confirmed else ", without the drive's word"
-        elif not confirmed:
-            said = report.trouble if report and report.trouble else "no answer yet"
-            words = (
-                f"THE ROTOR MAY STILL BE TURNING: the drive confirmed no stop in {report.tries if report else 0} tries "
-                f"({said}); cut its power by hand"
-            )
+        state = session.rest
+        if self._blind and state is RotorState.TURNING:
+            state = RotorState.UNKNOWN  # it was, when the samples ended
+        passed = session.t - self.began
+        trouble = report.trouble if report and report.trouble else "no answer yet"
+        drive = f"the drive confirmed no stop in {report.tries if report else 0} tries ({trouble})"
+        if state is RotorState.AT_REST:
+            words = f"at rest {passed:.1f} s after the stop" + ("" if confirmed else f"; {drive}")
+        elif state is RotorState.TURNING:
+            words = f"THE ROTOR IS TURNING at {session.speed * RPM:.0f} rpm, left by the operator"
+            words += "" if confirmed else f"; {drive}; cut its power by hand"
         else:
-            seen = "not seen any more" if self.blind else f"still turning at {session.speed * RPM:.0f} rpm"
-            words = f"the rotor is {seen} {passed:.0f} s after the stop, where the recording ends"
-        return RunDown(at_rest=at_rest, confirmed=confirmed, words=words)
-
-
-def _take_block(session: Session, watch: _Watch) -> None:
-    """Take a block as during the sweep, whatever goes wrong with it; without samples, listen to the drive alone."""
-    try:
-        if watch.blind:
-            session.clock.sleep(LOOK)
-            session.beat()
-            session.poll_motor()
-        else:
-            session.take_block()
-    except LimitExceeded as trip:  # it is told to stop as fast as it can already; from here on, no limit can do more
-        session.limits_armed = False
-        session.note("trip", f"{trip}; while stopping")
-    except LinkLost as lost:
-        watch.blind = True
-        session.note("note", f"{lost}; from here on only the drive says how the rotor is")
-    except Exception as error:  # the recorder: what matters now is that the rotor stops
-        session.note("note", f"{type(error).__name__}: {error}")
+            words = "THE ROTOR MAY STILL BE TURNING, left by the operator: nothing proves that it is at rest"
+            words += "" if confirmed else f"; {drive}; cut its power by hand"
+        return RunDown(state=state, confirmed=confirmed, words=words)

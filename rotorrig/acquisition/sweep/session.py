@@ -10,13 +10,15 @@ from dataclasses import dataclass
 
 from rotorrig.acquisition.recording import Event, MotorSample
 from rotorrig.acquisition.sweep.fanout import Item, Listener, Recorder, Viewer, Writer
-from rotorrig.acquisition.sweep.motor_control import MotorControl, Reading, StopReport
+from rotorrig.acquisition.sweep.rest import RestEvidence, RotorState
 from rotorrig.rig import Clock, ConfigError, Interlock, LimitExceeded, LinkLost, RigError
 from rotorrig.rig.config import RPM, RigConfig
-from rotorrig.rig.motor import MotorDriver, MotorState, Stop
+from rotorrig.rig.control import MotorControl, Reading, SetSpeed, StopForNow, StopReport
+from rotorrig.rig.motor import MotorState, Stop
 from rotorrig.rig.probes import Block, Daq
 
 DAQ_TIMEOUT = 2.0  # s of wall time the DAQ may be silent
+START_SECONDS = 1.0  # that a drive may take to report that it runs, one whose word of it is its frequency
 STEADY_BAND = 0.005  # relative; a speed is steady while it stays within this of where it settled
 
 
@@ -44,7 +46,6 @@ class Session:
     def __init__(
         self,
         *,
-        motor: MotorDriver,
         control: MotorControl,
         daq: Daq,
         rig: RigConfig,
@@ -67,7 +68,11 @@ class Session:
         self.recording_paused = False  # True: blocks are not recorded
         self.recorder_alive = True  # False: the recorder has failed and the rotor is being stopped
         self.last_beat = clock.now()  # when the loop last gave a sign of life
-        self._motor, self._daq, self._interlock, self._keyphasor = motor, daq, interlock, interlock.keyphasor
+        self._daq, self._interlock, self._keyphasor = daq, interlock, interlock.keyphasor
+        self._evidence = RestEvidence(rig, interlock.keyphasor)
+        self._fastest = 0.0  # rad/s, that the rotor can have come to by the ramps asked for
+        self._ramp, self._commanded_at = 0.0, 0.0  # rad/s^2 and sample time of the last command
+        self._stopped_at = 0.0  # sample time of the stop for good
         self._names = {probe.channel: f"probe {probe.name}" for probe in rig.probes}
         self._recorder = Recorder(writer)
         self._viewers = [Viewer(listener) for listener in listeners]
@@ -98,6 +103,12 @@ class Session:
         return self.t - self._steadiness.since
 
     @property
+    def rest(self) -> RotorState:
+        """Whether the rotor is at rest, by the evidence so far."""
+        off = self.motor_state is not None and not self.motor_state.running
+        return self._evidence.judge(drive_off=off, fastest=self._fastest, stopped_at=self._stopped_at)
+
+    @property
     def stop_times(self) -> StopTimes | None:
         """Times of the first stop; None: there was none."""
         report = self._first_stop or self.control.report
@@ -116,21 +127,24 @@ class Session:
     def command_speed(self, speed: float, *, ramp: float) -> None:
         """Send the motor to `speed` [rad/s] at `ramp` [rad/s^2]; `take_block` raises what goes wrong."""
         self.motor_state = None
-        self.commanded_speed = speed
+        self._note_fastest()
+        self.commanded_speed, self._ramp, self._commanded_at = speed, ramp, self.t
         self._interlock.command(speed, ramp=ramp)
-        self._commands_sent = self.control.send(lambda: self._motor.set_speed(speed, ramp=ramp))
+        self._commands_sent = self.control.send(SetSpeed(speed=speed, ramp=ramp))
 
     def command_stop(self, kind: Stop) -> None:
         """Stop the motor as a step of the plan: it may be started again. `take_block` raises what goes wrong."""
         self.motor_state = None
-        self.commanded_speed = 0.0
+        self._note_fastest()
+        self.commanded_speed, self._stopped_at = 0.0, self.t
         self._interlock.command(0.0)
-        self._commands_sent = self.control.send(lambda: self._motor.stop(kind))
+        self._commands_sent = self.control.send(StopForNow(kind=kind))
 
     def stop_rotor(self, kind: Stop) -> None:
         """Stop the rotor now and for good: later commands are refused. Returns at once; signal handlers may call it."""
         if math.isnan(self._decided):
-            self._decided = self.clock.now()
+            self._decided, self._stopped_at = self.clock.now(), self.t
+            self._note_fastest()
         self._first_stop = self._first_stop or self.control.report
         self.control.stop(kind)
         self.motor_state, self.commanded_speed = None, 0.0
@@ -140,6 +154,9 @@ class Session:
     def check_standstill(self, state: MotorState) -> None:
         """Check before the first command that the rotor is at rest. Raises LimitExceeded."""
         self._interlock.check_standstill(state)
+
+    def _note_fastest(self) -> None:
+        self._fastest += min(self.commanded_speed, self._ramp * (self.t - self._commanded_at))
 
     def start(self) -> None:
         """Start the motor control and the DAQ's stream."""
@@ -152,7 +169,7 @@ class Session:
         If a limit is exceeded, the stop is on its way before this raises.
         """
         block = self._daq.read(DAQ_TIMEOUT)
-        self.beat()
+        self.last_beat = self.clock.now()
         if math.isnan(self._decided):
             self._received = self.last_beat
         before = self.t
@@ -160,6 +177,8 @@ class Session:
             self._check_limits(block)
         finally:  # the block that trips is the one worth having
             self._record_and_show(block, after=before)
+        self._evidence.take(block)
+        self.beat()
         if abs(self.speed - self._steadiness.speed) > STEADY_BAND * self._steadiness.speed:
             self._steadiness = Steadiness(self.speed, self.t)
         self.poll_motor()
@@ -167,17 +186,17 @@ class Session:
     def beat(self) -> None:
         """Give a sign of life: without it the motor is no longer read, and its watchdog stops the rotor."""
         self.last_beat = self.clock.now()
-        self.control.beat()
+        self.control.beat(self.t)
 
     def poll_motor(self) -> None:
         """Record and check the motor readings since the last call. Raises LinkLost, LimitExceeded."""
         for reading in self.control.take_readings():
             self._check_reading(reading)
 
-    def close(self) -> None:
+    def close(self, *, at_rest: bool) -> None:
         """End the stream and close the recording. Raises what recording raises."""
         try:
-            self.control.close()
+            self.control.close(at_rest=at_rest)
             for viewer in self._viewers:
                 viewer.close()
                 if viewer.fault:
@@ -216,7 +235,13 @@ class Session:
             return
         try:
             self._interlock.check_motor(state)
-            if self.motor_state is not None and self.commanded_speed and not state.running:
+            asked_for = self.t - self._commanded_at
+            if (
+                self.motor_state is not None
+                and self.commanded_speed
+                and not state.running
+                and asked_for > START_SECONDS
+            ):
                 raise LimitExceeded(
                     f"drive: is off, though it was sent to {self.commanded_speed * RPM:.0f} rpm; "
                     "was it stopped by hand or by its watchdog?"

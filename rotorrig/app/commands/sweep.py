@@ -8,13 +8,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rotorrig.acquisition.files import RecordingWriter
-from rotorrig.acquisition.sweep import Ask, Operator, Step, SweepResult, plan_sweep, plan_timeline, run_sweep
+from rotorrig.acquisition.sweep import (
+    Ask,
+    Operator,
+    RotorState,
+    Step,
+    SweepResult,
+    plan_sweep,
+    plan_timeline,
+    reading_interval,
+    run_sweep,
+)
 from rotorrig.app.commands.config_model import criticals_to_pass
 from rotorrig.app.commands.simulate import SimulatedRig, run_simulated_rig
 from rotorrig.app.commands.sweep_preview import estimate_bytes
 from rotorrig.app.terminal import HINT, operator_for, progress_bars
 from rotorrig.rig import ConfigError, DataError, Interlock, Provenance, code_version, connect
 from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.rig.control import PATIENCE, GuardedControl
 from rotorrig.rig.probes import DaqInfo
 from rotorrig.sims.wire import BenchPorts
 
@@ -22,6 +33,8 @@ if TYPE_CHECKING:
     from rotorrig.app.viewer import LiveView
 
 Progress = Callable[[Step, float, float], None]  # step, fraction of the sweep's steps, speed [rad/s]
+
+SIMULATED_PATIENCE = 5.0  # s for the guardian of a simulated rig, which shares the processor with this program
 
 
 def sweep(
@@ -82,7 +95,8 @@ def sweep_facts(result: SweepResult) -> dict[str, Any]:
         "gaps": result.gaps,
         "ending": result.ending,
         "trip": result.trip,
-        "at_rest": result.at_rest,
+        "at_rest": result.state is RotorState.AT_REST,
+        "rotor": result.state.value,
         "events": [{"t_s": event.t_ns / 1e9, "kind": event.kind, "text": event.text} for event in result.events],
     }
 
@@ -124,7 +138,6 @@ def record_sweep(
     """
     steps = steps_of(rig, plan, trial=trial)
     with ExitStack() as stack:
-        motor = stack.enter_context(connect.motor(rig, at=ports.motor if ports else None))
         daq = stack.enter_context(connect.daq(rig, at=ports.daq if ports else None))
         info = daq.open()
         live = stack.enter_context(_live_view(rig, info)) if view else None
@@ -133,12 +146,20 @@ def record_sweep(
         )
         moved = partial(_tell_move, out, operator, on_move)
         writer = stack.enter_context(RecordingWriter(out, rig, info, source, overwrite=overwrite, on_move=moved))
-        drive = motor.open()  # last: from here on its watchdog must be fed
+        control = GuardedControl(
+            rig,
+            log=out.with_name(f"{out.name}.guardian.txt"),
+            at=ports.motor if ports else None,
+            every=reading_interval(rig),
+            patience=_guardian_patience(rig, simulated=ports is not None),
+        )
+        stack.callback(control.close)
+        drive = control.open()  # last: from here on its watchdog must be fed
         if operator and drive.watchdog is None:
-            operator.tell("The drive has no watchdog: if this program dies, only its own switch stops the rotor.")
+            operator.tell("The drive has no watchdog: if this computer dies, only its own switch stops the rotor.")
         result = run_sweep(
             steps,
-            motor=motor,
+            control=control,
             daq=daq,
             rig=rig,
             writer=writer,
@@ -147,6 +168,7 @@ def record_sweep(
             progress=progress,
             operator=operator,
             rolling=rolling,
+            watchdog=drive.watchdog,
         )
     if live:
         live.sink.linger()
@@ -159,6 +181,13 @@ def _tell_move(out: Path, operator: Operator | None, on_move: Callable[[Path], o
     if operator:
         with suppress(OSError, ValueError):  # a terminal that is gone is no reason to end the recording
             operator.tell(f"{out}: the file or its folder has vanished; the recording goes on as {path}")
+
+
+def _guardian_patience(rig: RigConfig, *, simulated: bool) -> float:
+    """Seconds without a processed sample after which the guardian stops the rotor."""
+    if rig.motor and rig.motor.guardian:
+        return rig.motor.guardian
+    return SIMULATED_PATIENCE if simulated else PATIENCE
 
 
 def _live_view(rig: RigConfig, info: DaqInfo) -> "LiveView":

@@ -137,7 +137,7 @@ def sweep(
             on_move=places.append,
         )
     except KeyboardInterrupt as interrupt:  # or SIGTERM, or the terminal was closed
-        err.print(f"interrupted: the rotor was stopped; {places[-1]} holds the sweep so far", highlight=False)
+        err.print(f"interrupted: the rotor is at rest; {places[-1]} holds the sweep so far", highlight=False)
         raise typer.Exit(130) from interrupt
     finally:
         if len(places) > 1:
@@ -145,10 +145,8 @@ def sweep(
     out_file = places[-1]
     words = f"{out_file}: {result.seconds:.1f} s, {result.samples} scans, {result.gaps} gaps recorded"
     tell(words, {"file": str(out_file), **sweep.sweep_facts(result)}, as_json=as_json)
-    if not result.at_rest:
-        err.print(f"warning: {result.events[-1].text}", highlight=False, markup=False, soft_wrap=True)
     if result.trip:
-        raise RigError(f"{result.trip}; the rotor was stopped; {out_file} holds the sweep up to the trip")
+        raise RigError(f"{result.trip}; the rotor is at rest; {out_file} holds the sweep up to the trip")
 
 
 def simulate(

@@ -13,6 +13,9 @@ from rotorrig.rig.config.devices import (
     Motor,
     NiDaqmx,
     OpenDaq,
+    PowerCut,
+    read_motor,
+    read_power_cut,
 )
 from rotorrig.rig.config.drive_profiles import load_profile, profile_names
 from rotorrig.rig.config.extended_config import extend
@@ -69,6 +72,7 @@ __all__ = [
     "Part",
     "Plan",
     "Plane",
+    "PowerCut",
     "Probe",
     "RampRate",
     "Rate",
@@ -93,6 +97,8 @@ __all__ = [
     "micrometres",
     "parse",
     "profile_names",
+    "read_motor",
+    "read_power_cut",
     "read_toml",
     "read_trial_mass",
     "reads",

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
-from rotorrig.rig.config.devices import Daq, Keyphasor, Limits, Motor
+from rotorrig.rig.config.devices import Daq, Keyphasor, Limits, Motor, PowerCut
 from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.config.nameplate import (
     COEFFICIENTS,
@@ -154,6 +154,8 @@ class RigConfig(Part):
     motor: Motor | None = None  # needed for a sweep
     daq: Daq | None = None  # needed for a sweep
     limits: Limits | None = None  # interlocks that stop a sweep
+    #: the last resort, where it is wired
+    power_cut: PowerCut | None = Field(None, exclude_if=lambda table: table is None)
     rotation: Literal["x-to-y", "y-to-x"] = "x-to-y"  # sense of rotation
     gravity: Literal["-x", "-y", "none"] = "-y"  # direction of gravity
     # `default` runs unless `--plan` names another

@@ -3,11 +3,11 @@
 `driver` chooses the table: each kind of controller and of DAQ has one of its own, with what its link needs to be told.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Discriminator, Field, field_validator, model_validator
+from pydantic import AfterValidator, Discriminator, Field, TypeAdapter, field_validator, model_validator
 
 from rotorrig.rig.config.drive_profiles import load_profile, profile_names
 from rotorrig.rig.config.nameplate import (
@@ -55,6 +55,8 @@ class _Controller(Part):
 
     max_speed: Speed  # of the shaft
     watchdog: Time = 2.0  # silence after which the drive stops by itself, if it has a watchdog
+    #: without a processed sample, after which the guardian stops the rotor; left out: 0.5 s
+    guardian: Annotated[Time, Field(ge=0.1, le=60.0)] | None = Field(None, exclude_if=is_none)
 
 
 class _Inverter(_Controller):
@@ -149,6 +151,12 @@ class CanOpen(_Controller):
 
 
 Motor = Annotated[ModbusRtu | ModbusTcp | LineController | CanOpen, Discriminator("driver")]
+_MOTOR: TypeAdapter[Motor] = TypeAdapter(Motor)
+
+
+def read_motor(values: Mapping[str, Any]) -> Motor:
+    """Return the [motor] table of plain values in SI units, as `model_dump` gives them."""
+    return _MOTOR.validate_python(dict(values), context={"si": True})
 
 
 class StreamDaq(Part):
@@ -225,6 +233,18 @@ class CriticalBand(Part):
         if not self.low < self.high:
             raise ValueError("want low < high")
         return self
+
+
+class PowerCut(Part):
+    """What cuts the drive's power when nothing else stops the rotor: a program that switches a relay, say."""
+
+    command: tuple[str, ...] = Field(min_length=1)  # the program and its arguments; no shell
+    timeout: Time = 5.0  # for it to end
+
+
+def read_power_cut(values: Mapping[str, Any]) -> PowerCut:
+    """Return the [power_cut] table of plain values in SI units, as `model_dump` gives them."""
+    return PowerCut.model_validate(dict(values), context={"si": True})
 
 
 class Limits(Part):

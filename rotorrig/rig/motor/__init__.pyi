@@ -1,4 +1,5 @@
 from .base import MotorDriver as MotorDriver
+from .base import MotorInfo as MotorInfo
 from .base import MotorState as MotorState
 from .base import Stop as Stop
 from .canopen_motor import CanOpenMotor as CanOpenMotor
@@ -10,6 +11,7 @@ __all__ = [
     "LineMotor",
     "ModbusMotor",
     "MotorDriver",
+    "MotorInfo",
     "MotorState",
     "Stop",
 ]

@@ -41,7 +41,7 @@ class KeyphasorSpeed:
         self._threshold = rig.keyphasor.threshold
         self._hysteresis = rig.keyphasor.hysteresis
         self._per_turn = rig.keyphasor.pulses_per_revolution
-        self._info = info
+        self.info = info
         self._rate = info.sample_rate
         self._extremes: deque[tuple[int, float, float]] = deque()  # (last sample, lowest, highest) of each block
         self._next_sample = 0
@@ -63,6 +63,16 @@ class KeyphasorSpeed:
     def silence(self) -> float:
         """Seconds of the sample clock since the last edge, or the first sample; unlike `age`, a gap counts as well."""
         return (self._next_sample - self._last_edge) / self._rate
+
+    @property
+    def last_edges(self) -> NDArray[np.float64]:
+        """Sample times [s] of the last edges, five turns at most, none before a gap."""
+        return np.array(self._edges) / self._rate
+
+    @property
+    def pulses_per_turn(self) -> int:
+        """Edges in a turn."""
+        return self._per_turn
 
     @property
     def time(self) -> float:
@@ -103,7 +113,7 @@ class KeyphasorSpeed:
         """
         if block.first_sample != self._next_sample:
             self._restart_after_gap(block.first_sample)
-        signal = self._sign * channel_volts(block.counts, channel=self._channel, info=self._info)
+        signal = self._sign * channel_volts(block.counts, channel=self._channel, info=self.info)
         self._next_sample = block.first_sample + len(signal)
         if not len(signal):
             return np.empty(0)

@@ -1,14 +1,15 @@
 """A scripted rig, the file its sweep goes to, and an operator with a script."""
 
+import signal
 from collections.abc import Callable
 from pathlib import Path
 
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter, read_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.acquisition.sweep.engine import SweepResult, run_sweep
-from rotorrig.acquisition.sweep.motor_control import DirectControl
 from rotorrig.acquisition.sweep.plans import Coast, Dwell, Mark, Ramp, Step
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.control import DirectControl
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
@@ -28,11 +29,23 @@ PLAN: tuple[Step, ...] = (
 )
 
 
+PATIENCE = 200.0  # s that anybody waits at this rig
+
+
+class PatientClock(ManualClock):
+    """A clock by which the operator presses Ctrl-C again and again, once patience is over."""
+
+    def sleep(self, seconds: float) -> None:
+        super().sleep(seconds)
+        if self.now() > PATIENCE:
+            signal.raise_signal(signal.SIGINT)
+
+
 class Bench:
     """A scripted rig and the file its sweep goes to."""
 
     def __init__(self, rig: RigConfig, info: DaqInfo, source: Provenance, path: Path, shaft: Shaft) -> None:
-        self.clock = ManualClock()
+        self.clock = PatientClock()
         self.shaft = shaft
         self.motor = ScriptedMotor(shaft)
         self.daq = ScriptedDaq(rig, info, shaft, self.clock)
@@ -43,7 +56,6 @@ class Bench:
         given = {"clock": self.clock, "control": DirectControl(self.motor, clock=self.clock), **more}
         return run_sweep(
             steps,
-            motor=self.motor,
             daq=self.daq,
             rig=self.rig,
             writer=self.writer,

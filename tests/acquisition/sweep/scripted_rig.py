@@ -107,6 +107,7 @@ class ScriptedDaq:
         self.counters = DaqCounters()
         self._rig, self._info, self._shaft, self._clock = rig, info, shaft, clock
         self._first = 0
+        self._noise = np.random.default_rng(1)  # 2 mV, of every real chain: samples that never differ are no samples
 
     def open(self) -> DaqInfo:
         return self._info
@@ -133,7 +134,7 @@ class ScriptedDaq:
         amplitude = self.vibration(self._shaft.speed)
         for probe in self._rig.probes:
             wave = amplitude * np.cos(angle - self.sense * probe.angle)
-            volts[:, probe.channel] = probe.gap_voltage + probe.sensitivity * wave
+            volts[:, probe.channel] = probe.gap_voltage + probe.sensitivity * wave + self._noise.normal(0, 2e-3, SCANS)
         assert self._rig.keyphasor
         volts[:, self._rig.keyphasor.channel] = -2.0 - 8.0 * notch(angle)
         return volts

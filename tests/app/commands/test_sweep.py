@@ -1,16 +1,15 @@
 """Sweeps over real wires that do not end as planned; the drive and the DAQ are in another process."""
 
 import shutil
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from rotorrig.acquisition.files.recording_mcap import read_recording
-from rotorrig.acquisition.sweep import motor_control
 from rotorrig.acquisition.sweep.operator import Nobody
 from rotorrig.acquisition.sweep.plans import Step
+from rotorrig.acquisition.sweep.rest import RotorState
 from rotorrig.app.commands.simulate import SimulatedRig
 from rotorrig.app.commands.sweep import record_sweep, sweep
 from rotorrig.rig.config.description import RigConfig, parse
@@ -46,7 +45,7 @@ def test_a_limit_stops_the_rotor_and_the_recording_follows_it_to_rest(ports: Ben
     assert rig.limits
     strict = rig.model_copy(update={"limits": rig.limits.model_copy(update={"vibration": 250e-6})})
     result = record_sweep(strict, out=tmp_path / "run.mcap", ports=ports)
-    assert (result.ending, result.at_rest, result.gaps) == ("trip", True, 0)
+    assert (result.ending, result.state, result.gaps) == ("trip", RotorState.AT_REST, 0)
     assert "limit 250 um" in result.trip
     times = result.stop_times
     assert times
@@ -59,30 +58,13 @@ def test_a_limit_stops_the_rotor_and_the_recording_follows_it_to_rest(ports: Ben
     assert recording.events[-1].text.startswith("at rest")
 
 
-def test_of_a_program_that_hangs_the_drive_stops_the_rotor_by_itself(
-    ports: BenchPorts, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(motor_control, "LOOP_STALL", 0.5)
-    hung: list[float] = []
-
-    def hang(step: Step, fraction: float, speed: float) -> None:
-        if speed * RPM > 1500 and not hung:
-            hung.append(time.monotonic())
-            time.sleep(2.5)  # half a second until that is seen, one until the drive's watchdog acts
-
-    result = record_sweep(hasty(), out=tmp_path / "run.mcap", ports=ports, progress=hang)
-    assert hung
-    assert result.trip.startswith("drive: is off, though it was sent to 3600 rpm")
-    assert result.at_rest
-
-
 def test_the_operator_ends_a_sweep_over_the_wire(ports: BenchPorts, tmp_path: Path) -> None:
     class Impatient(Nobody):
         def wants_stop(self) -> bool:
             return True
 
     result = record_sweep(hasty(), out=tmp_path / "run.mcap", ports=ports, operator=Impatient())
-    assert (result.ending, result.trip, result.at_rest) == ("stop", "", True)
+    assert (result.ending, result.trip, result.state) == ("stop", "", RotorState.AT_REST)
 
 
 def test_a_mass_cannot_be_mounted_on_a_simulated_rig(tmp_path: Path) -> None:
@@ -119,7 +101,7 @@ def test_a_sweep_whose_folder_is_deleted_ends_as_planned_and_says_where_its_reco
             shutil.rmtree(out.parent, ignore_errors=True)
 
     result = record_sweep(hasty(), out=out, ports=ports, progress=slip, operator=Told(), on_move=places.append)
-    assert (result.ending, result.at_rest) == ("stop", True)
+    assert (result.ending, result.state) == ("stop", RotorState.AT_REST)
     (place,) = places
     assert told == [f"{out}: the file or its folder has vanished; the recording goes on as {place}"]
     recording = read_recording(place)

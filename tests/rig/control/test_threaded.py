@@ -7,10 +7,9 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from rotorrig.acquisition.sweep import motor_control
-from rotorrig.acquisition.sweep.motor_control import DirectControl, Reading, ThreadedControl
+from rotorrig.rig.control import READ_EVERY, DirectControl, Reading, SetSpeed, ThreadedControl, threaded
 from rotorrig.rig.errors import LimitExceeded, LinkLost
-from rotorrig.rig.motor.base import Stop
+from rotorrig.rig.motor.base import MotorDriver, Stop
 from tests.acquisition.sweep.scripted_rig import ScriptedMotor, Shaft
 from tests.manual_clock import ManualClock
 
@@ -46,7 +45,7 @@ def test_readings_come_by_themselves_and_say_which_commands_they_know_of(
     motor: ScriptedMotor, control: ThreadedControl
 ) -> None:
     until(lambda: any(reading.commands_done == 0 for reading in control.take_readings()))
-    number = control.send(lambda: motor.set_speed(60.0, ramp=10.0))
+    number = control.send(SetSpeed(speed=60.0, ramp=10.0))
     assert number == 1
     taken: list[Reading] = []
     until(lambda: bool(taken.extend(control.take_readings()) or (taken and taken[-1].commands_done == number)))
@@ -76,13 +75,13 @@ def test_a_command_that_a_stop_overtakes_is_stopped_again_and_those_behind_it_ar
 ) -> None:
     release, under_way = threading.Event(), threading.Event()
 
-    def slow_start() -> None:
+    def slow_start(motor: MotorDriver) -> None:
         under_way.set()
         release.wait(SOON)
         motor.set_speed(60.0, ramp=10.0)
 
-    control.send(slow_start)
-    control.send(lambda: motor.set_speed(90.0, ramp=10.0))
+    control.send(slow_start)  # type: ignore[arg-type]
+    control.send(SetSpeed(speed=90.0, ramp=10.0))
     until(under_way.is_set)
     control.stop(Stop.RAMP)
     until(lambda: ("stop", Stop.RAMP) in motor.commands)
@@ -147,10 +146,10 @@ def test_a_stop_is_sent_again_when_the_link_dies_while_the_rotor_slows_down(
 def test_what_goes_wrong_is_raised_where_it_can_be_acted_on(
     motor: ScriptedMotor, control: ThreadedControl, fault: Exception
 ) -> None:
-    def refuse() -> None:
+    def refuse(motor: MotorDriver) -> None:
         raise fault
 
-    control.send(refuse)
+    control.send(refuse)  # type: ignore[arg-type]
     raised: list[Exception] = []
 
     def heard() -> bool:
@@ -167,12 +166,12 @@ def test_what_goes_wrong_is_raised_where_it_can_be_acted_on(
 def test_readings_after_a_stop_know_of_the_commands_that_failed_and_of_those_that_were_never_sent(
     motor: ScriptedMotor, control: ThreadedControl
 ) -> None:
-    def refuse() -> None:
+    def refuse(motor: MotorDriver) -> None:
         raise LimitExceeded("has tripped")
 
-    control.send(refuse)
+    control.send(refuse)  # type: ignore[arg-type]
     control.stop(Stop.EMERGENCY)
-    number = control.send(lambda: motor.set_speed(90.0, ramp=10.0))
+    number = control.send(SetSpeed(speed=90.0, ramp=10.0))
     until(lambda: any(reading.commands_done == number for reading in control.take_readings()))
     assert motor.commands == [("stop", Stop.EMERGENCY)]
 
@@ -181,14 +180,14 @@ def test_a_program_that_hung_for_longer_than_the_watchdog_starts_no_rotor(
     motor: ScriptedMotor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The drive has stopped the rotor by itself; what the program had decided before must not start it again."""
-    monkeypatch.setattr(motor_control, "LOOP_STALL", 0.1)
+    monkeypatch.setattr(threaded, "LOOP_STALL", 0.1)
     control = ThreadedControl(motor, every=0.01, watchdog=0.3)
     control.start()
     try:
         until(lambda: bool(control.take_readings()))
         time.sleep(0.6)  # the loop hangs, so the drive hears nothing
         control.take_readings()
-        control.send(lambda: motor.set_speed(90.0, ramp=10.0))
+        control.send(SetSpeed(speed=90.0, ramp=10.0))
         until(lambda: raises(control, LimitExceeded, "was not spoken to for 0."))
     finally:
         control.close()
@@ -206,17 +205,17 @@ def raises(control: ThreadedControl, kind: type[Exception], said: str) -> bool:
 def test_of_a_program_that_hangs_the_drive_hears_nothing_more(
     motor: ScriptedMotor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(motor_control, "LOOP_STALL", 0.3)
+    monkeypatch.setattr(threaded, "LOOP_STALL", 0.3)
     read_at: list[float] = []
     motor.on_read = lambda state: read_at.append(time.monotonic()) or state  # type: ignore[func-returns-value]
     control = ThreadedControl(motor, every=0.01)
     control.start()
     try:
-        control.beat()
+        control.beat(0.0)
         beaten = time.monotonic()
         time.sleep(1.0)
         assert 0.1 < read_at[-1] - beaten <= 0.31
-        control.beat()
+        control.beat(0.0)
         until(lambda: read_at[-1] > beaten + 1.0)
     finally:
         control.close()
@@ -232,23 +231,23 @@ def test_the_direct_control_does_the_same_by_its_callers_clock(motor: ScriptedMo
     clock = ManualClock()
     control = DirectControl(motor, clock=clock)
     control.start()
-    control.beat()
+    control.beat(0.0)
     assert len(control.take_readings()) == 1
-    control.beat()
+    control.beat(0.0)
     assert control.take_readings() == []
-    clock.sleep(motor_control.READ_EVERY)
-    control.beat()
+    clock.sleep(READ_EVERY)
+    control.beat(0.0)
     assert len(control.take_readings()) == 1
-    assert control.send(lambda: motor.set_speed(60.0, ramp=10.0)) == 1
+    assert control.send(SetSpeed(speed=60.0, ramp=10.0)) == 1
     control.stop(Stop.RAMP)
-    control.send(lambda: motor.set_speed(90.0, ramp=10.0))
+    control.send(SetSpeed(speed=90.0, ramp=10.0))
     assert motor.commands == [("set", 60.0, 10.0), ("stop", Stop.RAMP)]
     motor.on_read = lambda state: (_ for _ in ()).throw(LinkLost("unplugged"))
     clock.sleep(1.0)
-    control.beat()
+    control.beat(0.0)
     assert control.report
     assert control.report.trouble == "unplugged"
     clock.sleep(1.0)
-    control.beat()
+    control.beat(0.0)
     assert motor.commands[1:] == [("stop", Stop.RAMP)] * 2
     assert motor.opened == 1

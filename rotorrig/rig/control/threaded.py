@@ -1,93 +1,19 @@
-"""Motor control during a sweep, on threads of its own: the loop that watches the samples never waits for a wire.
+"""Motor control on threads: one for readings and commands, one for stops alone.
 
-`ThreadedControl` has one thread for readings and commands and one for stops alone: a stop goes out while a command or
-a reading is still under way, at most one exchange later. No caller waits. Readings are taken only while the loop gives
-signs of life: when the program hangs, the drive hears nothing more and its own watchdog stops the rotor.
-
-`DirectControl` does the same in the caller's thread, by the caller's clock: for tests that must be repeatable.
+A stop goes out while a command or a reading is still under way, at most one exchange later. Readings are taken only
+while the loop gives signs of life: when the program hangs, the drive hears nothing more and its own watchdog stops the
+rotor.
 """
 
 import math
 import queue
 import threading
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Protocol, Self
 
-from rotorrig.rig import Clock, LimitExceeded, WallClock
-from rotorrig.rig.motor import MotorDriver, MotorState, Stop
-
-READ_EVERY = 0.25  # s between readings
-READ_SOON = 0.05  # s, while the drive's word is all that is missing
-LOOP_STALL = 3.0  # s without a sign of life after which the loop is taken to hang; a silent DAQ is waited for 2 s
-STOP_RETRY = 0.2  # s between tries
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Reading:
-    """One reading of the controller."""
-
-    state: MotorState
-    commands_done: int  # commands carried out before it
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StopReport:
-    """Progress of a stop; times on the control's clock [s], NaN: not yet."""
-
-    kind: Stop
-    handed: float = math.nan  # when the driver was first called
-    confirmed: float = math.nan  # when the drive had obeyed
-    tries: int = 0
-    trouble: str = ""  # why the last try failed
-
-    def after_try(self, trouble: str, now: float) -> Self:
-        """Return the report after one more try, which failed by `trouble`, or succeeded if that is empty."""
-        return replace(self, tries=self.tries + 1, trouble=trouble, confirmed=math.nan if trouble else now)
-
-
-Command = Callable[[], None]
-
-
-class MotorControl(Protocol):
-    """Motor controller as the session sees it. Nothing but `close` waits."""
-
-    @property
-    def report(self) -> StopReport | None:
-        """Progress of the last stop; None: there was none."""
-        ...
-
-    def start(self) -> None:
-        """Start to take readings."""
-        ...
-
-    def beat(self) -> None:
-        """Give a sign of life; readings are taken for `LOOP_STALL` seconds after it."""
-        ...
-
-    def send(self, command: Command) -> int:
-        """Queue a command, to be carried out unless a stop comes first; return its number, counted from 1."""
-        ...
-
-    def read_soon(self) -> None:
-        """Have the next reading taken soon."""
-        ...
-
-    def take_readings(self) -> list[Reading]:
-        """Return the readings since the last call. Raises what a reading or command raised, once, until a stop."""
-        ...
-
-    def stop(self, kind: Stop) -> None:
-        """Send a stop at once; commands after it are refused. What goes wrong is tried again, see `report`.
-
-        May be called from a signal handler, and again with another kind, which then stands instead.
-        """
-        ...
-
-    def close(self) -> None:
-        """End the threads; may be called twice. Does not stop the rotor."""
-        ...
+from rotorrig.rig.clock import Clock, WallClock
+from rotorrig.rig.control.base import LOOP_STALL, READ_EVERY, READ_SOON, STOP_RETRY, Command, Reading, StopReport
+from rotorrig.rig.errors import LimitExceeded
+from rotorrig.rig.motor import MotorDriver, Stop
 
 
 class ThreadedControl:
@@ -109,6 +35,7 @@ class ThreadedControl:
         self._last_reading = -math.inf
         self._last_exchange = math.inf  # when the last reading or command ended; infinite: there was none
         self._last_beat = self._clock.now()
+        self._silent_until = -math.inf
         self._report: StopReport | None = None
         self._threads = [
             threading.Thread(target=self._send_stops, name="motor stop", daemon=True),
@@ -125,7 +52,7 @@ class ThreadedControl:
         for thread in self._threads:
             thread.start()
 
-    def beat(self) -> None:
+    def beat(self, processed: float) -> None:
         """Give a sign of life."""
         self._last_beat = self._clock.now()
 
@@ -152,11 +79,15 @@ class ThreadedControl:
 
     def stop(self, kind: Stop) -> None:
         """Send a stop at once."""
-        self._stopping = True
+        self._stopping, self._silent_until = True, -math.inf
         self._report = StopReport(kind=kind)
         self._stops.put(kind)
 
-    def close(self) -> None:
+    def fall_silent(self, seconds: float) -> None:
+        """Send nothing for so long, or until another stop."""
+        self._silent_until = self._clock.now() + seconds
+
+    def close(self, *, at_rest: bool = True) -> None:
         """End the threads; may be called twice. Does not stop the rotor."""
         self._closed = True
         self._commands.put(None)
@@ -185,9 +116,12 @@ class ThreadedControl:
 
     def _until_due(self) -> float:
         """Seconds until the next reading is due; while none may be taken, until the next look."""
-        if self._link_lost or self._clock.now() - self._last_beat > LOOP_STALL:
+        if self._link_lost or self._is_silent() or self._clock.now() - self._last_beat > LOOP_STALL:
             return self._every
         return max(0.0, self._last_reading + (READ_SOON if self._soon else self._every) - self._clock.now())
+
+    def _is_silent(self) -> bool:
+        return self._clock.now() < self._silent_until
 
     def _carry_out(self, command: Command | None) -> None:
         if command is None:
@@ -196,7 +130,7 @@ class ThreadedControl:
         try:
             if not self._stopping:
                 self._check_watchdog()
-                command()
+                command(self._motor)
                 self._last_exchange = self._clock.now()
                 self._soon = True
         finally:
@@ -234,7 +168,12 @@ class ThreadedControl:
                 self._report = report
                 if not report.trouble or self._closed:
                     break
-                self._clock.sleep(STOP_RETRY)
+                self._wait_to_retry()
+
+    def _wait_to_retry(self) -> None:
+        self._clock.sleep(STOP_RETRY)
+        while self._is_silent() and self._stops.empty() and not self._closed:
+            self._clock.sleep(STOP_RETRY)
 
     def _try_stop(self, report: StopReport) -> StopReport:
         """Try once to stop; return the report after it."""
@@ -256,91 +195,3 @@ class ThreadedControl:
         self._link_lost = True  # no readings meanwhile
         with self._wire:
             self._motor.open()
-
-
-class DirectControl:
-    """Motor control in the caller's thread: what is due is done in `beat`."""
-
-    def __init__(self, motor: MotorDriver, *, clock: Clock, every: float = READ_EVERY) -> None:
-        """Take an opened motor to be read `every` so many seconds of `clock`."""
-        self._motor, self._every, self._clock = motor, every, clock
-        self._readings: list[Reading] = []
-        self._faults: list[Exception] = []
-        self._last_reading = self._last_try = -math.inf
-        self._commands_sent = 0
-        self._started = self._stopping = self._link_lost = False
-        self._report: StopReport | None = None
-
-    @property
-    def report(self) -> StopReport | None:
-        """Progress of the last stop; None: there was none."""
-        return self._report
-
-    def start(self) -> None:
-        """Start to take readings."""
-        self._started = True
-
-    def beat(self) -> None:
-        """Take a reading that is due, and try a stop again that failed."""
-        if self._report and self._report.trouble and self._clock.now() - self._last_try >= STOP_RETRY:
-            self._try_stop(reopen=True)
-        if self._clock.now() - self._last_reading >= self._every:
-            self._read()
-
-    def send(self, command: Command) -> int:
-        """Carry out a command, unless there was a stop; return its number, counted from 1."""
-        self._commands_sent += 1
-        if not self._stopping:
-            self._try_exchange(command)
-        return self._commands_sent
-
-    def read_soon(self) -> None:
-        """Take a reading, unless there was one just now."""
-        if self._clock.now() - self._last_reading >= READ_SOON:
-            self._read()
-
-    def take_readings(self) -> list[Reading]:
-        """Return the readings since the last call. Raises what a reading or command has raised, once."""
-        if self._faults and not self._stopping:
-            raise self._faults.pop(0)
-        readings, self._readings = self._readings, []
-        return readings
-
-    def stop(self, kind: Stop) -> None:
-        """Send a stop."""
-        self._stopping = True
-        self._report = StopReport(kind=kind, handed=self._clock.now())
-        self._try_stop(reopen=False)
-
-    def close(self) -> None:
-        """Do nothing: there are no threads."""
-
-    def _read(self) -> None:
-        if self._started and not self._link_lost:
-            self._last_reading = self._clock.now()
-            self._try_exchange(
-                lambda: self._readings.append(Reading(state=self._motor.read(), commands_done=self._commands_sent))
-            )
-
-    def _try_exchange(self, exchange: Command) -> None:
-        try:
-            exchange()
-        except Exception as fault:
-            self._link_lost = True
-            if not self._stopping:
-                self._faults.append(fault)
-            elif self._report:
-                self._report = self._report.after_try(str(fault), self._clock.now())  # so that the stop is tried again
-
-    def _try_stop(self, *, reopen: bool) -> None:
-        report, trouble = self._report, ""
-        assert report is not None
-        self._last_try = self._clock.now()
-        try:
-            if reopen:
-                self._motor.open()
-            self._motor.stop(report.kind)
-            self._link_lost = False
-        except Exception as error:
-            trouble = str(error) or type(error).__name__
-        self._report = report.after_try(trouble, self._clock.now())

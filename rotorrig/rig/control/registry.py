@@ -1,0 +1,61 @@
+"""Where the guardian of a motor link can be asked: a local socket named after the link.
+
+It answers one JSON line with another: `{"ask": "state"}`, or `{"ask": "stop"}`, by which it lets go of the link if the
+sweep's process is gone, and stops the rotor if it is not.
+"""
+
+import contextlib
+import hashlib
+import json
+import os
+import socket
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from rotorrig.rig.config import Motor
+
+PATIENCE = 5.0  # s for an answer
+PLACE = ("driver", "port", "host", "tcp_port", "address", "interface", "channel", "node")  # keys that name a link
+
+
+def address_of(table: Motor) -> Path:
+    """Return the socket's path for this [motor] table; its folder is made, for this user alone."""
+    runtime = os.environ.get("XDG_RUNTIME_DIR")
+    folder = Path(runtime or tempfile.gettempdir()) / f"rotorrig-{os.getuid()}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    names = {key: str(value) for key, value in table.model_dump().items() if key in PLACE}
+    if "port" in names and names["port"].startswith("/"):
+        names["port"] = os.path.realpath(names["port"])
+    return folder / (hashlib.sha256(json.dumps(names, sort_keys=True).encode()).hexdigest()[:16] + ".sock")
+
+
+def ask_guardian(table: Motor, ask: str) -> dict[str, Any] | None:
+    """Ask the guardian of this link; None: there is none."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
+        line.settimeout(PATIENCE)
+        try:
+            line.connect(str(address_of(table)))
+            line.sendall(json.dumps({"ask": ask}).encode() + b"\n")
+            answer: dict[str, Any] = json.loads(line.makefile().readline())
+        except (OSError, ValueError):
+            return None
+    return answer
+
+
+def serve(table: Motor) -> socket.socket:
+    """Return a socket that listens for who asks about this link; a dead guardian's is replaced."""
+    path = address_of(table)
+    with contextlib.suppress(FileNotFoundError):
+        path.unlink()
+    server = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    server.bind(str(path))
+    server.listen()
+    server.setblocking(False)
+    return server
+
+
+def end_service(table: Motor) -> None:
+    """Remove the socket."""
+    with contextlib.suppress(OSError):
+        address_of(table).unlink()
