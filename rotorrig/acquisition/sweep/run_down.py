@@ -51,8 +51,8 @@ def follow_run_down(
 ) -> RunDown:
     """Watch a rotor already commanded to stop until it is proven at rest, or the operator leaves it; never raises.
 
-    It is recorded for `limit` seconds [s] of samples at most; `cut_power` switches the drive's supply off, where that
-    can be done, and returns what came of it.
+    A rotor that turns is recorded for as long as it does, one of which nothing is seen for `limit` seconds; `cut_power`
+    switches the drive's supply off, where that can be done, and returns what came of it.
     """
     watch = _Watch(session, ladder, operator, cut_power)
     while session.rest is not RotorState.AT_REST or not watch.stop_was_sent:
@@ -61,8 +61,7 @@ def follow_run_down(
         watch.take_block()
         if interrupts.count >= EMERGENCY_COUNT and not watch.emergency:
             watch.make_it_an_emergency()
-        if session.t - watch.began > limit and not session.recording_paused:
-            watch.end_recording(limit)
+        watch.record_what_turns(limit)
         watch.warn_of_trouble()
         watch.offer_to_leave(interrupts.count)
         watch.stop_harder_if_needed()
@@ -122,10 +121,12 @@ class _Watch:
         self.emergency = True
         self.note("emergency", "emergency stop by the operator")
 
-    def end_recording(self, limit: float) -> None:
-        """Record no more samples: the disk is not there for a rotor that turns for hours."""
-        self.note("note", f"the rotor is {self._describe()} {limit:.0f} s after the stop, where the recording ends")
-        self._session.recording_paused = True
+    def record_what_turns(self, limit: float) -> None:
+        """Record no more of a rotor of which nothing is seen for long, until it gives pulses again."""
+        unseen = self._session.rest is not RotorState.TURNING and self._session.t - self.began > limit
+        if unseen and not self._session.recording_paused:
+            self.note("note", f"the rotor is {self._describe()} {limit:.0f} s after the stop; recorded no further")
+        self._session.recording_paused = unseen
 
     def warn_of_trouble(self) -> None:
         """Tell the operator once that the drive does not confirm the stop."""

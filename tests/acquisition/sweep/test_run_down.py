@@ -198,7 +198,7 @@ def hunting(rig: Bench) -> Callable[[Block], Block]:
     return script
 
 
-def test_a_rotor_that_never_stops_is_recorded_for_as_long_as_the_config_says(bench: MakeBench) -> None:
+def test_a_rotor_that_never_stops_is_recorded_until_it_is_left(bench: MakeBench) -> None:
     rig = bench()
     assert rig.rig.limits
     rig.rig = rig.rig.model_copy(update={"limits": rig.rig.limits.model_copy(update={"run_down": 30.0})})
@@ -206,9 +206,27 @@ def test_a_rotor_that_never_stops_is_recorded_for_as_long_as_the_config_says(ben
     rig.daq.on_block = pressing(signal.SIGINT, *(600_000 + 1000 * i for i in range(4)))
     with pytest.raises(NotAtRest):
         rig.sweep((Ramp(to=60.0, rate=60.0),))
-    assert "the rotor is turning at 573 rpm 30 s after the stop, where the recording ends" in rig.marks("note")
-    assert rig.recorded().samples < 400_000
+    assert rig.recorded().samples > LOOKED + 600_000
     assert rig.motor.commands.count(("stop", Stop.EMERGENCY)) > 1  # the ladder began anew
+
+
+def test_of_a_rotor_that_is_not_seen_no_more_is_recorded_than_the_config_says(bench: MakeBench) -> None:
+    rig = bench()
+    assert rig.rig.limits
+    rig.rig = rig.rig.model_copy(update={"limits": rig.rig.limits.model_copy(update={"run_down": 30.0})})
+    rig.motor.obeys = set()
+    press = pressing(signal.SIGINT, *(800_000 + 1000 * i for i in range(4)))
+
+    def dead(block: Block) -> Block:
+        if block.first_sample >= LOOKED + 20_000:
+            block.counts[:, rig.rig.keyphasor.channel] = 0  # type: ignore[union-attr]
+        return press(block)
+
+    rig.daq.on_block = dead
+    with pytest.raises(NotAtRest):
+        rig.sweep((Ramp(to=60.0, rate=60.0), Dwell(seconds=10.0)))
+    assert any(text.endswith("30 s after the stop; recorded no further") for text in rig.marks("note"))
+    assert rig.recorded().samples < LOOKED + 20_000 + 30_000 + 310_000
 
 
 def leaving(rig: Bench, *, after: float) -> Callable[[MotorState], MotorState]:
