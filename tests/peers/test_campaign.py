@@ -55,7 +55,7 @@ WANTED: dict[str, Wanted] = {
     "only coast": within(5.0),
     "only coast, plan's end": lambda verdict: verdict.stop_s is not None and not verdict.left,
     "one busy": lambda verdict: verdict.status == 0,
-    "SIGQUIT": lambda verdict: verdict.guardian_stop_ms is not None and verdict.guardian_stop_ms <= 500.0,
+    "SIGQUIT": within(0.5),
     "kill -9": lambda verdict: verdict.guardian_stop_ms is not None and verdict.guardian_stop_ms <= 500.0,
     "dwell at 3500 rpm": within(2.0),
     "dwell at 60 rpm": within(5.0),

@@ -154,8 +154,9 @@ def _judge_end(verdict: Verdict, seen: Seen, peer: Peer) -> None:
     if stop := peer.first_stop(after=first):
         verdict.first_stop_s = round(stop["t"] - first, 2)
     died = seen.status is not None and seen.status < 0
-    if died and not seen.killed and (stop := peer.first_stop(after=seen.ended)) and seen.guardians:
-        verdict.guardian_stop_ms = round((stop["t"] - seen.ended) * 1e3, 1)
+    death = seen.struck.get("kill -9", seen.ended)  # the end is seen some time after the blow
+    if died and not seen.killed and (stop := peer.first_stop(after=death)) and seen.guardians:
+        verdict.guardian_stop_ms = round((stop["t"] - death) * 1e3, 1)
     turning = verdict.rpm_at_end > AT_REST
     forever = math.isnan(seen.rested)
     guarded = seen.guardians > 0 and math.isnan(seen.guardian_ended)
