@@ -20,13 +20,13 @@ __all__ = ["app", "err", "main", "out"]
 
 
 class Rotor(TyperGroup):
-    """The command; its help leaves `--show-completion` out, which would push it over a screen of 24 lines."""
+    """The command; its help leaves out itself and `--show-completion`, to stay on a screen of 24 lines."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Return the options that belong to no verb."""
         options: list[Any] = super().get_params(ctx)
         for option in options:
-            if option.name == "show_completion":
+            if option.name in ("show_completion", "help"):
                 option.hidden = True
         return options
 
@@ -45,6 +45,7 @@ VERBS: dict[str, tuple[str, Callable[..., None]]] = {
     "init": ("Write a bundled config to start from, or list them.", rig.init),
     "check": ("Check a config; with --connect, query its devices.", rig.check),
     "sweep": ("Run a sweep and record it; with --dry-run, preview it.", rig.sweep),
+    "stop": ("Stop the rotor, whoever started it.", rig.stop),
     "replay": ("Play a recording as if it were live.", data.replay),
     "track": ("Track the orders of a recording into a response.", data.track),
     "identify": ("Fit bearing stiffness, damping and unbalance.", model.identify),

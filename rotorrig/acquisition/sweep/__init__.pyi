@@ -8,6 +8,7 @@ from .plans import draft_sweep as draft_sweep
 from .plans import objections as objections
 from .plans import plan_sweep as plan_sweep
 from .rest import RotorState as RotorState
+from .run_down import RunDown as RunDown
 from .steps import Ask as Ask
 from .steps import Coast as Coast
 from .steps import Dwell as Dwell
@@ -16,6 +17,8 @@ from .steps import Ramp as Ramp
 from .steps import Rest as Rest
 from .steps import Step as Step
 from .steps import Trial as Trial
+from .stop_only import bring_to_rest as bring_to_rest
+from .stop_only import stop_unseen as stop_unseen
 from .timeline import COAST_SECONDS as COAST_SECONDS
 from .timeline import TimedStep as TimedStep
 from .timeline import plan_timeline as plan_timeline
@@ -31,10 +34,12 @@ __all__ = [
     "Ramp",
     "Rest",
     "RotorState",
+    "RunDown",
     "Step",
     "SweepResult",
     "TimedStep",
     "Trial",
+    "bring_to_rest",
     "critical_bands",
     "draft_sweep",
     "objections",
@@ -42,4 +47,5 @@ __all__ = [
     "plan_timeline",
     "reading_interval",
     "run_sweep",
+    "stop_unseen",
 ]

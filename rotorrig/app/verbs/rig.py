@@ -1,6 +1,7 @@
-"""Verbs for a rig: init, check, sweep, simulate, demo."""
+"""Verbs for a rig: init, check, sweep, stop, simulate, demo."""
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -147,6 +148,17 @@ def sweep(
     tell(words, {"file": str(out_file), **sweep.sweep_facts(result)}, as_json=as_json)
     if result.trip:
         raise RigError(f"{result.trip}; the rotor is at rest; {out_file} holds the sweep up to the trip")
+
+
+def stop(config: Config) -> None:
+    """Stop the rotor, whoever started it, and watch it to rest; fails unless it is proven at rest.
+
+    A sweep that runs is told to stop and reports by itself. What an ended sweep has left to stop the rotor hands over.
+    """
+    from rotorrig.app.commands import stop as stopping
+
+    say = partial(out.print, highlight=False, soft_wrap=True)
+    say(stopping.stop(load_config(config), say=say))
 
 
 def simulate(

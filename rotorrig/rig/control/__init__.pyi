@@ -13,6 +13,7 @@ from .ladder import Ladder as Ladder
 from .ladder import Measure as Measure
 from .power_cut import cut_power as cut_power
 from .registry import ask_guardian as ask_guardian
+from .registry import guardian_log as guardian_log
 from .threaded import ThreadedControl as ThreadedControl
 
 __all__ = [
@@ -32,4 +33,5 @@ __all__ = [
     "ThreadedControl",
     "ask_guardian",
     "cut_power",
+    "guardian_log",
 ]

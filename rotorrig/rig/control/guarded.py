@@ -172,6 +172,8 @@ class GuardedControl:
         if self._own:
             self._own.close()
             return
+        if self._process is None:  # it did not start, or ended
+            return
         self._line.tell(close=at_rest)
         if at_rest:
             self._end()

@@ -90,7 +90,7 @@ class Guardian:
             self._sleep.end()
             self._control.close()
             self._motor.close()
-            registry.end_service(self._table)
+            self._end_service()
 
     def _obey(self, message: Message) -> None:
         match message:
@@ -209,7 +209,8 @@ class Guardian:
     def _answer(self) -> None:
         """Answer `rotor stop`, if it asks."""
         with contextlib.suppress(BlockingIOError, OSError, ValueError):
-            assert self._server is not None
+            if self._server is None:
+                return
             asker, _ = self._server.accept()
             with asker, asker.makefile("rw") as words:
                 asker.settimeout(1.0)
@@ -221,15 +222,23 @@ class Guardian:
                     self._over = True
                     self._control.close()
                     self._motor.close()
+                    self._end_service()  # before the answer: who takes over has one of its own
                 elif ask == "stop":
                     self._intervene("'rotor stop' asked for it")
                 words.write(json.dumps(answer) + "\n")
+
+    def _end_service(self) -> None:
+        """Be asked nothing more; done once, as another guardian of this link may serve under the same name then."""
+        if self._server is not None:
+            self._server.close()
+            self._server = None
+            registry.end_service(self._table)
 
     def _write(self, text: str) -> None:
         """Write a line of what was done beside the recording; where that is impossible, into the temporary folder."""
         stamp = f"{datetime.now(UTC):%Y-%m-%d %H:%M:%S.%f}"[:-3]
         log = Path(self._order["log"])
-        for path in (log, registry.address_of(self._table).with_suffix(".log")):
+        for path in (log, registry.guardian_log(self._table)):
             with contextlib.suppress(OSError), path.open("a", encoding="utf-8") as file:
                 file.write(f"{stamp} UTC guardian: {text}\n")
                 return

@@ -30,6 +30,11 @@ def address_of(table: Motor) -> Path:
     return folder / (hashlib.sha256(json.dumps(names, sort_keys=True).encode()).hexdigest()[:16] + ".sock")
 
 
+def guardian_log(table: Motor) -> Path:
+    """Return where the guardian of this link writes if there is no recording to write beside."""
+    return address_of(table).with_suffix(".log")
+
+
 def ask_guardian(table: Motor, ask: str) -> dict[str, Any] | None:
     """Ask the guardian of this link; None: there is none."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
