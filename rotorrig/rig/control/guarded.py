@@ -4,13 +4,12 @@ If the guardian dies or hangs, this process opens the link itself and stops the 
 """
 
 import contextlib
-import os
-import signal
 import socket
 import subprocess
 import sys
 import threading
 from collections import deque
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +30,7 @@ HANG = 1.0  # s without a sign of life from the guardian
 HEAR = 0.05  # s between looks at that
 BEAT_EVERY = 0.02  # s between beats that are passed on
 END_SECONDS = 5.0  # for the guardian to end
+KILL_SECONDS = 1.0  # for a killed one to be gone
 
 
 class GuardedControl:
@@ -86,7 +86,7 @@ class GuardedControl:
         here, there = socket.socketpair()
         with there:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "rotorrig.rig.control.guardian", str(there.fileno())],
+                [sys.executable, "-P", "-m", "rotorrig.rig.control.guardian", str(there.fileno())],
                 pass_fds=[there.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
@@ -141,7 +141,9 @@ class GuardedControl:
         """Return the readings since the last call. Raises what a reading or command has raised, once, until a stop."""
         if self._faults and not self._stopping:
             raise self._faults.popleft()
-        readings = self._own.take_readings() if self._own and self._stopping else []
+        readings = []
+        if self._own and self._stopping:  # no command was sent after its stop, so its readings are later than all
+            readings = [replace(reading, commands_done=self._commands_sent) for reading in self._own.take_readings()]
         while self._readings:
             self._soon = False
             readings.append(self._readings.popleft())
@@ -191,7 +193,8 @@ class GuardedControl:
         while not self._closed and self._own is None:
             for message in self._line.hear(HEAR):
                 self._heard_at = self._clock.now()
-                self._take(message)
+                with contextlib.suppress(TypeError, ValueError):  # of a message of another version
+                    self._take(message)
             if self._closed:
                 return
             if self._line.ended:
@@ -214,12 +217,14 @@ class GuardedControl:
         """Open the link from this process and stop the rotor: the guardian does not do it any more."""
         self._end(kill=True)
         motor = connect.motor(self._rig, at=self._at)
-        with contextlib.suppress(RigError):  # tried again with every stop
+        with contextlib.suppress(Exception):  # tried again with every stop
             motor.open()
         own = ThreadedControl(motor, every=self._every, watchdog=self._table.watchdog, clock=self._clock)
         own.start()
-        own.stop(self._report.kind if self._stopping and self._report else Stop.EMERGENCY)
-        self._own = own
+        self._own, sent = own, None
+        while sent is not (kind := self._report.kind if self._report else Stop.EMERGENCY):
+            own.stop(kind)  # again, if the program has just asked for another
+            sent = kind
         self._faults.append(LinkLost(f"guardian: {reason}; the rotor was stopped without it"))
 
     def _end(self, *, kill: bool = False) -> None:
@@ -233,8 +238,9 @@ class GuardedControl:
             except subprocess.TimeoutExpired:
                 kill = True
         if kill:
-            os.kill(process.pid, signal.SIGKILL)
-            process.wait()
+            process.kill()
+            with contextlib.suppress(subprocess.TimeoutExpired):  # one stuck in a device is not waited for
+                process.wait(KILL_SECONDS)
         if threading.current_thread() is not self._thread and self._thread.is_alive():
             self._thread.join(END_SECONDS)
         self._line.close()

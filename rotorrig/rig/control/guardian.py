@@ -13,9 +13,12 @@ import os
 import signal
 import socket
 import sys
+import threading
 import time
+from collections.abc import Callable
 from dataclasses import asdict
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +28,7 @@ from rotorrig.rig.config import Motor, read_motor, read_power_cut
 from rotorrig.rig.control import registry
 from rotorrig.rig.control.base import Reading, SetSpeed, StopForNow
 from rotorrig.rig.control.ladder import Ladder, Measure
-from rotorrig.rig.control.line import Line, Message
+from rotorrig.rig.control.line import CHUNK, Line, Message
 from rotorrig.rig.control.power_cut import cut_power
 from rotorrig.rig.control.sleep import SleepGuard
 from rotorrig.rig.control.threaded import ThreadedControl
@@ -35,6 +38,7 @@ LOOK = 0.02  # s between looks at who has fallen silent
 SIGN_OF_LIFE = 0.1  # s between ours
 REPEAT = 2.0  # s between stops to a drive that says that it is off
 FRESH = 1.0  # s for which a reading counts
+ASK_SECONDS = 0.2  # for who asks at the socket to say what: meanwhile this loop stands still
 
 
 class Guardian:
@@ -54,7 +58,8 @@ class Guardian:
         self._parent = os.getppid()
         self._sleep = SleepGuard()
         self._server: socket.socket | None = None
-        self._started = self._over = False
+        self._logs = [Path(order["log"]), registry.guardian_log(self._table)]
+        self._started = self._over = self._failed = False
         self._armed = False  # a speed was sent: from here on samples have to be processed
         self._stopping = False  # a stop for good was sent, by whomever
         self._reason = ""  # why the guardian acts; empty: it does not
@@ -74,23 +79,32 @@ class Guardian:
             self._info = self._motor.open()
             self._server = registry.serve(self._table)
         except Exception as error:
-            self._motor.close()
             self._line.tell(refused=str(error), kind=type(error).__name__)
+            self._motor.close()
             return
         self._ladder = Ladder(ramp=1.0, watchdog=self._info.watchdog, power_cut=self._power_cut is not None)
         self._line.tell(opened=asdict(self._info), pid=os.getpid(), awake=self._sleep.start())
         try:
             while not self._over:
                 for message in self._line.hear(LOOK):
-                    self._obey(message)
-                self._answer()
-                self._watch()
-                self._tell()
+                    self._attempt(partial(self._obey, message))
+                for work in (self._answer, self._watch, self._tell):
+                    self._attempt(work)
         finally:
             self._sleep.end()
             self._control.close()
             self._motor.close()
             self._end_service()
+
+    def _attempt(self, work: Callable[[], None]) -> None:
+        """Do a part of the loop; a defect in it stops the rotor and does not end the loop."""
+        try:
+            work()
+        except Exception as defect:
+            if self._failed or not self._started:
+                return
+            self._failed = True  # said once, and no stop for every turn of the loop
+            self._intervene(f"a defect of the guardian ({type(defect).__name__}: {defect})")
 
     def _obey(self, message: Message) -> None:
         match message:
@@ -174,14 +188,17 @@ class Guardian:
 
     def _take(self, measure: Measure) -> None:
         self._repeated_at = self._clock.now()
-        said = f"the drive does not report that it slows down: {measure}"
         if stop := measure.stop:
             self._control.stop(stop)
         elif measure is Measure.SILENCE:
             self._control.fall_silent(self._ladder.silence)
         elif self._power_cut:
-            said = f"{said}; {cut_power(self._power_cut)}"
-        self._write(said)
+            threading.Thread(target=self._cut_power, daemon=True).start()  # this loop goes on meanwhile
+        self._write(f"the drive does not report that it slows down: {measure}")
+
+    def _cut_power(self) -> None:
+        assert self._power_cut
+        self._write(cut_power(self._power_cut))
 
     def _speed(self, now: float) -> float | None:
         """Speed by the drive [rad/s]; None: it has not said of late."""
@@ -208,13 +225,13 @@ class Guardian:
 
     def _answer(self) -> None:
         """Answer `rotor stop`, if it asks."""
-        with contextlib.suppress(BlockingIOError, OSError, ValueError):
+        with contextlib.suppress(OSError, ValueError, AttributeError):  # nobody asks, or no question
             if self._server is None:
                 return
             asker, _ = self._server.accept()
-            with asker, asker.makefile("rw") as words:
-                asker.settimeout(1.0)
-                ask = json.loads(words.readline()).get("ask")
+            with asker:
+                asker.settimeout(ASK_SECONDS)
+                ask = json.loads(asker.recv(CHUNK)).get("ask")
                 orphan = self._orphan_since is not None
                 answer = {"pid": os.getpid(), "sweep": None if orphan else self._parent, "reason": self._reason}
                 if ask == "stop" and orphan:
@@ -225,7 +242,7 @@ class Guardian:
                     self._end_service()  # before the answer: who takes over has one of its own
                 elif ask == "stop":
                     self._intervene("'rotor stop' asked for it")
-                words.write(json.dumps(answer) + "\n")
+                asker.sendall(json.dumps(answer).encode() + b"\n")
 
     def _end_service(self) -> None:
         """Be asked nothing more; done once, as another guardian of this link may serve under the same name then."""
@@ -237,9 +254,8 @@ class Guardian:
     def _write(self, text: str) -> None:
         """Write a line of what was done beside the recording; where that is impossible, into the temporary folder."""
         stamp = f"{datetime.now(UTC):%Y-%m-%d %H:%M:%S.%f}"[:-3]
-        log = Path(self._order["log"])
-        for path in (log, registry.guardian_log(self._table)):
-            with contextlib.suppress(OSError), path.open("a", encoding="utf-8") as file:
+        for path in self._logs:
+            with contextlib.suppress(OSError, ValueError), path.open("a", encoding="utf-8") as file:
                 file.write(f"{stamp} UTC guardian: {text}\n")
                 return
 
@@ -253,8 +269,14 @@ def main() -> None:
     orders: list[Message] = []
     while not orders and not line.ended and time.monotonic() < patience:
         orders = line.hear(1.0)
-    if orders:
-        Guardian(line, orders[0]).run()
+    if not orders:
+        return
+    try:
+        guardian = Guardian(line, orders[0])
+    except Exception as error:
+        line.tell(refused=str(error), kind=type(error).__name__)
+        return
+    guardian.run()
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ Sending never waits: a peer that does not read for so long that the line is full
 import json
 import select
 import socket
+import time
 from typing import Any
 
 Message = dict[str, Any]
@@ -36,12 +37,15 @@ class Line:
         except BlockingIOError:
             self.full = True
         except OSError:
-            self.ended = True
+            pass  # the peer is gone: `hear` will say so, once it has returned what the peer said before
 
     def hear(self, timeout: float) -> list[Message]:
-        """Return the messages that have come, after `timeout` seconds at most."""
+        """Return the messages that have come, after `timeout` seconds at most; what is no message is left out."""
+        if self.ended:
+            time.sleep(timeout)  # so that who goes on without the peer does so at the same pace
+            return []
         try:
-            if self.ended or not select.select([self._end], [], [], timeout)[0]:
+            if not select.select([self._end], [], [], timeout)[0]:
                 return []
             chunk = self._end.recv(CHUNK)
         except BlockingIOError:
@@ -51,9 +55,18 @@ class Line:
         if not chunk:
             self.ended = True
         *lines, self._rest = (self._rest + chunk).split(b"\n")
-        return [json.loads(line) for line in lines]
+        return [message for line in lines if (message := _decode(line)) is not None]
 
     def close(self) -> None:
         """Close this end."""
         self.ended = True
         self._end.close()
+
+
+def _decode(line: bytes) -> Message | None:
+    """Return the message of a line; None: it is none, as when the peer could not write all of it."""
+    try:
+        message = json.loads(line)
+    except ValueError:
+        return None
+    return message if isinstance(message, dict) else None

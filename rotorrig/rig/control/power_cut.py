@@ -17,8 +17,9 @@ def cut_power(table: PowerCut) -> str:
             )
         except subprocess.TimeoutExpired:
             return f"power cut: '{table.command[0]}' did not end within {table.timeout:g} s"
-        except OSError as error:
-            return f"power cut: '{table.command[0]}' cannot be run ({error.strerror})"
+        except (OSError, ValueError) as error:  # ValueError: of arguments no program can have
+            why = getattr(error, "strerror", None) or error
+            return f"power cut: '{table.command[0]}' cannot be run ({why})"
     if done.returncode:
         words = done.stderr.decode(errors="replace").strip().splitlines()
         return f"power cut: '{table.command[0]}' ended with {done.returncode}" + (f" ({words[-1]})" if words else "")

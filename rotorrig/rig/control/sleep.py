@@ -1,5 +1,6 @@
 """A computer that must not fall asleep while a rotor turns, and the notice that it did all the same."""
 
+import contextlib
 import shutil
 import subprocess
 import sys
@@ -18,9 +19,10 @@ class SleepGuard:
     def start(self) -> bool:
         """Ask the system to stay awake; return whether there is something to ask."""
         if self._holder is None and (command := _inhibitor()):
-            self._holder = subprocess.Popen(
-                command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-            )
+            with contextlib.suppress(OSError):
+                self._holder = subprocess.Popen(
+                    command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+                )
         return self._holder is not None
 
     def slept(self) -> float:
@@ -32,9 +34,10 @@ class SleepGuard:
     def end(self) -> None:
         """Let it sleep again."""
         if self._holder and self._holder.stdin:
-            self._holder.stdin.close()  # what it waits for
-            self._holder.terminate()
-            self._holder.wait(5)
+            with contextlib.suppress(OSError, subprocess.TimeoutExpired):
+                self._holder.stdin.close()  # what it waits for
+                self._holder.terminate()
+                self._holder.wait(5)
         self._holder = None
 
 
