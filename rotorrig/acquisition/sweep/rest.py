@@ -46,7 +46,7 @@ class RestEvidence:
         self._scale = ProbeScale.of(rig, keyphasor.info)
         self._levels: tuple[float, float] | None = None  # V, of the keyphasor while it pulsed
         self._levels_hold = True  # since the last pulse
-        self._alive = False  # the probes' samples have differed since the last pulse
+        self._alive_at = -math.inf  # sample time of the last block since the last pulse whose samples differ
         self._pulses = 0
         #: sample times [s] of the last pulses, across gaps: one lost in a gap makes the turns around it no series
         self._edges: deque[float] = deque(maxlen=(SLOWING + 1) * keyphasor.pulses_per_turn)
@@ -63,11 +63,13 @@ class RestEvidence:
         """Take the next block, which the keyphasor has seen already."""
         if not len(block.counts):
             return
-        self._alive = self._alive or bool(np.ptp(block.counts[:, self._scale.channels], axis=0).any())
+        if np.ptp(block.counts[:, self._scale.channels], axis=0).any():
+            self._alive_at = self._keyphasor.time
         self._watch_keyphasor(channel_volts(block.counts, channel=self._channel, info=self._info))
         if block.first_sample > self._next_sample + SHORT_GAP * self._rate:
             self._probes.clear()
             self._length = 0
+            self._still = False
         self._next_sample = block.first_sample + len(block.counts)
         self._keep(block)
         if self._keyphasor.time - self._looked >= LOOK_EVERY:
@@ -84,7 +86,7 @@ class RestEvidence:
         keyphasor = self._keyphasor
         if keyphasor.silence < QUIET:
             return RotorState.TURNING if keyphasor.pulses else RotorState.UNKNOWN
-        if not self._alive:
+        if keyphasor.time - self._alive_at > QUIET:
             return RotorState.UNKNOWN
         if self._levels_hold and self._slowed_to_a_stop():
             return RotorState.AT_REST
@@ -100,7 +102,7 @@ class RestEvidence:
             self._pulses = self._keyphasor.pulses
             before = self._levels or (low, high)
             self._levels = min(low, before[0]), max(high, before[1])
-            self._levels_hold, self._alive = True, False
+            self._levels_hold, self._alive_at = True, -math.inf
             return
         if self._levels:
             room = STEP * (self._levels[1] - self._levels[0])
