@@ -1,5 +1,6 @@
 from .critical_speeds import Band as Band
 from .critical_speeds import critical_bands as critical_bands
+from .engine import SweepInterrupted as SweepInterrupted
 from .engine import SweepResult as SweepResult
 from .engine import reading_interval as reading_interval
 from .engine import run_sweep as run_sweep
@@ -36,6 +37,7 @@ __all__ = [
     "RotorState",
     "RunDown",
     "Step",
+    "SweepInterrupted",
     "SweepResult",
     "TimedStep",
     "Trial",

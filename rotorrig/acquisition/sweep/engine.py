@@ -59,6 +59,10 @@ class Ending:
     error: BaseException | None = None  # to be raised when the rotor is at rest and the recording closed
 
 
+class SweepInterrupted(KeyboardInterrupt):
+    """A sweep ended by Ctrl-C or another signal; the rotor is proven at rest."""
+
+
 class _StopRequested(Exception):
     """The operator asked for the sweep to end here."""
 
@@ -87,7 +91,7 @@ def run_sweep(
     `watchdog` [s] is the drive's own, None: it has none. A limit exceeded, or a step that does not reach its target,
     ends the sweep with `SweepResult.trip`; the operator's stop ends it without. Anything else that ends it early is
     raised once the rotor is proven at rest and the recording closed: LinkLost, DataError if recording failed,
-    KeyboardInterrupt (for SIGTERM, SIGHUP and SIGQUIT too). Raises NotAtRest, which says all that, if the operator has
+    SweepInterrupted (by Ctrl-C, SIGTERM, SIGHUP or SIGQUIT). Raises NotAtRest, which says all that, if the operator has
     left a rotor that is not proven at rest; ConfigError if a step needs an operator and there is none. A rotor that
     turns before the start is a trip unless `rolling`.
     """
@@ -161,7 +165,7 @@ def _run_plan(
     except (_AbortRequested, KeyboardInterrupt):
         kind = "emergency" if interrupts.count >= EMERGENCY_COUNT else "abort"
         reason = f"interrupted by the operator ({interrupts.first or 'Ctrl-C'})"
-        return Ending(kind=kind, stop=Stop.EMERGENCY, reason=reason, error=KeyboardInterrupt())
+        return Ending(kind=kind, stop=Stop.EMERGENCY, reason=reason, error=SweepInterrupted())
     except LimitExceeded as trip:
         return Ending(kind="trip", stop=Stop.EMERGENCY, reason=str(trip))
     except LinkLost as lost:

@@ -108,6 +108,9 @@ class _Watch:
         except LinkLost as lost:
             self._blind = True
             self.note("note", f"{lost}; from here on only the drive says how the rotor is")
+        except KeyboardInterrupt:  # it hung, and the operator broke it off
+            self._blind = True
+            self.note("note", "the samples hung; from here on only the drive says how the rotor is")
         except Exception as error:  # the recorder: what matters now is that the rotor stops
             self.note("note", f"{type(error).__name__}: {error}")
 

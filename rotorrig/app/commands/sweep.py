@@ -47,6 +47,7 @@ def sweep(
     view: bool,
     yes: bool = False,
     overwrite: bool = False,
+    rolling: bool = False,
     on_move: Callable[[Path], object] = lambda path: None,
 ) -> SweepResult:
     """Run `rotor sweep`, on the config's devices or a simulated rig, with progress and, with `view`, the live view.
@@ -83,6 +84,7 @@ def sweep(
             view=view,
             progress=show,
             operator=operator,
+            rolling=rolling,
             on_move=on_move,
         )
 

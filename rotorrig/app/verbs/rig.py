@@ -120,6 +120,7 @@ def sweep(
         return
     if out_file is None:
         raise ConfigError("--out: missing, want the file to write, or --dry-run")
+    from rotorrig.acquisition.sweep import SweepInterrupted
     from rotorrig.app.commands import simulate as simulating
     from rotorrig.app.commands import sweep
 
@@ -135,9 +136,10 @@ def sweep(
             view=view,
             yes=yes,
             overwrite=force,
+            rolling=rolling,
             on_move=places.append,
         )
-    except KeyboardInterrupt as interrupt:  # or SIGTERM, or the terminal was closed
+    except SweepInterrupted as interrupt:  # Ctrl-C, SIGTERM, or the terminal was closed
         err.print(f"interrupted: the rotor is at rest; {places[-1]} holds the sweep so far", highlight=False)
         raise typer.Exit(130) from interrupt
     finally:

@@ -225,7 +225,7 @@ class GuardedControl:
         while sent is not (kind := self._report.kind if self._report else Stop.EMERGENCY):
             own.stop(kind)  # again, if the program has just asked for another
             sent = kind
-        self._faults.append(LinkLost(f"guardian: {reason}; the rotor was stopped without it"))
+        self._faults.append(LinkLost(f"guardian: {reason}; the stop was sent without it"))
 
     def _end(self, *, kill: bool = False) -> None:
         """Wait for the guardian's end, or see to it."""

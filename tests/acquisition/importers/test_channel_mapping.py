@@ -48,9 +48,14 @@ def test_what_is_wrong_with_it_is_one_sentence(mapping: Mapping, text: str, said
     ("text", "factor", "is_length"),
     [("1 V", 1.0, False), ("1 Volts", 1.0, False), ("1 mV", 1e-3, False), ("1 µm", 1e-6, True),
      ("127 um", 127e-6, True), ("1 MIL", 25.4e-6, True),
-     ("1 mils", 25.4e-6, True), ("1 in", 0.0254, True), ("1 Mm", 1e6, True)],
+     ("1 mils", 25.4e-6, True), ("1 in", 0.0254, True)],
 )  # fmt: skip
 def test_units_are_taken_as_programs_write_them(text: str, factor: float, is_length: bool) -> None:
     found = signal_factor(text, length=True)
     assert found and found == (pytest.approx(factor), is_length)
     assert (signal_factor(text, length=False) is None) == is_length
+
+
+def test_megametres_are_not_taken_for_millimetres() -> None:
+    assert signal_factor("1 Mm", length=True) is None
+    assert signal_factor("1 mm", length=True) == (pytest.approx(1e-3), True)
