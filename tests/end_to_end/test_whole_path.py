@@ -141,7 +141,7 @@ def test_ctrl_c_stops_the_rotor_and_keeps_what_was_recorded(folder: Path) -> Non
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert "the rotor was stopped" in said
+    assert "the rotor is at rest" in said
     assert "Traceback" not in said
     recording = read_recording(folder / "cut.mcap")
     assert recording.complete
