@@ -21,7 +21,7 @@ from rotorrig.app.viewer.live import LiveView
 from rotorrig.app.viewer.sinks import to_file
 from rotorrig.rig import Interlock, Provenance, connect
 from rotorrig.rig.config import RigConfig, load
-from rotorrig.rig.control import GuardedControl
+from rotorrig.rig.control import GuardedControl, ask_guardian
 from rotorrig.rig.probes import DaqInfo
 
 RAMP = 1000.0  # rad/s^2: the rotor of the benchmark has no mass
@@ -54,6 +54,7 @@ def record(task: Task) -> None:
                 _disturb(view, task.viewer)
             out = Path(task.out).with_suffix(f".{number}.mcap")
             steps = (Mark(label="up"), Ramp(to=SPEED, rate=RAMP), Mark(label="dwell"), Dwell(seconds=task.seconds))
+            ask_guardian(connect.motor_table(rig, at=task.motor), "stop")  # of a process that was killed
             control = GuardedControl(rig, log=out.with_suffix(".txt"), at=task.motor, every=reading_interval(rig))
             watchdog = control.open().watchdog
             wall, cpu = time.monotonic(), time.process_time()

@@ -25,7 +25,7 @@ from rotorrig.app.commands.sweep_preview import estimate_bytes
 from rotorrig.app.terminal import HINT, operator_for, progress_bars
 from rotorrig.rig import ConfigError, DataError, Interlock, Provenance, code_version, connect
 from rotorrig.rig.config import RPM, RigConfig
-from rotorrig.rig.control import PATIENCE, GuardedControl
+from rotorrig.rig.control import PATIENCE, PERSIST, GuardedControl
 from rotorrig.rig.probes import DaqInfo
 from rotorrig.sims.wire import BenchPorts
 
@@ -154,6 +154,7 @@ def record_sweep(
             at=ports.motor if ports else None,
             every=reading_interval(rig),
             patience=_guardian_patience(rig, simulated=ports is not None),
+            persist=SIMULATED_PATIENCE if ports else PERSIST,
         )
         stack.callback(control.close)
         drive = control.open()  # last: from here on its watchdog must be fed

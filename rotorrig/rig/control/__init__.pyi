@@ -8,6 +8,7 @@ from .base import StopForNow as StopForNow
 from .base import StopReport as StopReport
 from .direct import DirectControl as DirectControl
 from .guarded import PATIENCE as PATIENCE
+from .guarded import PERSIST as PERSIST
 from .guarded import GuardedControl as GuardedControl
 from .ladder import Ladder as Ladder
 from .ladder import Measure as Measure
@@ -19,6 +20,7 @@ from .threaded import ThreadedControl as ThreadedControl
 __all__ = [
     "LOOP_STALL",
     "PATIENCE",
+    "PERSIST",
     "READ_EVERY",
     "Command",
     "DirectControl",

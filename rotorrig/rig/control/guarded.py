@@ -44,9 +44,14 @@ class GuardedControl:
         at: connect.Place | None = None,
         every: float = READ_EVERY,
         patience: float = PATIENCE,
+        persist: float = PERSIST,
         clock: Clock | None = None,
     ) -> None:
-        """`log` is where the guardian writes what it did; `patience` [s], how long it waits for a processed sample."""
+        """Take a rig; nothing is started yet.
+
+        `log` is where the guardian writes what it did; `patience` [s], how long it waits for a processed sample;
+        `persist` [s], how long it goes on stopping a rotor that nobody looks after.
+        """
         self._table = connect.motor_table(rig, at=at)
         self._rig, self._at, self._every, self._clock = rig, at, every, clock or WallClock()
         cut = rig.power_cut
@@ -55,7 +60,7 @@ class GuardedControl:
             "power_cut": cut.model_dump() if cut else None,
             "every": every,
             "patience": patience,
-            "persist": PERSIST,
+            "persist": persist,
             "daq_silence": 2.0,
             "log": str(log.absolute()),
         }

@@ -110,10 +110,11 @@ def test_the_document_names_every_kind_of_plan_with_its_keys() -> None:
 
 
 def test_the_limits_the_document_shows_are_read() -> None:
-    (shown,) = re.findall(r"```toml\n(.*?)```", DOCUMENT, re.DOTALL)
-    table = tomllib.loads(RK4)
-    table["limits"] |= tomllib.loads(shown)["limits"]
-    limits = validate_table(RigConfig, table, where="docs/sweeps.md", context={}).limits
-    assert limits
+    limits_shown, power_cut_shown = re.findall(r"```toml\n(.*?)```", DOCUMENT, re.DOTALL)
+    table = tomllib.loads(RK4) | tomllib.loads(power_cut_shown)
+    table["limits"] |= tomllib.loads(limits_shown)["limits"]
+    rig = validate_table(RigConfig, table, where="docs/sweeps.md", context={})
+    limits = rig.limits
+    assert limits and rig.power_cut
     assert limits.critical_ramp == pytest.approx(200 / RPM)
     assert limits.critical_bands[0].probes == {"1y": pytest.approx(900e-6)}
