@@ -55,7 +55,9 @@ def record(task: Task) -> None:
             out = Path(task.out).with_suffix(f".{number}.mcap")
             steps = (Mark(label="up"), Ramp(to=SPEED, rate=RAMP), Mark(label="dwell"), Dwell(seconds=task.seconds))
             ask_guardian(connect.motor_table(rig, at=task.motor), "stop")  # of a process that was killed
-            control = GuardedControl(rig, log=out.with_suffix(".txt"), at=task.motor, every=reading_interval(rig))
+            control = GuardedControl(
+                rig, log=out.with_suffix(".txt"), at=task.motor, every=reading_interval(rig), persist=5.0
+            )
             watchdog = control.open().watchdog
             wall, cpu = time.monotonic(), time.process_time()
             result = run_sweep(
