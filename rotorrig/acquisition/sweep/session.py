@@ -77,6 +77,7 @@ class Session:
         self._recorder = Recorder(writer)
         self._viewers = [Viewer(listener) for listener in listeners]
         self._next_sample: int | None = None  # None: no block yet
+        self._restart = ""  # of the DAQ, which ended its stream; empty: none
         self._commands_sent = 0  # number of the last command
         self._steadiness = Steadiness(0.0, 0.0)
         self._received = self._decided = math.nan
@@ -170,6 +171,7 @@ class Session:
         """
         block = self._daq.read(DAQ_TIMEOUT)
         self.last_beat = self.clock.now()
+        self._check_restart(block)
         if math.isnan(self._decided):
             self._received = self.last_beat
         before = self.t
@@ -268,12 +270,17 @@ class Session:
             self.recorder_alive = False  # raised once more by `close`
             raise
 
-    def _note_gap(self, block: Block, after: float) -> None:
-        if self._next_sample is not None and block.first_sample < self._next_sample:
-            raise LinkLost(
+    def _check_restart(self, block: Block) -> None:
+        """Refuse a block that goes back, and all after it: what they hold belongs at no index of this recording."""
+        if not self._restart and self._next_sample is not None and block.first_sample < self._next_sample:
+            self._restart = (
                 f"DAQ: restarted at sample {block.first_sample} after sample {self._next_sample}; "
                 "was it reset or did it lose power?"
             )
+        if self._restart:
+            raise LinkLost(self._restart)
+
+    def _note_gap(self, block: Block, after: float) -> None:
         if self._next_sample is not None and block.first_sample > self._next_sample:
             self.gaps += 1
             self.note("gap", f"{block.first_sample - self._next_sample} samples are missing", t=after)

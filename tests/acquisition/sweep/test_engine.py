@@ -15,6 +15,7 @@ from rotorrig.rig.errors import ConfigError, DataError, LinkLost, NotAtRest
 from rotorrig.rig.motor.base import MotorState, Stop
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
 from tests.acquisition.sweep.scripted_bench import LOOKED, PLAN, Bench, MakeBench, Watching, at_sample
+from tests.acquisition.sweep.scripted_rig import SCANS
 
 
 def test_a_plan_is_run_in_order_and_the_rotor_stopped_down_the_ramp(bench: MakeBench) -> None:
@@ -337,6 +338,21 @@ def test_a_daq_that_begins_again_ends_the_sweep(bench: MakeBench) -> None:
     with pytest.raises(NotAtRest, match="restarted at sample 0 after sample 29000"):
         rig.sweep()
     assert rig.recorded().samples == LOOKED + 4_000
+
+
+@pytest.mark.parametrize("before", [1, 3, 10])
+def test_a_daq_that_begins_again_at_once_ends_the_stream_for_good(bench: MakeBench, before: int) -> None:
+    """What it streams after that goes on past the samples of before, under indices that are not its own."""
+    rig = bench()
+    rig.daq.on_block = lambda block: (
+        dataclasses.replace(block, first_sample=block.first_sample - before * SCANS)
+        if block.first_sample >= before * SCANS
+        else block
+    )
+    with pytest.raises(NotAtRest, match=f"restarted at sample 0 after sample {before * SCANS}"):
+        rig.sweep()
+    assert rig.recorded().samples == before * SCANS
+    assert all(event.t_ns == before * SCANS * 100_000 for event in rig.recorded().events if event.kind == "emergency")
 
 
 def test_a_viewer_that_fails_is_noted_and_nothing_else(bench: MakeBench) -> None:

@@ -45,3 +45,12 @@ def test_a_clock_that_was_set_is_said(seconds: int, said: str) -> None:
     ticks.first(0, tick=NOW, samples=100)
     with pytest.raises(LinkLost, match=said):
         ticks.first(0, tick=NOW + seconds * 1_000_000, samples=100)
+
+
+def test_after_the_clock_went_back_no_sample_has_an_index_any_more() -> None:
+    ticks = index()
+    ticks.first(0, tick=NOW, samples=100)
+    ticks.first(1, tick=NOW, samples=100)
+    for channel, tick in ((0, NOW - 20), (0, NOW + 100 * 20), (1, NOW + 100 * 20)):
+        with pytest.raises(LinkLost, match="went back by 101 samples"):
+            ticks.first(channel, tick=tick, samples=100)

@@ -65,6 +65,25 @@ def test_nothing_but_old_frames_is_a_restart() -> None:
         order.place(frame(1 + STALE_IN_A_ROW))
 
 
+@pytest.mark.parametrize("come", [1, 5, 9, 20, BEHIND + 3])
+def test_after_a_restart_no_frame_has_a_place_any_more(come: int) -> None:
+    order = FrameSequence(sample_rate=1000.0)
+    for s in range(come):
+        order.place(frame(s))
+    for s in range(2 * come):
+        with pytest.raises(LinkLost, match=f"went back to scan 0 after {10 * come}"):
+            order.place(Data(s, 10 * s, False, np.full((10, 2), -1, dtype=np.int32)))
+
+
+def test_a_restart_whose_first_frame_is_lost_shows_by_other_samples_under_an_old_number() -> None:
+    order = FrameSequence(sample_rate=1000.0)
+    for s in range(5):
+        order.place(frame(s))
+    for s in range(1, 8):
+        with pytest.raises(LinkLost, match="went back to scan 10 after 50"):
+            order.place(Data(s, 10 * s, False, np.full((10, 2), -1, dtype=np.int32)))
+
+
 def test_sequence_numbers_wrap() -> None:
     order = FrameSequence(sample_rate=1000.0)
     order._next_sequence = SEQUENCES - 1
