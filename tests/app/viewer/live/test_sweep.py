@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from rerun.experimental import ViewerClient
 
+from rotorrig.app import viewer
 from rotorrig.app.commands import replay, sweep
-from rotorrig.app.viewer import open as viewer
 from rotorrig.app.viewer.sinks import Sink, free_port, proxy
 from rotorrig.rig.config.description import RigConfig
 from tests.app.headless import headless_viewer, marked, needs_vulkan, show_tab, views
