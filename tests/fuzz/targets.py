@@ -89,7 +89,7 @@ def _daq(data: bytes, folder: Path) -> None:
             for frame in decoder.feed(stream[at : at + 100]):
                 if isinstance(frame, Info):
                     _ignoring_bad(decode_info, frame.payload)
-        decoder.give_up()
+        decoder.look_behind()
 
 
 def _daq_info(data: bytes, folder: Path) -> None:

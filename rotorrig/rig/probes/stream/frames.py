@@ -100,14 +100,28 @@ class FrameDecoder:
         del self._buffer[:at]
         return frames
 
-    def give_up(self) -> list[Frame]:
-        """Drop the beginning of a frame whose rest will not come; return the frames hidden behind it."""
-        if not self._buffer:
+    def look_behind(self) -> list[Frame]:
+        """Return the frames hidden behind the beginning of one that pauses, which is then dropped as damaged.
+
+        Without any, its rest is waited for: whoever sends it may be held up for long.
+        """
+        at = self._buffer.find(_SYNC, 1)
+        while at >= 0 and not self._is_whole(at):
+            at = self._buffer.find(_SYNC, at + 1)
+        if at < 0:
             return []
         self.bad_frames += 1
-        self.skipped_bytes += 1
-        del self._buffer[:1]
+        self.skipped_bytes += at
+        del self._buffer[:at]
         return self.feed(b"")
+
+    def _is_whole(self, at: int) -> bool:
+        """Return whether a sound frame begins and ends there."""
+        try:
+            size = _frame_size(self._buffer, at)
+            return bool(size and decode(bytes(self._buffer[at : at + size])))
+        except BadFrame:
+            return False
 
     def _frame_at(self, at: int) -> tuple[Frame | None, int] | None:
         """Return the frame that begins there and its length, or no frame and a byte to skip; None: more is needed."""

@@ -20,7 +20,7 @@ from rotorrig.rig.probes.stream.frames import Frame, FrameDecoder
 BLOCKS_AHEAD = 50  # frames; a second of 20 ms frames
 POLL_SECONDS = 0.05  # of one read of the port
 READ_BYTES = 1 << 16  # at most; an operating system hands over 4 kB at once
-PAUSE_SECONDS = 0.5  # of silence inside a frame after which its rest will not come
+PAUSE_SECONDS = 0.5  # of silence inside a frame after which its length may be damaged and hide others
 
 
 class FramePort:
@@ -70,7 +70,7 @@ class FramePort:
             self._heard = time.monotonic()
             return self.decoder.feed(data)
         if self.decoder.pending and time.monotonic() - self._heard > PAUSE_SECONDS:
-            return self.decoder.give_up()
+            return self.decoder.look_behind()
         return []
 
     def _put(self, frame: tuple[Frame, float] | None) -> None:

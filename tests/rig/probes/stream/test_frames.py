@@ -66,8 +66,8 @@ def test_garbage_between_frames_costs_no_frame_once_the_line_is_quiet(junk: list
     frames = [data_frame(RAMP, sequence=k, first_scan=8 * k) for k in range(3)]
     stream = b"".join(j + f for j, f in zip(junk, [*frames, b""], strict=True))
     got, decoder = fed(stream, cuts=cuts)
-    while decoder.pending:
-        got += decoder.give_up()
+    while hidden := decoder.look_behind():
+        got += hidden
     assert [f.sequence for f in got if isinstance(f, Data)] == [0, 1, 2]
 
 
@@ -78,10 +78,21 @@ def test_one_damaged_byte_costs_its_frame_and_no_other(where: int, flip: int) ->
     hit = where % len(stream)
     stream[hit] ^= flip
     got, decoder = fed(bytes(stream))
-    while decoder.pending:
-        got += decoder.give_up()
+    while hidden := decoder.look_behind():
+        got += hidden
     damaged = hit // len(frames[0])
     assert [f.sequence for f in got] == [k for k in range(3) if k != damaged]
+
+
+@given(cut=st.integers(1, 10_000))
+def test_a_frame_whose_sender_pauses_is_waited_for(cut: int) -> None:
+    whole = data_frame(RAMP, sequence=0, first_scan=0)
+    at = 1 + cut % (len(whole) - 1)
+    decoder = FrameDecoder()
+    assert decoder.feed(whole[:at]) == decoder.look_behind() == []
+    (frame,) = decoder.feed(whole[at:])
+    assert isinstance(frame, Data) and frame.sequence == 0
+    assert decoder.bad_frames == decoder.skipped_bytes == 0
 
 
 @given(st.binary(max_size=2000))
