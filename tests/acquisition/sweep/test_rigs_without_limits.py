@@ -68,14 +68,24 @@ def test_half_the_pole_pairs_are_found_within_two_seconds_and_below_300_rpm(
 
 
 @pytest.mark.parametrize("angle", PHASES)
-def test_twice_the_pole_pairs_are_found_within_two_seconds_of_the_first_ramp(
-    bare: Callable[..., Bench], angle: float
+@pytest.mark.parametrize("rate", [5.0, 10.0, 50.0])
+def test_twice_the_pole_pairs_are_found_soon_after_100_rpm_were_asked_for(
+    bare: Callable[..., Bench], angle: float, rate: float
 ) -> None:
-    said, at, _ = tripped_at(bare(factor=0.5, angle=angle), SLOW_ROLL)
-    assert "the drive reports 2" in said
+    said, at, _ = tripped_at(bare(factor=0.5, angle=angle), (Ramp(to=240 / RPM, rate=rate), Dwell(seconds=10.0)))
+    assert said.startswith("speed: the rotor turns at")
     assert said.endswith("do rpm per Hz, gear or pole pairs of [motor] fit the drive?")
-    ramp = 240 / RPM / 10.0
-    assert at < ramp + 2.0
+    assert at < 100 / RPM / rate + 2.4
+
+
+@pytest.mark.parametrize("angle", PHASES)
+@pytest.mark.parametrize("factor", [2 / 3, 3 / 2])
+def test_three_pole_pairs_for_two_are_found_in_the_first_ramp_or_soon_after(
+    bare: Callable[..., Bench], angle: float, factor: float
+) -> None:
+    said, at, _ = tripped_at(bare(factor=factor, angle=angle), SLOW_ROLL)
+    assert said.endswith("do rpm per Hz, gear or pole pairs of [motor] fit the drive?")
+    assert at < 240 / RPM / 10.0 + 2.0
 
 
 @pytest.mark.parametrize("angle", PHASES)
