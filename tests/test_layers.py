@@ -54,7 +54,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
     ),
     "rig.probes": (
         "base",
-        "calibration clock_comparison requirements",
+        "calibration clock_comparison lost_daq requirements",
         "keyphasor_speed tally",
         "nidaqmx opendaq stream",
     ),

@@ -31,8 +31,18 @@ def stopped(verdict: Verdict) -> bool:
 
 
 def within(seconds: float) -> Wanted:
-    """The drive got a stop so soon after the fault."""
-    return lambda verdict: stopped(verdict) and verdict.first_stop_s is not None and verdict.first_stop_s <= seconds
+    """The drive got a stop so soon after the last fault, and none before the first."""
+
+    def soon(verdict: Verdict) -> bool:
+        moments = verdict.faults.values()
+        return verdict.first_stop_s is not None and verdict.first_stop_s + min(moments) - max(moments) <= seconds
+
+    return lambda verdict: stopped(verdict) and soon(verdict)
+
+
+def ended_at_rest(verdict: Verdict) -> bool:
+    """The drive's watchdog has stopped the rotor, and the program says so, whether or not the operator wanted to go."""
+    return verdict.claims.get("line") == "rest" and verdict.rpm_at_end == 0.0
 
 
 def left(verdict: Verdict) -> bool:
@@ -50,8 +60,8 @@ WANTED: dict[str, Wanted] = {
     "lost frames": within(15.0),
     "late samples": within(6.0),
     "ignored stop": left,
-    "ignored stop, interrupted": lambda verdict: left(verdict) or stopped(verdict),
-    "ignored stop, tripped": lambda verdict: left(verdict) or stopped(verdict),
+    "ignored stop, interrupted": lambda verdict: left(verdict) or ended_at_rest(verdict),
+    "ignored stop, tripped": lambda verdict: left(verdict) or ended_at_rest(verdict),
     "only coast": within(5.0),
     "only coast, plan's end": lambda verdict: verdict.stop_s is not None and not verdict.left,
     "one busy": lambda verdict: verdict.status == 0,

@@ -7,6 +7,7 @@ Steps are timed by the DAQ's sample clock, so a simulated rig may run faster tha
 readings of the motor controller is wall time.
 """
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -98,7 +99,14 @@ def run_sweep(
     plan, clock = tuple(steps), clock or WallClock()
     steadfast = Steadfast(_require_operator(operator, plan))
     session = Session(
-        control=control, daq=daq, rig=rig, writer=writer, interlock=interlock, listeners=listeners, clock=clock
+        control=control,
+        daq=daq,
+        rig=rig,
+        writer=writer,
+        interlock=interlock,
+        listeners=listeners,
+        clock=clock,
+        speed=math.inf if rolling else 0.0,
     )
     ladder = Ladder(ramp=_slowest_ramp(plan), watchdog=watchdog, power_cut=rig.power_cut is not None)
     with Interrupts(

@@ -33,6 +33,7 @@ class RunDown:
     state: RotorState
     confirmed: bool  # the drive obeyed a stop
     words: str  # for a person
+    is_off: bool = False  # the drive has obeyed and is off, and there is nothing more to be done about an unseen rotor
 
     @property
     def at_rest(self) -> bool:
@@ -48,16 +49,20 @@ def follow_run_down(
     interrupts: Interrupts,
     operator: Operator,
     cut_power: Callable[[], str] | None,
+    patience: float = math.inf,
 ) -> RunDown:
     """Watch a rotor already commanded to stop until it is proven at rest, or the operator leaves it; never raises.
 
     A rotor that turns is recorded for as long as it does, one of which nothing is seen for `limit` seconds; `cut_power`
-    switches the drive's supply off, where that can be done, and returns what came of it.
+    switches the drive's supply off, where that can be done, and returns what came of it. After `patience` seconds
+    without a sign of the rotor there is nothing more to be done about a drive that has obeyed and is off.
     """
     watch = _Watch(session, ladder, operator, cut_power)
     while session.rest is not RotorState.AT_REST or not watch.stop_was_sent:
         if watch.is_left(interrupts.count):
             break
+        if watch.shows_nothing_for(patience):
+            return watch.result(unseen_for=patience)
         watch.take_block()
         if interrupts.count >= EMERGENCY_COUNT and not watch.emergency:
             watch.make_it_an_emergency()
@@ -80,6 +85,7 @@ class _Watch:
         self._blind = False  # there are no samples any more
         self._began_wall = self._looked_wall = session.clock.now()
         self._looked = session.t
+        self._unseen_since = self._began_wall  # when the rotor was last seen, or the drive not off by its word
         self._warn_at = self._began_wall + WARN_AFTER
         self._warned_of_trouble = self._climbed = False
         self._offered_at: int | None = None  # signals that had come when leaving was offered; None: it was not
@@ -100,6 +106,7 @@ class _Watch:
                 session.clock.sleep(LOOK)
                 session.beat()
                 session.poll_motor()
+                self._bring_back_samples()
             else:
                 session.take_block()
         except LimitExceeded as trip:  # it is being stopped already; from here on, no limit can do more
@@ -113,6 +120,13 @@ class _Watch:
             self.note("note", "the samples hung; from here on only the drive says how the rotor is")
         except Exception as error:  # the recorder: what matters now is that the rotor stops
             self.note("note", f"{type(error).__name__}: {error}")
+
+    def _bring_back_samples(self) -> None:
+        if self._session.bring_back_samples():
+            self._blind, self._session.limits_armed = False, False
+            self.note(
+                "note", "the DAQ was opened again; from here on times are to some 0.1 s, by this computer's clock"
+            )
 
     def note(self, kind: str, text: str) -> None:
         """Record an event, if the recorder can."""
@@ -156,6 +170,13 @@ class _Watch:
     def is_left(self, signals: int) -> bool:
         """Return whether the operator has said twice, after it was offered, to leave the rotor as it is."""
         return self._offered_at is not None and signals >= self._offered_at + LEAVE_COUNT
+
+    def shows_nothing_for(self, patience: float) -> bool:
+        """Return whether the drive is off by its word, and for so long [s of wall time] the rotor has not been seen."""
+        session, now = self._session, self._session.clock.now()
+        if self._speed() is not None or session.motor_state is None or session.motor_state.running:
+            self._unseen_since = now
+        return self._is_confirmed() and now - self._unseen_since > patience
 
     def stop_harder_if_needed(self) -> None:
         """Go up the ladder if the rotor goes on as before; time counts from when the present stop was first tried."""
@@ -202,10 +223,14 @@ class _Watch:
             return f"turning at {self._session.speed * RPM:.0f} rpm"
         return "not seen to turn or to rest"
 
-    def result(self) -> RunDown:
-        """Return how the run-down ended."""
+    def _is_confirmed(self) -> bool:
+        report = self._session.control.report
+        return report is not None and not math.isnan(report.confirmed)
+
+    def result(self, *, unseen_for: float = 0.0) -> RunDown:
+        """Return how the run-down ended; `unseen_for` [s] is for how long nothing was seen of a rotor let be."""
         session, report = self._session, self._session.control.report
-        confirmed = report is not None and not math.isnan(report.confirmed)
+        confirmed = self._is_confirmed()
         state = session.rest
         if self._blind and state is RotorState.TURNING:
             state = RotorState.UNKNOWN  # it was, when the samples ended
@@ -217,7 +242,11 @@ class _Watch:
         elif state is RotorState.TURNING:
             words = f"THE ROTOR IS TURNING at {session.speed * RPM:.0f} rpm, left by the operator"
             words += "" if confirmed else f"; {drive}; cut its power by hand"
+        elif unseen_for:
+            why = "there were no samples" if self._blind else "the keyphasor gave no pulse, as a dead one gives none"
+            words = "the drive has obeyed the stop and is off, but whether the rotor turns is unknown: "
+            words += f"for {unseen_for:g} s {why}; look at it"
         else:
             words = "THE ROTOR MAY STILL BE TURNING, left by the operator: nothing proves that it is at rest"
             words += "" if confirmed else f"; {drive}; cut its power by hand"
-        return RunDown(state=state, confirmed=confirmed, words=words)
+        return RunDown(state=state, confirmed=confirmed, words=words, is_off=unseen_for > 0)

@@ -6,7 +6,7 @@
 import math
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rotorrig.acquisition.recording import Event, MotorSample
 from rotorrig.acquisition.sweep.fanout import Item, Listener, Recorder, Viewer, Writer
@@ -15,7 +15,7 @@ from rotorrig.rig import Clock, ConfigError, Interlock, LimitExceeded, LinkLost,
 from rotorrig.rig.config import RPM, RigConfig
 from rotorrig.rig.control import MotorControl, Reading, SetSpeed, StopForNow, StopReport
 from rotorrig.rig.motor import MotorState, Stop
-from rotorrig.rig.probes import Block, Daq
+from rotorrig.rig.probes import Block, Daq, LostDaq
 
 DAQ_TIMEOUT = 2.0  # s of wall time the DAQ may be silent
 START_SECONDS = 1.0  # that a drive may take to report that it runs, one whose word of it is its frequency
@@ -53,8 +53,12 @@ class Session:
         interlock: Interlock,
         listeners: Sequence[Listener],
         clock: Clock,
+        speed: float = 0.0,
     ) -> None:
-        """Start the recorder's and viewers' threads. Raises ConfigError without a keyphasor."""
+        """Start the recorder's and viewers' threads; `speed` [rad/s] is what the rotor may have already.
+
+        Raises ConfigError without a keyphasor.
+        """
         if interlock.keyphasor is None:
             raise ConfigError("keyphasor: missing in the config, want [keyphasor]: a sweep goes by its speed")
         self.control = control
@@ -67,10 +71,10 @@ class Session:
         self.limits_armed = True  # False: the rotor is being stopped, or is at rest and worked on
         self.recording_paused = False  # True: blocks are not recorded
         self.recorder_alive = True  # False: the recorder has failed and the rotor is being stopped
-        self.last_beat = clock.now()  # when the loop last gave a sign of life
+        self.last_beat = self.last_block = clock.now()  # when the loop last gave a sign of life, and had samples
         self._daq, self._interlock, self._keyphasor = daq, interlock, interlock.keyphasor
         self._evidence = RestEvidence(rig, interlock.keyphasor)
-        self._fastest = 0.0  # rad/s, that the rotor can have come to by the ramps asked for
+        self._fastest = speed  # rad/s, that the rotor can have come to by the ramps asked for
         self._ramp, self._commanded_at = 0.0, 0.0  # rad/s^2 and sample time of the last command
         self._stopped_at = 0.0  # sample time of the stop for good
         self._names = {probe.channel: f"probe {probe.name}" for probe in rig.probes}
@@ -78,6 +82,8 @@ class Session:
         self._viewers = [Viewer(listener) for listener in listeners]
         self._next_sample: int | None = None  # None: no block yet
         self._restart = ""  # of the DAQ, which ended its stream; empty: none
+        self._shift = 0  # added to the sample index of a stream that was begun again
+        self._lost: LostDaq | None = None
         self._commands_sent = 0  # number of the last command
         self._steadiness = Steadiness(0.0, 0.0)
         self._received = self._decided = math.nan
@@ -155,6 +161,7 @@ class Session:
     def check_standstill(self, state: MotorState) -> None:
         """Check before the first command that the rotor is at rest. Raises LimitExceeded."""
         self._interlock.check_standstill(state)
+        self._evidence.take_as_rest()
 
     def _note_fastest(self) -> None:
         self._fastest += min(self.commanded_speed, self._ramp * (self.t - self._commanded_at))
@@ -170,7 +177,9 @@ class Session:
         If a limit is exceeded, the stop is on its way before this raises.
         """
         block = self._daq.read(DAQ_TIMEOUT)
-        self.last_beat = self.clock.now()
+        if self._shift:
+            block = self._put_in_place(block)
+        self.last_block = self.last_beat = self.clock.now()
         self._check_restart(block)
         if math.isnan(self._decided):
             self._received = self.last_beat
@@ -190,6 +199,19 @@ class Session:
         self.last_beat = self.clock.now()
         self.control.beat(self.t)
 
+    def bring_back_samples(self) -> bool:
+        """Return True once a DAQ whose samples have ended gives them again; their place in time is by the wall clock.
+
+        To be called again and again; never waits.
+        """
+        info = self._keyphasor.info
+        self._lost = self._lost or LostDaq(self._daq, info, self.clock)
+        if not self._lost.is_back():
+            return False
+        self._lost, self._restart = None, ""
+        self._shift = (self._next_sample or 0) + round((self.clock.now() - self.last_block) * info.sample_rate)
+        return True
+
     def poll_motor(self) -> None:
         """Record and check the motor readings since the last call. Raises LinkLost, LimitExceeded."""
         for reading in self.control.take_readings():
@@ -203,6 +225,8 @@ class Session:
                 viewer.close()
                 if viewer.fault:
                     self.note("note", f"a viewer failed and was left out from there on: {viewer.fault}")
+            if self._lost:
+                self._lost.give_up()
             with suppress(RigError):  # a DAQ that does not confirm its stop: the recording has what it sent
                 self._daq.stop()
             for remark in self._daq.counters.remarks(self._names):
@@ -269,6 +293,10 @@ class Session:
         except Exception:
             self.recorder_alive = False  # raised once more by `close`
             raise
+
+    def _put_in_place(self, block: Block) -> Block:
+        first = block.first_sample + self._shift
+        return replace(block, first_sample=first, t_ns=round(first * 1e9 / self._keyphasor.info.sample_rate))
 
     def _check_restart(self, block: Block) -> None:
         """Refuse a block that goes back, and all after it: what they hold belongs at no index of this recording."""

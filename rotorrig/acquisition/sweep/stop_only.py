@@ -19,6 +19,7 @@ from rotorrig.rig.motor import Stop
 from rotorrig.rig.probes import Block, Daq
 
 LOOK = 0.05  # s between looks at a drive that nobody watches by samples
+PATIENCE = 15.0  # s without a sign of the rotor, more than a probe needs to show that nothing moves
 FRESH = 1.0  # s for which a reading counts
 
 
@@ -53,14 +54,22 @@ def bring_to_rest(
 ) -> RunDown:
     """Follow a rotor to rest on devices that run, of which `control` was told to stop; stop it harder if need be.
 
-    `watchdog` [s] is the drive's own, None: it has none. Returns when rest is proven, or when the operator has left it.
+    `watchdog` [s] is the drive's own, None: it has none. Returns when rest is proven, when the operator has left it, or
+    when the drive is off and for PATIENCE nothing was seen of the rotor, which in this program was never seen to turn.
     """
     clock = clock or WallClock()
     session = Session(
-        control=control, daq=daq, rig=rig, writer=NoRecording(), interlock=interlock, listeners=(), clock=clock
+        control=control,
+        daq=daq,
+        rig=rig,
+        writer=NoRecording(),
+        interlock=interlock,
+        listeners=(),
+        clock=clock,
+        speed=math.inf,
     )
     session.limits_armed = False
-    at_rest = False
+    no_danger = False
     with Interrupts(
         stop=lambda: session.stop_rotor(Stop.EMERGENCY), loop_hangs=lambda: clock.now() - session.last_beat > LOOP_STALL
     ) as interrupts:
@@ -72,10 +81,11 @@ def bring_to_rest(
                 interrupts=interrupts,
                 operator=Steadfast(operator),
                 cut_power=partial(cut_power, rig.power_cut) if rig.power_cut else None,
+                patience=PATIENCE,
             )
-            at_rest = run_down.at_rest
+            no_danger = run_down.at_rest or run_down.is_off
         finally:
-            session.close(at_rest=at_rest)
+            session.close(at_rest=no_danger)
     return run_down
 
 

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Any
 
-from rotorrig.acquisition.sweep import RunDown, bring_to_rest, reading_interval, stop_unseen
+from rotorrig.acquisition.sweep import bring_to_rest, reading_interval, stop_unseen
 from rotorrig.app.terminal import operator_for
 from rotorrig.rig import ConfigError, Interlock, LinkLost, NotAtRest, RigError, connect
 from rotorrig.rig.config import RigConfig
@@ -72,7 +72,9 @@ def _stop_here(rig: RigConfig, say: Say) -> str:
         run_down = bring_to_rest(
             control=control, daq=daq, rig=rig, interlock=interlock, operator=operator, watchdog=watchdog
         )
-        return _describe(run_down, interlock)
+        if not run_down.at_rest:
+            raise NotAtRest(run_down.words)
+        return run_down.words
 
 
 def _open_and_stop(control: GuardedControl, rig: RigConfig) -> float | None:
@@ -95,14 +97,6 @@ def _open_daq(rig: RigConfig, stack: ExitStack) -> tuple[Daq, Interlock]:
         raise ConfigError("keyphasor: missing in the config, want [keyphasor] to see the rotor turn")
     daq.start()
     return daq, interlock
-
-
-def _describe(run_down: RunDown, interlock: Interlock) -> str:
-    if not run_down.at_rest:
-        raise NotAtRest(run_down.words)
-    if interlock.keyphasor and not interlock.keyphasor.pulses:
-        return f"{run_down.words}: the drive is off and the keyphasor gave no pulse from the beginning"
-    return run_down.words
 
 
 def _wait_for_end(process: int) -> None:

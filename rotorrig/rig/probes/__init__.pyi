@@ -5,6 +5,7 @@ from .calibration import ProbeScale as ProbeScale
 from .calibration import channel_volts as channel_volts
 from .calibration import channels_used as channels_used
 from .keyphasor_speed import KeyphasorSpeed as KeyphasorSpeed
+from .lost_daq import LostDaq as LostDaq
 from .nidaqmx import NiDaqmxDaq as NiDaqmxDaq
 from .opendaq import OpenDaqDaq as OpenDaqDaq
 from .stream import StreamDaq as StreamDaq
@@ -14,6 +15,7 @@ __all__ = [
     "Daq",
     "DaqInfo",
     "KeyphasorSpeed",
+    "LostDaq",
     "NiDaqmxDaq",
     "OpenDaqDaq",
     "ProbeScale",

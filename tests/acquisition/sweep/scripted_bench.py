@@ -10,6 +10,7 @@ from rotorrig.acquisition.sweep.engine import SweepResult, run_sweep
 from rotorrig.acquisition.sweep.plans import Coast, Dwell, Mark, Ramp, Step
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.control import DirectControl
+from rotorrig.rig.errors import LinkLost
 from rotorrig.rig.interlock import Interlock
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
@@ -103,3 +104,8 @@ def at_sample(limit: int, error: BaseException) -> Callable[[Block], Block]:
         return block
 
     return script
+
+
+def gone() -> DaqInfo:
+    """Open a DAQ that is not there any more."""
+    raise LinkLost("DAQ: no such port")

@@ -14,7 +14,7 @@ from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import ConfigError, DataError, LinkLost, NotAtRest
 from rotorrig.rig.motor.base import MotorState, Stop
 from rotorrig.rig.probes.base import Block, DaqCounters, DaqInfo
-from tests.acquisition.sweep.scripted_bench import LOOKED, PLAN, Bench, MakeBench, Watching, at_sample
+from tests.acquisition.sweep.scripted_bench import LOOKED, PLAN, Bench, MakeBench, Watching, at_sample, gone
 from tests.acquisition.sweep.scripted_rig import SCANS
 
 
@@ -256,6 +256,7 @@ def test_slip_is_noted_and_the_sweep_goes_on(bench: MakeBench) -> None:
 def test_a_silent_daq_stops_the_rotor_and_leaves_a_whole_recording(bench: MakeBench) -> None:
     rig = bench()
     rig.daq.on_block = at_sample(LOOKED + 20_000, LinkLost("DAQ at /dev/ttyACM0: silent for 2 s"))
+    rig.daq.open = gone  # type: ignore[method-assign]
     with pytest.raises(NotAtRest, match=r"MAY STILL BE TURNING, left by the operator.*\(DAQ.*silent for 2 s\)"):
         rig.sweep()  # nobody sees whether it turns: the drive's word is no proof
     assert ("stop", Stop.EMERGENCY) in rig.motor.commands
@@ -328,16 +329,22 @@ def test_gaps_are_counted_and_noted_where_they_are(bench: MakeBench) -> None:
     assert [first for first, _ in rig.recorded().segments()] == [0, LOOKED + 8_300]
 
 
-def test_a_daq_that_begins_again_ends_the_sweep(bench: MakeBench) -> None:
+def test_a_daq_that_begins_again_ends_the_sweep_and_is_opened_again_to_see_the_rotor_stop(bench: MakeBench) -> None:
     rig = bench()
-    rig.daq.on_block = lambda block: (
-        dataclasses.replace(block, first_sample=block.first_sample - LOOKED - 4_000)
-        if block.first_sample >= LOOKED + 4_000
-        else block
-    )
-    with pytest.raises(NotAtRest, match="restarted at sample 0 after sample 29000"):
+    reset: list[Block] = []
+
+    def begin_again(block: Block) -> Block:
+        if block.first_sample < LOOKED + 4_000 or reset:
+            return block
+        reset.append(block)
+        return dataclasses.replace(block, first_sample=0)
+
+    rig.daq.on_block = begin_again
+    with pytest.raises(LinkLost, match=r"restarted at sample 0 after sample 29000.*; at rest \d"):
         rig.sweep()
-    assert rig.recorded().samples == LOOKED + 4_000
+    (first, before), (after, _) = rig.recorded().segments()
+    assert (first, len(before)) == (0, LOOKED + 4_000)
+    assert after > LOOKED + 4_000
 
 
 @pytest.mark.parametrize("before", [1, 3, 10])
@@ -349,6 +356,7 @@ def test_a_daq_that_begins_again_at_once_ends_the_stream_for_good(bench: MakeBen
         if block.first_sample >= before * SCANS
         else block
     )
+    rig.daq.open = gone  # type: ignore[method-assign]
     with pytest.raises(NotAtRest, match=f"restarted at sample 0 after sample {before * SCANS}"):
         rig.sweep()
     assert rig.recorded().samples == before * SCANS

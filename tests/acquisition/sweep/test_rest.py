@@ -38,20 +38,27 @@ class Machine:
         keyphasor: float | None = None,
         dead: bool = False,
         gap: int = 0,
+        hum: float = 0.0,
+        weak: frozenset[int] = frozenset(),
     ) -> None:
         """Turn for so long at `deceleration` [rad/s^2] and `vibration` [m]; after every 25th block lose `gap` samples.
 
-        `keyphasor` [V] is what its channel reads instead of pulses; `dead` samples do not differ at all.
+        `keyphasor` [V] is what its channel reads instead of pulses; `dead` samples do not differ at all; `hum` [V] of
+        50 Hz is on the probes; in `weak` turns, counted from the first, the pulses have 1.8 V of 8.
         """
-        for number in range(1, round(seconds * self._info.sample_rate / SCANS) + 1):
+        rate, self._begun = self._info.sample_rate, math.tau * round(self._angle / math.tau)
+        for number in range(1, round(seconds * rate / SCANS) + 1):
             angle = self._advance(SCANS, deceleration)
             volts = np.zeros((SCANS, self._info.channels))
             for probe in self._rig.probes:
                 wave = vibration * np.cos(angle - probe.angle) if self.speed else 0.0
                 volts[:, probe.channel] = probe.gap_voltage + probe.sensitivity * wave
                 volts[:, probe.channel] += self._random.normal(0, noise, SCANS)
+                volts[:, probe.channel] += hum * np.sin(100 * np.pi * (self._first + np.arange(SCANS)) / rate)
             assert self._rig.keyphasor
-            pulses = -2.0 - 8.0 * sum(notch(angle - tooth) for tooth in self._teeth)
+            turn = np.floor((angle - self._begun + math.pi) / math.tau)
+            height = np.where(np.isin(turn, list(weak)), 1.8, 8.0)
+            pulses = -2.0 - height * sum(notch(angle - tooth) for tooth in self._teeth)
             volts[:, self._rig.keyphasor.channel] = pulses if keyphasor is None else keyphasor
             self._take(np.zeros_like(volts) if dead else volts)
             if gap and number % 25 == 0:
@@ -60,6 +67,9 @@ class Machine:
 
     def judge(self, *, drive_off: bool = False, fastest: float = 100.0, stopped_at: float = 0.0) -> RotorState:
         return self._evidence.judge(drive_off=drive_off, fastest=fastest, stopped_at=stopped_at)
+
+    def take_as_rest(self) -> None:
+        self._evidence.take_as_rest()
 
     def _advance(self, samples: int, deceleration: float) -> np.ndarray:
         dt = 1 / self._info.sample_rate
@@ -125,6 +135,39 @@ def test_probes_in_whose_noise_the_rotor_cannot_be_seen_prove_no_rest(rig: RigCo
     machine.run(1.5, vibration=1e-6, noise=20e-3, deceleration=40.0, keyphasor=-2.0)
     machine.run(12.0, noise=20e-3, keyphasor=-2.0)
     assert machine.judge(drive_off=True) is RotorState.UNKNOWN
+
+
+def test_what_a_probe_sees_of_the_inverter_is_not_the_rotor(rig: RigConfig, daq_info: DaqInfo) -> None:
+    machine = Machine(rig, daq_info)
+    machine.speed = 60.0
+    machine.run(3.0, vibration=0.0, hum=0.2)
+    machine.run(12.0, vibration=0.0, keyphasor=-2.0)
+    assert machine.speed == 60.0
+    assert machine.judge(drive_off=True) is RotorState.UNKNOWN
+
+
+def test_a_rotor_that_moves_less_than_it_did_but_more_than_before_the_start_is_not_at_rest(
+    rig: RigConfig, daq_info: DaqInfo
+) -> None:
+    machine = Machine(rig, daq_info)
+    machine.run(2.5)
+    machine.take_as_rest()
+    machine.speed = 60.0
+    machine.run(3.0)
+    machine.run(1.4, deceleration=40.0, keyphasor=-2.0)
+    assert machine.speed == pytest.approx(4.0)  # 38 rpm
+    machine.run(12.0, keyphasor=-2.0, vibration=10e-6)
+    assert machine.judge(drive_off=True) is RotorState.UNKNOWN
+    machine.run(0.2, deceleration=40.0, keyphasor=-2.0)
+    machine.run(10.0, keyphasor=-2.0)
+    assert machine.judge(drive_off=True) is RotorState.AT_REST
+
+
+def test_pulses_that_fade_at_speed_are_no_rotor_that_slows_down(machine: Machine) -> None:
+    machine.run(1.0)
+    machine.run(4.0, weak=frozenset({2, 4, 5, 6, *range(8, 100)}))
+    assert machine.speed == 60.0
+    assert machine.judge() is RotorState.UNKNOWN
 
 
 def test_samples_that_do_not_differ_prove_nothing(machine: Machine) -> None:

@@ -10,8 +10,8 @@ from rotorrig.acquisition.sweep.plans import Dwell, Mark, Ramp
 from rotorrig.acquisition.sweep.rest import RotorState
 from rotorrig.rig.errors import LinkLost, NotAtRest
 from rotorrig.rig.motor.base import MotorState, Stop
-from rotorrig.rig.probes.base import Block
-from tests.acquisition.sweep.scripted_bench import LOOKED, Bench, MakeBench, Watching, at_sample
+from rotorrig.rig.probes.base import Block, DaqInfo
+from tests.acquisition.sweep.scripted_bench import LOOKED, Bench, MakeBench, Watching, at_sample, gone
 
 
 @pytest.mark.parametrize("refusal", [LinkLost("drive: no answer"), OSError("port is gone"), RuntimeError("defect")])
@@ -243,12 +243,47 @@ def leaving(rig: Bench, *, after: float) -> Callable[[MotorState], MotorState]:
 def test_without_samples_the_drives_word_is_no_proof_and_the_danger_is_named(bench: MakeBench) -> None:
     rig = bench()
     rig.daq.on_block = at_sample(LOOKED + 20_000, LinkLost("DAQ: silent for 2 s"))
+    rig.daq.open = gone  # type: ignore[method-assign]
     rig.motor.on_read = leaving(rig, after=60.0)
     told = Watching()
     with pytest.raises(NotAtRest, match=r"^THE ROTOR MAY STILL BE TURNING, left by the operator.*\(DAQ: silent"):
         rig.sweep((Ramp(to=60.0, rate=60.0), Dwell(seconds=10)), operator=told)
     assert any("MAY STILL BE TURNING" in text for text in told.told)
     assert rig.recorded().complete
+
+
+def test_a_daq_that_is_lost_and_comes_back_proves_the_rotor_at_rest(bench: MakeBench) -> None:
+    rig = bench()
+    rate = rig.info.sample_rate
+    lost: list[float] = []
+    opens: list[float] = []
+    back: list[float] = []  # when the first block came again
+
+    def unplugged(block: Block) -> Block:
+        if block.first_sample >= 4.5 * rate and not lost:
+            lost.append(rig.clock.now())
+        if lost and not opens:
+            raise LinkLost("DAQ: unplugged")
+        if lost and not back:
+            back.append(rig.clock.now() - len(block.counts) / rate)
+        return block
+
+    def opened() -> DaqInfo:
+        if rig.clock.now() < lost[0] + 5.0:
+            raise LinkLost("DAQ: no such port")
+        opens.append(rig.clock.now())
+        return rig.info
+
+    rig.daq.on_block, rig.daq.open = unplugged, opened  # type: ignore[method-assign]
+    with pytest.raises(LinkLost, match=r"DAQ: unplugged; at rest \d"):
+        rig.sweep((Ramp(to=60.0, rate=60.0), Dwell(seconds=10.0)))
+    assert rig.shaft.speed == 0.0
+    recorded = rig.recorded()
+    assert [event.kind for event in recorded.events].count("gap") == 1
+    (first, before), (after, _) = recorded.segments()
+    assert (first, len(before)) == (0, 4.5 * rate)
+    assert back[0] >= lost[0] + 5.0
+    assert after / rate == pytest.approx(back[0], abs=0.1)
 
 
 def test_silence_of_keyphasor_and_drive_is_no_rest(bench: MakeBench) -> None:

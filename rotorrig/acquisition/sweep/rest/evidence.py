@@ -12,20 +12,20 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.acquisition.sweep.rest.probe_motion import ProbeMotion
 from rotorrig.rig.config import RigConfig
-from rotorrig.rig.probes import Block, KeyphasorSpeed, ProbeScale, channel_volts
+from rotorrig.rig.probes import Block, KeyphasorSpeed, channel_volts
 
 AT_REST = math.pi  # rad/s, 30 rpm: slower than that counts as rest
 QUIET = 2.5  # s without a pulse: a shaft at 30 rpm gives one in 2 s
-STILL_SECONDS = 8.0  # of samples, four turns at 30 rpm, in which a probe has to see nothing move
-LOOK_EVERY = 1.0  # s of samples between measurements of the vibration at speed
+SHORT_GAP = 0.5  # s of missing samples, in which a rotor that was still does not begin to turn and stop again
+LOOK_EVERY = 1.0  # s of samples between looks at the probes
+FEWEST_TURNS = 2  # without a gap, to measure their 1X over
 SLOWING = 3  # spacings of pulses at least, the last ones, that have to become longer
 ONE_MORE = 1.5  # spacings that a rotor may turn on by its deceleration without giving a pulse that would be missed
 HARDEST = 100.0  # rad/s^2: what no drive of such a rig slows down faster than
 STEP = 0.1  # of the pulses' height, by which the keyphasor's level may leave their range
-GONE = 0.5  # of the least vibration seen at speed, which the vibration at rest has to stay below
-SHORT_GAP = 0.5  # s of missing samples, in which a rotor that was still does not begin to turn and stop again
-DETAIL = 2000.0  # Hz, rate to which the probes' samples are thinned out
+FLAT = 0.2  # of the pulses' height, that the keyphasor may move by in its silence: pulses that fade move it
 
 
 class RotorState(StrEnum):
@@ -41,41 +41,42 @@ class RestEvidence:
 
     def __init__(self, rig: RigConfig, keyphasor: KeyphasorSpeed) -> None:
         assert rig.keyphasor
-        self._keyphasor, self._info, self._rate = keyphasor, keyphasor.info, keyphasor.info.sample_rate
+        self._keyphasor, self._info = keyphasor, keyphasor.info
         self._channel = rig.keyphasor.channel
-        self._scale = ProbeScale.of(rig, keyphasor.info)
+        self._probe_channels = [probe.channel for probe in rig.probes]
         self._levels: tuple[float, float] | None = None  # V, of the keyphasor while it pulsed
         self._levels_hold = True  # since the last pulse
+        #: (sample time of its end [s], lowest, highest [V]) of each of the last blocks, over QUIET seconds
+        self._extremes: deque[tuple[float, float, float]] = deque()
         self._alive_at = -math.inf  # sample time of the last block since the last pulse whose samples differ
         self._pulses = 0
         #: sample times [s] of the last pulses, across gaps: one lost in a gap makes the turns around it no series
         self._edges: deque[float] = deque(maxlen=(SLOWING + 1) * keyphasor.pulses_per_turn)
-        self._probes: deque[NDArray[np.float64]] = deque()  # of the last seconds, (sample, probe), m, thinned out
-        self._thinned_rate = math.nan  # Hz
-        self._length = 0  # samples in it
+        self._motion = ProbeMotion(rig, keyphasor.info)
         self._next_sample = 0
-        self._looked = 0.0  # sample time of the last measurement
-        self._turning_since = math.inf  # sample time since when the rotor turns; infinite: it does not
+        self._looked = 0.0  # sample time of the last look at the probes
         self._still = False  # a probe that saw the rotor turn saw nothing move, when last looked
-        self._least = np.full(len(rig.probes), np.inf)  # (probe,) least vibration [m] seen at speed, sqrt(2) rms
 
     def take(self, block: Block) -> None:
         """Take the next block, which the keyphasor has seen already."""
         if not len(block.counts):
             return
-        if np.ptp(block.counts[:, self._scale.channels], axis=0).any():
+        if np.ptp(block.counts[:, self._probe_channels], axis=0).any():
             self._alive_at = self._keyphasor.time
-        self._watch_keyphasor(channel_volts(block.counts, channel=self._channel, info=self._info))
-        if block.first_sample > self._next_sample + SHORT_GAP * self._rate:
-            self._probes.clear()
-            self._length = 0
+        if block.first_sample > self._next_sample + SHORT_GAP * self._info.sample_rate:
+            self._motion.forget()
             self._still = False
+            self._extremes.clear()
         self._next_sample = block.first_sample + len(block.counts)
-        self._keep(block)
+        self._watch_keyphasor(channel_volts(block.counts, channel=self._channel, info=self._info))
+        self._motion.take(block)
         if self._keyphasor.time - self._looked >= LOOK_EVERY:
             self._looked = self._keyphasor.time
-            self._measure_vibration()
-            self._still = self._probes_see_nothing_move()
+            self._look_at_probes()
+
+    def take_as_rest(self) -> None:
+        """Take what the probes have seen so far for the noise of a rotor at rest."""
+        self._motion.measure_floor()
 
     def judge(self, *, drive_off: bool, fastest: float, stopped_at: float) -> RotorState:
         """Say whether the rotor is at rest.
@@ -88,15 +89,19 @@ class RestEvidence:
             return RotorState.TURNING if keyphasor.pulses else RotorState.UNKNOWN
         if keyphasor.time - self._alive_at > QUIET:
             return RotorState.UNKNOWN
-        if self._levels_hold and self._slowed_to_a_stop():
+        quiet = self._levels_hold and self._levels is not None and self._is_flat()
+        if quiet and self._slowed_to_a_stop():
             return RotorState.AT_REST
         proven = (fastest <= AT_REST and not keyphasor.pulses) or self._still
-        if drive_off and (proven or (self._levels_hold and self._stopped_within_a_turn(stopped_at))):
+        if drive_off and (proven or (quiet and self._stopped_within_a_turn(stopped_at))):
             return RotorState.AT_REST
         return RotorState.UNKNOWN
 
     def _watch_keyphasor(self, volts: NDArray[np.float64]) -> None:
         low, high = float(volts.min()), float(volts.max())
+        self._extremes.append((self._keyphasor.time, low, high))
+        while len(self._extremes) > 1 and self._extremes[1][0] <= self._keyphasor.time - QUIET:
+            self._extremes.popleft()
         if self._keyphasor.pulses > self._pulses:
             self._edges.extend(self._keyphasor.last_edges[self._pulses - self._keyphasor.pulses :])
             self._pulses = self._keyphasor.pulses
@@ -109,32 +114,20 @@ class RestEvidence:
             if low < self._levels[0] - room or high > self._levels[1] + room:
                 self._levels_hold = False
 
-    def _keep(self, block: Block) -> None:
-        """Keep the probes' samples of the last seconds, thinned out by means of neighbours."""
-        group = max(1, round(self._rate / DETAIL))
-        rows = len(block.counts) // group
-        if not rows:
-            return
-        self._thinned_rate = self._rate / group
-        counts = block.counts[: rows * group, self._scale.channels].reshape(rows, group, -1)
-        self._probes.append(counts.mean(axis=1) * self._scale.gain)
-        self._length += rows
-        while self._length - len(self._probes[0]) >= STILL_SECONDS * self._thinned_rate:
-            self._length -= len(self._probes.popleft())
-
-    def _measure_vibration(self) -> None:
-        """Note the least vibration of each probe while the rotor turns, over the last second or two turns."""
+    def _look_at_probes(self) -> None:
         keyphasor = self._keyphasor
-        if keyphasor.steady_speed < AT_REST or keyphasor.silence > QUIET:
-            self._turning_since = math.inf
-            return
-        self._turning_since = min(self._turning_since, keyphasor.time)
-        seconds = max(LOOK_EVERY, 2 * math.tau / keyphasor.steady_speed)
-        samples = round(seconds * self._thinned_rate)
-        if keyphasor.time - self._turning_since < seconds or samples > self._length:
-            return
-        signal = np.concatenate(self._probes)[-samples:]
-        self._least = np.minimum(self._least, np.sqrt(2) * signal.std(axis=0))
+        turning = keyphasor.steady_speed >= AT_REST and keyphasor.silence < QUIET
+        if turning and len(keyphasor.turns) > FEWEST_TURNS:
+            self._motion.measure_1x(keyphasor.turns)
+        self._still = not turning and self._motion.sees_nothing_move()
+
+    def _is_flat(self) -> bool:
+        """Whether the keyphasor's level was seen not to move in its silence."""
+        assert self._levels
+        if self._extremes[0][0] > self._keyphasor.time - QUIET:
+            return False
+        low, high = min(low for _, low, _ in self._extremes), max(high for _, _, high in self._extremes)
+        return high - low <= FLAT * (self._levels[1] - self._levels[0])
 
     def _slowed_to_a_stop(self) -> bool:
         """Whether the last turns became slower, by so much that no further pulse was to be expected after the last."""
@@ -158,15 +151,3 @@ class RestEvidence:
         spacing = edges[-1] - edges[-2] if len(edges) > 1 else QUIET
         slow = (turned / spacing) ** 2 <= 2 * HARDEST * turned
         return bool(slow and edges[-1] > stopped_at - ONE_MORE * spacing)
-
-    def _probes_see_nothing_move(self) -> bool:
-        """Whether a probe that saw the rotor turn has seen nothing of it for long enough."""
-        if self._length < STILL_SECONDS * self._thinned_rate - 1:
-            return False
-        signal = np.concatenate(self._probes)
-        time = np.linspace(-1.0, 1.0, len(signal))
-        signal = signal - signal.mean(axis=0) - np.outer(time, time @ signal / (time @ time))
-        pieces = np.array_split(signal, int(STILL_SECONDS))
-        moving = np.max([np.sqrt(2) * piece.std(axis=0) for piece in pieces], axis=0)
-        seen = np.isfinite(self._least)
-        return bool(np.any(seen & (moving > 0) & (moving < GONE * self._least)))
