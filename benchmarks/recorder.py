@@ -146,13 +146,13 @@ def measure_long_run(bench: Bench, report: Report) -> None:
         out = bench.folder / "long"
         with bench.recording(rig.ports(), out=str(out), seconds=60 * report.minutes, viewer="attached") as process:
             lines = _lines(process, patience=60 * report.minutes + PATIENCE)
-        (unsent,) = rig.all_of("lost")
+        (unsent,), (stopping,) = rig.all_of("lost"), rig.all_of("stopping")
     result = lines[0]
     report.cpu_share = result["cpu_s"] / result["wall_s"]
     path = Path(result["out"])
     report.samples, report.file_bytes = result["samples"], path.stat().st_size
     report.compression = report.file_bytes / (2 * CHANNELS * report.samples)
-    read = json.loads(_run("benchmarks.parts.recorder.read", str(path), str(bench.signal)))
+    read = json.loads(_run("benchmarks.parts.recorder.read", str(path), str(bench.signal), str(stopping)))
     report.read_s, report.read_rss = read["seconds"], read["rss"]
     report.samples_lost = unsent + read["missing"] + read["wrong"]
     path.unlink()

@@ -1,7 +1,7 @@
 """Read a recording of the recorder's benchmark and compare every sample with what was sent.
 
-`python -m benchmarks.parts.recorder.read RUN.mcap SIGNAL.npz`; prints a JSON object: scans missing and wrong, seconds
-and the bytes of memory that reading took.
+`python -m benchmarks.parts.recorder.read RUN.mcap SIGNAL.npz STOPPING`, the scan from which on the rotor slowed down;
+prints a JSON object: scans missing and wrong, seconds and the bytes of memory that reading took.
 """
 
 import json
@@ -21,11 +21,13 @@ def main() -> None:
     segments = recording.segments()
     seconds, taken = time.monotonic() - began, _peak() - before
     with np.load(sys.argv[2]) as file:
-        loops = [file["rest"], file["running"]]
+        loops = [(file["rest"], 0), (file["running"], 0), (file["stopping"], int(sys.argv[3]))]
     wrong = 0
     for block in recording.blocks:
         scans = block.first_sample + np.arange(len(block.counts))
-        wrong += min(int((block.counts != loop[scans % len(loop)]).any(axis=1).sum()) for loop in loops)
+        wrong += min(
+            int((block.counts != loop[(scans - begin) % len(loop)]).any(axis=1).sum()) for loop, begin in loops
+        )
     first, counts = segments[-1]
     missing = first + len(counts) - recording.samples
     print(json.dumps({"missing": missing, "wrong": wrong, "seconds": seconds, "rss": taken}))

@@ -2,10 +2,11 @@
 
 `python -m benchmarks.parts.recorder.rig CONFIG.toml SIGNAL.npz [--loud SHORTEST LONGEST]`
 
-The samples were computed before (recorder_signal) and go round: a loop at rest, one at speed, one at speed with more
-vibration than the limit allows. With `--loud` the third begins so many seconds after the rotor has come to speed. Lines
-of JSON on standard output: where the ports are; when a stream began and what it lost; how long after the last byte of
-the first loud frame the drive obeyed a stop. Ends with its standard input. Times are CLOCK_MONOTONIC.
+The samples were computed before (parts/recorder/signal.py) and go round: a loop at rest, one at speed, one at speed
+with more vibration than the limit allows; after a stop obeyed at speed come once those of a rotor that slows down.
+With `--loud` the third begins so many seconds after the rotor has come to speed. Lines of JSON on standard output:
+where the ports are; when a stream began and what it lost; how long after the last byte of the first loud frame the
+drive obeyed a stop; from which scan on the rotor slowed down. Ends with its standard input. Times are CLOCK_MONOTONIC.
 """
 
 import argparse
@@ -36,7 +37,7 @@ _DATA, _INFO, _STOPPED = 0x02, 0x01, 0x03
 
 
 class Rotor:
-    """A shaft without mass behind the drive: follows the ramp, coasts to rest at once."""
+    """A shaft without mass behind the drive: it follows the ramp; a stop, which in the samples takes time, at once."""
 
     def __init__(self) -> None:
         self.stopped = asyncio.Event()  # a stop was obeyed
@@ -95,6 +96,8 @@ class Board:
         self._loud_from = float("inf")  # from when on it vibrates too much
         self._loud_seen: float | None = None  # when the first loud frame was on the wire
         self._told = False  # what came of this stream's trip
+        self._at_speed = False
+        self._stopped_at: int | None = None  # scan from which on the rotor slows down
         self._sending = asyncio.Lock()  # one frame after the other
 
     async def listen(self, pty: Pty) -> None:
@@ -124,6 +127,7 @@ class Board:
             self._drive.fault = 0  # the operator has seen to the last one
             self._frames = self._sent = self._lost = 0
             self._loud_from, self._loud_seen, self._told = float("inf"), None, False
+            self._at_speed, self._stopped_at = False, None
             self._began = time.monotonic()
             say(start=self._began)
         elif word == b"STOP":
@@ -138,15 +142,27 @@ class Board:
         if late:
             self._lost += 1
             return
-        name = "rest" if self._rotor.speed < 0.99 * SPEED else "loud" if now >= self._loud_from else "running"
+        name, begin = self._choose_loop(now, first)
         head = struct.pack("<IQHB", self._sent, first, FRAME_SCANS, self._loops.channels)
         self._sent += 1
-        await self._put(pty, frame(_DATA, head + self._loops.cut(name, first)))
+        await self._put(pty, frame(_DATA, head + self._loops.cut(name, first - begin)))
         if name == "loud" and self._loud_seen is None and not self._told:
             self._loud_seen = time.monotonic()
         if name == "running" and self._loud and self._loud_from == float("inf"):
             self._rotor.stopped.clear()
             self._loud_from = now + random.uniform(*self._loud)
+
+    def _choose_loop(self, now: float, first: int) -> tuple[str, int]:
+        """Return the loop that the frame from scan `first` on is cut from, and the scan at which it began."""
+        if self._rotor.speed >= 0.99 * SPEED:
+            self._at_speed = True
+            return "loud" if now >= self._loud_from else "running", 0
+        if self._at_speed and self._stopped_at is None:
+            self._stopped_at = first
+            say(stopping=first)
+        if self._stopped_at is not None and first - self._stopped_at < self._loops.scans["stopping"]:
+            return "stopping", self._stopped_at
+        return "rest", 0
 
     async def _put(self, pty: Pty, data: bytes) -> None:
         async with self._sending:

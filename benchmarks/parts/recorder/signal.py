@@ -1,20 +1,21 @@
-"""The samples of the recorder's benchmark: a simulated RK4 at rest and at speed, once round."""
+"""The samples of the recorder's benchmark: a simulated RK4 at rest and at speed, once round, and as it stops."""
 
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.parts.recorder.rig import SPEED
+from benchmarks.parts.recorder.rig import FRAME_SCANS, SPEED
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant import Plant, draw
 
 LOUD = 1.5  # times the limit, of the vibration that is to trip it
 SETTLE_SECONDS, LOOP_TURNS, REST_SECONDS = 3.0, 100, 1.0
+STOP_SECONDS = 1.5  # from speed to rest
 
 
 def write_signal(path: Path, rig: RigConfig) -> None:
-    """Compute what the simulated rig's DAQ sends at rest and at speed, once round, and write it to `path`."""
+    """Compute what the simulated rig's DAQ sends at rest, at speed, once round, and in a stop; write it to `path`."""
     plant = Plant(rig, draw(rig, seed=1))
     assert rig.keyphasor and rig.limits
     rest = plant.advance(REST_SECONDS)
@@ -26,7 +27,10 @@ def write_signal(path: Path, rig: RigConfig) -> None:
     for probe in rig.probes:
         volts = LOUD * rig.limits.vibration * probe.sensitivity * np.cos(turn)
         loud[:, probe.channel] += volts / plant.volts_per_count[probe.channel]
-    np.savez(path, rest=rest, running=running, loud=np.round(loud).astype(np.int32))
+    plant.command(0.0, SPEED / STOP_SECONDS, True)
+    stopping = plant.advance(plant.t + STOP_SECONDS + 0.1)
+    whole = len(stopping) // FRAME_SCANS * FRAME_SCANS
+    np.savez(path, rest=rest, running=running, loud=np.round(loud).astype(np.int32), stopping=stopping[:whole])
 
 
 def _whole_turns(counts: NDArray[np.int32], channel: int) -> NDArray[np.int32]:
