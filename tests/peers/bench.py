@@ -185,6 +185,7 @@ SWITCHES: dict[str, Callable[..., Undo]] = {
     "no watchdog": _set("drive", "no_watchdog", True),
     "runs at": _set("drive", "runs_at", 3500.0),
     "speed factor": _set("drive", "speed_factor", 2.0),
+    "turns backward": _set("drive", "backward", True),
     "drive trips": Bench.trip,
     "drive restarts": Bench.cycle_power,
     "DAQ silent": _set("daq", "silent", True),

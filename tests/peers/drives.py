@@ -53,7 +53,8 @@ class PowerFlex400:
         self._take_parameters(registers)
         turning_up = said.on and not said.stopping and said.output < said.target - 0.5
         turning_down = said.on and (said.stopping or said.output > said.target + 0.5)
-        bits = [not said.fault, said.on, True, True, turning_up, turning_down, False, bool(said.fault), said.at_target]
+        forward, faulted = not said.backward, bool(said.fault)
+        bits = [not faulted, said.on, True, forward, turning_up, turning_down, False, faulted, said.at_target]
         registers[8448] = sum(1 << i for i, bit in enumerate(bits) if bit) | 1 << 9 | 1 << 10
         registers[8449] = said.fault
         registers[8450] = registers[8193]
@@ -118,7 +119,7 @@ class MMax:
         """Write the output process data (pp. 138-139)."""
         said = self.inverter.report()
         self._take_parameters(registers)
-        bits = [not said.fault, said.on, False, bool(said.fault), False, said.at_target, said.output < 1, False]
+        bits = [not said.fault, said.on, said.backward, bool(said.fault), False, said.at_target, said.output < 1, False]
         registers[2100] = sum(1 << i for i, bit in enumerate(bits) if bit)
         registers[2101] = 1 | 2 | 1 << 15
         registers[2102] = round(hundredths(said.output) / registers[101] * 10000)
@@ -171,10 +172,12 @@ class Acs355:
 
     inverter: Inverter
     address: int = 1
-    read_only: frozenset[int] = frozenset({3, *range(4, 12), 102, 400})
+    read_only: frozenset[int] = frozenset({3, *range(4, 12), 100, 101, 102, 400})
     initial: Registers = field(
         default_factory=lambda: {
             **dict.fromkeys(range(12), 0),
+            100: 0,  # 0101 speed, rpm, negative: reverse
+            101: 0,  # 0102 speed, rpm
             102: 0,  # 0103 output frequency, 0.1 Hz
             400: 0,  # 0401 latest fault
             1000: 10,  # 1001 EXT1 commands: COMM
@@ -216,7 +219,10 @@ class Acs355:
             12: True,
         }
         registers[3] = sum(1 << i for i, bit in bits.items() if bit)
-        registers[4] = registers[102] = round(said.output / RPM_PER_HZ * 10)
+        registers[100] = round(-said.output if said.backward else said.output) & 0xFFFF
+        registers[101], registers[102] = round(said.output), round(said.output / RPM_PER_HZ * 10)
+        for actual, mapped in enumerate(range(5309, 5317)):
+            registers[4 + actual] = registers.get(registers.get(mapped, 0) - 1, 0)
         registers[400] = said.fault or registers[400]  # the fault's history: a reset does not clear it
 
     def write(self, address: int, value: int, registers: Registers) -> ExcCodes | None:
@@ -284,12 +290,12 @@ class VfdEd:
     ramp: float = 500.0  # rpm/s, set at the drive
 
     def refresh(self, registers: Registers) -> None:
-        """Write fault, status, frequencies; the status stands at 2119H there, at 2101H in the VFD-VL's manual."""
+        """Write fault, status, frequencies; the status stands at 2119H, in the VFD-VL's manual at 2101H."""
         said = self.inverter.report()
         self.inverter.up = self.inverter.down = self.ramp
         registers[0x2100] = said.fault
         state = 0 if not said.on else 1 if said.stopping else 3
-        registers[0x2101] = registers[0x2119] = state | 1 << 8 | 1 << 10
+        registers[0x2119] = state | 3 * said.backward << 3 | 1 << 8 | 1 << 10
         registers[0x2102] = registers[0x2001]
         registers[0x2103] = hundredths(said.output)
 

@@ -22,6 +22,7 @@ class Switches:
     no_watchdog: bool = False  # silence does not stop it, whatever was set
     runs_at: float | None = None  # rpm put out, whatever is asked; it reports what was asked
     speed_factor: float = 1.0  # of the output, e.g. 2 for half the pole pairs
+    backward: bool = False  # it turns the other way, and says so as its manual has it
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +34,7 @@ class Report:
     on: bool
     stopping: bool
     fault: int
+    backward: bool = False
 
     @property
     def at_target(self) -> bool:
@@ -126,7 +128,8 @@ class Inverter:
     def report(self) -> Report:
         """Return what the drive says of itself."""
         jitter = self._rng.uniform(-1.2, 1.2) if self.switches.ignores_stop and self.on else 0.0
-        now = Report(self.output + jitter, self.target, self.on, self._stop is not None, self.fault)
+        backward = self.switches.backward and self.output > 0
+        now = Report(self.output + jitter, self.target, self.on, self._stop is not None, self.fault, backward)
         if self.switches.stale and self._last is not None:
             return self._last
         self._last = now

@@ -18,7 +18,6 @@ from rotorrig.rig.motor import MotorState, Stop
 from rotorrig.rig.probes import Block, Daq, LostDaq
 
 DAQ_TIMEOUT = 2.0  # s of wall time the DAQ may be silent
-START_SECONDS = 1.0  # that a drive may take to report that it runs, one whose word of it is its frequency
 STEADY_BAND = 0.005  # relative; a speed is steady while it stays within this of where it settled
 
 
@@ -261,13 +260,7 @@ class Session:
             return
         try:
             self._interlock.check_motor(state)
-            asked_for = self.t - self._commanded_at
-            if (
-                self.motor_state is not None
-                and self.commanded_speed
-                and not state.running
-                and asked_for > START_SECONDS
-            ):
+            if self.motor_state is not None and self.commanded_speed and not state.running:
                 raise LimitExceeded(
                     f"drive: is off, though it was sent to {self.commanded_speed * RPM:.0f} rpm; "
                     "was it stopped by hand or by its watchdog?"

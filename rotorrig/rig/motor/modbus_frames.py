@@ -32,7 +32,7 @@ class Reading:
 
 
 def decode_state(words: list[int], *, profile: Profile) -> Reading:
-    """Return the meaning of the words of `profile.state`. Raises BadFrame for a status that contradicts itself.
+    """Return the meaning of the words of `profile.state_registers`. Raises BadFrame for a contradictory status.
 
     >>> from rotorrig.rig.motor.profiles.powerflex400 import PROFILE
     >>> reading = decode_state([0b1_0000_1111, 0, 6000, 6000], profile=PROFILE)
@@ -40,36 +40,30 @@ def decode_state(words: list[int], *, profile: Profile) -> Reading:
     running, at reference 60.0
     """
     p = profile
-    word_at = dict(zip(p.state, words, strict=True))
+    word_at = dict(zip(p.state_registers, words, strict=True))
     output = from_twos_complement(word_at[p.output_frequency])
     frequency = abs(output) * p.output_step
     setpoint = None if p.setpoint is None else word_at[p.setpoint]
-    if p.status is None:  # judged by its frequency alone
-        moving = frequency > 0.0
-        reached = moving and setpoint == word_at[p.output_frequency]
-        return Reading(
-            running=moving,
-            accelerating=False,
-            decelerating=False,
-            faulted=word_at[p.fault] != 0,
-            at_reference=reached,
-            frequency=frequency,
-            reverse=output < 0,
-            setpoint=setpoint,
-        )
     status = word_at[p.status]
     if status & p.accelerating and status & p.decelerating:
         raise BadFrame(f"status: got 0x{status:04x}, accelerating and decelerating at once")
     return Reading(
-        running=bool(status & p.running),
+        running=status & p.run_field.mask in p.run_field.running if p.run_field else bool(status & p.running),
         accelerating=bool(status & p.accelerating),
-        decelerating=bool(status & p.decelerating),
-        faulted=bool(status & p.faulted),
-        at_reference=bool(status & p.at_reference),
+        decelerating=_decelerates(status, p),
+        faulted=bool(status & p.faulted if p.faulted else word_at[p.fault] & p.fault_mask),
+        at_reference=bool(status & p.at_reference) if p.at_reference else output > 0 and setpoint == output,
         frequency=frequency,
-        reverse=output < 0 or (output > 0 and bool((status ^ p.forward) & (p.forward | p.backward))),
+        reverse=output < 0
+        or (output > 0 and bool((status ^ p.forward) & (p.forward | p.backward)))
+        or (p.direction is not None and from_twos_complement(word_at[p.direction]) < 0),
         setpoint=setpoint,
     )
+
+
+def _decelerates(status: int, profile: Profile) -> bool:
+    field = profile.run_field
+    return status & field.mask == field.stopping if field else bool(status & profile.decelerating)
 
 
 def from_twos_complement(word: int) -> int:

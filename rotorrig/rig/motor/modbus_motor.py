@@ -120,8 +120,7 @@ class ModbusMotor:
         for word in p.start[-1:] if reading.running else p.start:
             self._link.write(p.command, word, "start", unless=overtaken)
             time.sleep(p.start_pause if word != p.start[-1] else 0.0)
-        if p.status is not None:  # else only its turning would tell
-            self._confirm(lambda now: now.running, "start")
+        self._confirm(lambda now: now.running, "start")
 
     def stop(self, kind: Stop) -> None:
         """Bring the rotor to rest: RAMP at the last ramp, COAST unpowered, EMERGENCY as fast as it can follow.
@@ -172,6 +171,8 @@ class ModbusMotor:
     def _read_state(self) -> Reading:
         p = self._profile
         words = self._link.read(p.state.start, len(p.state), "state")
+        if p.status not in p.state:
+            words += self._link.read(p.status, 1, "status")
         try:
             return decode_state(words, profile=p)
         except BadFrame as error:
@@ -179,7 +180,7 @@ class ModbusMotor:
 
     def _read_fault(self) -> str:
         number = self._link.read(self._profile.fault, 1, "fault")[0]
-        return describe_fault(number, profile=self._profile)
+        return describe_fault(number & self._profile.fault_mask, profile=self._profile)
 
     def _read_frequency_limit(self, limit: Frequency) -> float:
         """Read a frequency limit [Hz]. Raises LinkLost for one that no such drive can have."""

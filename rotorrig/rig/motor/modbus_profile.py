@@ -84,6 +84,15 @@ class Watchdog:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RunField:
+    """Bits of the status that tell together whether it runs, where none of them is a flag."""
+
+    mask: int
+    running: tuple[int, ...]  # values under the mask; any other: it is off
+    stopping: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Profile:
     """The register map of one family of drives."""
 
@@ -97,19 +106,22 @@ class Profile:
     clear_fault: tuple[int, ...] = ()  # words; none: it is cleared at the drive
 
     state: range  # registers of the one read that tells the state
-    status: int | None  # among them; and the bits of its word, 0: there is none
+    status: int  # among them, or read after them; and the bits of its word, 0: there is none
+    run_field: RunField | None = None  # in place of `running` and `decelerating`
     running: int = 0
     accelerating: int = 0
     decelerating: int = 0
     faulted: int = 0
-    at_reference: int = 0
+    at_reference: int = 0  # 0: it is there when its output is its setpoint, counted alike
     forward: int = 0  # it turns forward; clear while it turns: backward
     backward: int = 0
     output_frequency: int  # among them, signed
     output_step: float  # Hz per count
+    direction: int | None = None  # among them, a signed value whose sign tells the sense where the frequency has none
     setpoint: int | None  # among them, counted as the reference; None: what was last written
 
     fault: int  # register of the fault's number, 0 for none
+    fault_mask: int = 0xFFFF  # the number's bits
     fault_letter: str = "F"
     faults: dict[int, str] = field(default_factory=dict)
 
@@ -121,6 +133,11 @@ class Profile:
     emergency_time: float | None = None  # s from the maximum frequency to 0 after an emergency stop, by `ramps`
     settings: tuple[Setting, ...] = ()
     watchdog: Watchdog | None = None
+
+    @property
+    def state_registers(self) -> tuple[int, ...]:
+        """Registers that tell the state, in the order in which they are read."""
+        return (*self.state, *(() if self.status in self.state else (self.status,)))
 
     @property
     def highest_frequency(self) -> float:

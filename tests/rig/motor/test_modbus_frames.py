@@ -130,17 +130,41 @@ def test_a_status_that_contradicts_itself_is_refused() -> None:
         (m_max, 0b0010, -1000 & 0xFFFF, True),
         (acs355, 0b0100, 100, False),
         (acs355, 0b0100, -100 & 0xFFFF, True),
-        (vfd_ed, 0, 1000, False),
-        (vfd_ed, 0, -1000 & 0xFFFF, True),
+        (vfd_ed, 0b0_0011, 1000, False),  # p. 441: bits 4 and 3, 00 forward, 01 and 10 changing over, 11 reverse
+        (vfd_ed, 0b1_1011, 1000, True),
+        (vfd_ed, 0b0_1011, 1000, True),
+        (vfd_ed, 0b1_1011, 0, False),
+        (vfd_ed, 0b0_0011, -1000 & 0xFFFF, True),
     ],
 )
 def test_a_drive_says_that_it_turns_backward(family: ModuleType, status: int, output: int, reverse: bool) -> None:
     profile = family.PROFILE
-    words = dict.fromkeys(profile.state, 0) | {profile.output_frequency: output}
-    if profile.status is not None:
-        words[profile.status] = status
+    words = dict.fromkeys(profile.state_registers, 0) | {profile.output_frequency: output, profile.status: status}
     reading = decode_state(list(words.values()), profile=profile)
     assert (reading.reverse, reading.frequency > 0) == (reverse, output != 0)
+
+
+@pytest.mark.parametrize(("speed", "reverse"), [(600, False), (-600 & 0xFFFF, True), (0, False)])
+def test_an_acs355_says_that_it_turns_backward_by_the_sign_of_its_speed(speed: int, reverse: bool) -> None:
+    # 0101 has a sign, negative is reverse; 0103, the output frequency, has none
+    reading = decode_state([0x47F, 3333, 0, 0b0100, 100, speed], profile=acs355.PROFILE)
+    assert (reading.reverse, reading.frequency) == (reverse, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("status", "running", "decelerating"),
+    [(0b00, False, False), (0b01, False, True), (0b10, True, False), (0b11, True, False)],
+)
+def test_a_vfd_ed_says_by_two_bits_whether_it_runs(status: int, running: bool, decelerating: bool) -> None:
+    # p. 440: 00 fully stopped, 01 stopping, 10 standby (RUN is lit, STOP flashes), 11 running
+    reading = decode_state([0, 0, 2000, 1000, status | 1 << 8 | 1 << 10], profile=vfd_ed.PROFILE)
+    assert (reading.running, reading.decelerating, reading.at_reference) == (running, decelerating, False)
+
+
+@pytest.mark.parametrize(("word", "faulted"), [(0x0007, True), (0x0700, False), (0, False)])
+def test_a_warning_of_a_vfd_ed_is_no_fault(word: int, faulted: bool) -> None:
+    # p. 440: 2100H bits 7 to 0 fault code, 15 to 8 warning code
+    assert decode_state([word, 0, 2000, 2000, 0b11], profile=vfd_ed.PROFILE).faulted is faulted
 
 
 def test_the_start_word_is_start_forward_at_rate_1() -> None:

@@ -56,6 +56,7 @@ def m_max(registers: dict[int, int], register: int, word: int) -> None:
 def vfd_ed(registers: dict[int, int], register: int, word: int) -> None:
     if register == 0x2000:
         registers[0x2103] = registers[0x2001] if word & 2 else 0
+        registers[0x2119] = 0x503 if word & 2 else 0x500
     registers[0x2102] = registers[0x2001]
 
 
@@ -66,8 +67,8 @@ def acs355(registers: dict[int, int], register: int, word: int) -> None:
 
 
 M_MAX = dict.fromkeys(range(2100, 2111), 0) | {2000: 0, 2002: 0, 100: 0, 101: 7000, 102: 30, 103: 30, 813: 0}
-VFD_ED = dict.fromkeys((0x2000, 0x2001, 0x2100, 0x2101, 0x2102, 0x2103), 0)
-ACS355 = dict.fromkeys(range(5), 0) | {1104: 700, 2007: 700, 2201: 50, 2202: 50, 3017: 0, 3018: 30, 5309: 104}
+VFD_ED = dict.fromkeys((0x2000, 0x2001, 0x2100, 0x2101, 0x2102, 0x2103, 0x2119), 0)
+ACS355 = dict.fromkeys(range(6), 0) | {1104: 700, 2007: 700, 2201: 50, 2202: 50, 3017: 0, 3018: 30, 5309: 104, 5310: 0}
 
 #: frames in hex: function, register, word or count; a run-up to 2100 rpm (35 Hz) at 300 rpm/s (14 s to 70 Hz), stops
 FRAMES = {
@@ -96,26 +97,35 @@ FRAMES = {
         Stop.EMERGENCY: "06 07 d0 13 10",
     },
     "vfd-ed": {
-        "open": ["03 21 00 00 04"],
-        "start": ["03 21 00 00 04", "06 20 01 0d ac", "06 20 00 00 12"],  # 35.00 Hz; run forward
+        "open": ["03 21 00 00 04", "03 21 19 00 01"],  # faults and frequencies; status
+        "start": [
+            "03 21 00 00 04",
+            "03 21 19 00 01",
+            "06 20 01 0d ac",  # 35.00 Hz
+            "06 20 00 00 12",  # run forward
+            "03 21 00 00 04",
+            "03 21 19 00 01",
+        ],
         Stop.RAMP: "06 20 00 00 01",
         Stop.COAST: "06 20 00 00 01",
         Stop.EMERGENCY: "06 20 00 00 01",
     },
     "acs355": {
         "open": [
-            "03 00 00 00 05",  # state: 40001 to 40005
+            "03 00 00 00 06",  # state: 40001 to 40006
             "03 07 d7 00 01",  # 2008
             "03 04 50 00 01",  # 1105
             "03 14 bd 00 01",  # 5310
             "06 14 bd 00 67",  # 103
+            "03 14 be 00 01",  # 5311
+            "06 14 be 00 65",  # 101
             "03 0b c9 00 01",  # 3018
             "06 0b c9 00 01",  # fault
             "03 0b ca 00 01",  # 3019
             "06 0b ca 00 14",  # 2.0 s
         ],
         "start": [
-            "03 00 00 00 05",
+            "03 00 00 00 06",
             "03 08 99 00 02",  # 2202 and 2203
             "06 08 99 00 8c",  # 14.0 s
             "06 08 9a 00 8c",
@@ -123,7 +133,7 @@ FRAMES = {
             "06 00 00 04 76",
             "06 00 00 04 77",
             "06 00 00 04 7f",
-            "03 00 00 00 05",
+            "03 00 00 00 06",
         ],
         Stop.RAMP: "06 00 00 04 7e",
         Stop.COAST: "06 00 00 04 7d",

@@ -8,7 +8,8 @@ scalar, so that references are frequencies, 2208 (time of an emergency stop).
 
 The words are those of the ABB drives profile, which the ACS550 shares (ACS550-02 manual, pages 244-246). Assumed to be
 shared as well: the numbers of the faults (page 259 there), 3018 and 3019 with fault 28 (ACH550-UH manual, page 154) and
-the steps of parameters, 0.1 s (page 121 there) and 0.1 Hz.
+the steps of parameters, 0.1 s (page 121 there) and 0.1 Hz. Of the signals, 0103 has no sign and 0101 has: a negative
+speed is reverse; neither the control nor the status word of the profile tells the sense.
 """
 
 from rotorrig.rig.motor.modbus_profile import Frequency, Profile, Ramps, Setting, Span, StopWords, Watchdog
@@ -28,7 +29,7 @@ PROFILE = Profile(
     start_pause=0.1,  # ACS550-02, page 246: "wait at least 100 ms"
     stop=StopWords(ramp=0x47E, coast=0x47D, fast=0x47B),  # OFF1, OFF2, OFF3 (in the time of 2208)
     clear_fault=(0x476, 0x4F6, 0x476),  # bit 7 rises
-    state=range(5),  # control word, references 1 and 2, status word (40004), actual value 1 (40005)
+    state=range(6),  # control word, references 1 and 2, status word (40004), actual values 1 and 2 (40005, 40006)
     status=3,
     running=1 << 2,  # operation enabled
     faulted=1 << 3,
@@ -36,6 +37,7 @@ PROFILE = Profile(
     setpoint=1,
     output_frequency=4,
     output_step=0.1,
+    direction=5,
     fault=_parameter(401),  # last fault
     faults={
         1: "overcurrent",
@@ -66,6 +68,7 @@ PROFILE = Profile(
     ramps=Ramps(accel_time=_parameter(2202), step=0.1, range=(0.1, 1800.0)),  # 0.0 s is left out: no ramp at all
     settings=(
         Setting(register=_parameter(5310), word=103, what="actual value 1 (5310): output frequency (0103)"),
+        Setting(register=_parameter(5311), word=101, what="actual value 2 (5311): speed with its sign (0101)"),
         Setting(register=_parameter(3018), word=1, what="communication loss function (3018): fault"),
     ),
     watchdog=Watchdog(register=_parameter(3019), step=0.1, range=(0.1, 60.0)),

@@ -21,7 +21,7 @@ from rotorrig.sims.wire.drive import Drive, OnSilence
 from rotorrig.sims.wire.plant_port import Plant
 
 CONTROL_WORD, REF1, REF2, STATUS_WORD, ACTUAL_1, ACTUAL_8 = 1, 2, 3, 4, 5, 12  # 4xxxx
-OUTPUT_FREQUENCY, LAST_FAULT, REF1_MAX, MAX_FREQUENCY = 103, 401, 1105, 2008  # parameters, 4ggnn
+SPEED, OUTPUT_FREQUENCY, LAST_FAULT, REF1_MAX, MAX_FREQUENCY = 101, 103, 401, 1105, 2008  # parameters, 4ggnn
 ACCEL_TIME, DECEL_TIME, EMERGENCY_TIME = 2202, 2203, 2208
 COMM_FAULT_FUNCTION, COMM_FAULT_TIME, FIRST_MAPPING = 3018, 3019, 5310
 
@@ -152,9 +152,9 @@ class Acs355:
         return fastest / max(self._values[time] / 10, 0.1)
 
     def _actual_values(self) -> dict[int, int]:
-        """Return registers 40005 to 40012; of the signals that may be mapped there is the output frequency."""
+        """Return registers 40005 to 40012; of the signals that may be mapped there are speed [rpm] and frequency."""
         tenths = round(10 * self.drive.speed / self._speed_per_hz)
-        signals = {OUTPUT_FREQUENCY: tenths}
+        signals = {SPEED: round(self.drive.speed * 30 / math.pi), OUTPUT_FREQUENCY: tenths}
         registers = range(ACTUAL_1, ACTUAL_8 + 1)
         return {r: signals.get(self._values[FIRST_MAPPING + r - ACTUAL_1], 0) for r in registers}
 

@@ -1,11 +1,12 @@
 """A Delta VFD-ED drive as its Modbus master sees it: a few words in front, the plant's motor behind.
 
 Addresses are hexadecimal in the manual and on the wire: 2000H command (bits 1:0 = 01 stop, 10 run; 5:4 direction),
-2001H frequency command, 2100H error code, 2102H frequency command, 2103H output frequency, all frequencies in 0.01 Hz;
-the frames are those of pages 4-89 to 4-95 of the VFD-VL manual (VLE1). Emulated is what a rig needs, and no more than
-the pages at hand say: its ramp, its stop by ramp and its time-out (Pr.09-02, Pr.09-03) are set by hand, as
-docs/motors.md asks for; the output goes off when its master is silent for longer. The status 2101H reads 0 and a fault
-stays until it is reset at the drive (`drive.fault = 0`).
+2001H frequency command, 2100H error code, 2102H frequency command, 2103H output frequency, all frequencies in 0.01 Hz,
+2119H status (bits 1:0 = 00 stopped, 01 stopping, 11 running; 4:3 = 00 forward: its manual, pages 440 and 441); the
+frames are those of pages 4-89 to 4-95 of the VFD-VL manual (VLE1). Emulated is what a rig needs, and no more than the
+pages at hand say: its ramp, its stop by ramp and its time-out (Pr.09-02, Pr.09-03) are set by hand, as
+docs/motors.md asks for; the output goes off when its master is silent for longer. 2101H, the status of the VFD-VL,
+reads 0 and a fault stays until it is reset at the drive (`drive.fault = 0`).
 
 Jog, reverse and a change of direction are refused as illegal values.
 """
@@ -18,11 +19,12 @@ from rotorrig.sims.wire.drive import Drive, OnSilence
 from rotorrig.sims.wire.plant_port import Plant
 
 COMMAND, FREQUENCY_COMMAND = 0x2000, 0x2001
-ERROR_CODE, STATUS, FREQUENCY_ECHO, OUTPUT_FREQUENCY = 0x2100, 0x2101, 0x2102, 0x2103
+ERROR_CODE, OLD_STATUS, FREQUENCY_ECHO, OUTPUT_FREQUENCY, STATUS = 0x2100, 0x2101, 0x2102, 0x2103, 0x2119
 
 TIME_OUT = 0  # no fault is known for it
 HIGHEST = 400.0  # Hz
 _STOP, _RUN, _FORWARD = 0b01, 0b10, 0b01 << 4
+_BY_COMMUNICATION = 1 << 8 | 1 << 10  # frequency and command
 _UNDERSTOOD = frozenset(command | direction for command in (0, _STOP, _RUN) for direction in (0, _FORWARD))
 
 
@@ -59,7 +61,8 @@ class VfdEd:
             COMMAND: self._command,
             FREQUENCY_COMMAND: self._reference,
             ERROR_CODE: self.drive.fault,
-            STATUS: 0,
+            OLD_STATUS: 0,
+            STATUS: self._status(),
             FREQUENCY_ECHO: self._reference,
             OUTPUT_FREQUENCY: round(self.drive.speed / self._speed_per_count),
         }
@@ -79,6 +82,9 @@ class VfdEd:
             self.drive.set_reference(self._reference * self._speed_per_count, rising=self._ramp, falling=self._ramp)
         if COMMAND in writes:
             self._obey(writes[COMMAND])
+
+    def _status(self) -> int:
+        return (0b11 if self.drive.running else 0b01 if self.drive.active else 0b00) | _BY_COMMUNICATION
 
     def _obey(self, command: int) -> None:
         self._command = command

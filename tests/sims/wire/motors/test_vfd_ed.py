@@ -24,13 +24,16 @@ def test_it_runs_to_its_frequency_and_stops_down_its_own_ramp(drive: VfdEd, plan
     drive.write(0x2000, [RUN | FORWARD])
     plant.advance(1.0)
     assert drive.read(0x2100, 4) == [0, 0, 2000, 1000]
+    assert drive.read(0x2119, 1) == [0x503]  # runs forward, commanded by communication
     plant.advance(2.0)
     assert plant.speed == pytest.approx(20.0 * RAD_PER_HZ)
     drive.write(0x2000, [STOP])
     plant.advance(3.0)
     assert drive.read(0x2103, 1) == [1000]
+    assert drive.read(0x2119, 1) == [0x501]  # is stopping
     plant.advance(4.0)
     assert drive.read(0x2103, 1) == [0]
+    assert drive.read(0x2119, 1) == [0x500]
     assert plant.commands[-1][2] is False
 
 
