@@ -28,7 +28,7 @@ from benchmarks.parts.soak.controllers import CONTROLLERS, ROOT
 from benchmarks.parts.soak.faults import Case, pairs, singles
 from benchmarks.parts.soak.judge import Verdict, judge
 from benchmarks.parts.soak.page import page, text
-from benchmarks.parts.soak.results import FOLDER, code, keep, kept, prune, summary
+from benchmarks.parts.soak.results import FOLDER, campaign, code, keep, kept, prune, summary
 from benchmarks.parts.soak.run import run
 
 PAGE = ROOT / "docs/faults.md"
@@ -47,7 +47,7 @@ def main() -> None:
         PAGE.write_text(page(list(results.values())), encoding="utf-8")
     if not options.json:
         print(text(verdicts))
-    print(json.dumps(summary(results.values()) if options.summary or not wanted else summary(verdicts)))
+    print(json.dumps(summary(campaign(results.values()) if options.summary or not wanted else verdicts)))
     sys.exit(1 if any(verdict.wrong for verdict in verdicts) else 0)
 
 

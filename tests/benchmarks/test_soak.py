@@ -23,7 +23,7 @@ from benchmarks.parts.soak.judge import Verdict, claim, judge
 from benchmarks.parts.soak.page import page, text
 from benchmarks.parts.soak.peer import Peer
 from benchmarks.parts.soak.program import GUARDIAN, MARK, Line, Program
-from benchmarks.parts.soak.results import FOLDER, keep, kept, prune, summary
+from benchmarks.parts.soak.results import FOLDER, campaign, keep, kept, prune, summary
 from benchmarks.parts.soak.run import Seen
 from benchmarks.parts.soak.wire import compare, data_frames
 from rotorrig.acquisition.recording import RawRecording
@@ -234,7 +234,9 @@ def test_the_newest_line_of_a_run_counts(tmp_path: Path) -> None:
 
 def test_the_summary_counts_runs_and_leaves_named_cases_out() -> None:
     times = [verdict(n, guardian_stop_ms=float(n)) for n in range(100)]
-    found = summary([*times, verdict(200, samples_lost=7, set="singles"), verdict(201, gone_turning=True, set="cases")])
+    others = [verdict(200, samples_lost=7, set="singles"), verdict(201, gone_turning=True, set="cases")]
+    assert summary(others)["gone_turning"] == 1
+    found = summary(campaign([*times, *others]))
     assert (found["runs"], found["pairs"], found["samples_lost"], found["gone_turning"]) == (101, 100, 7, 0)
     assert found["guardian_stop_ms_p99"] == 98.0
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from benchmarks.parts.soak.controllers import CONTROLLERS
 from benchmarks.parts.soak.faults import FAULTS
 from benchmarks.parts.soak.judge import Verdict
-from benchmarks.parts.soak.results import summary
+from benchmarks.parts.soak.results import campaign, summary
 from benchmarks.parts.tables import markdown
 
 _LISTED = 40  # runs that were otherwise than they should be
@@ -32,7 +32,7 @@ and the judge goes by the peer's true speed.
 
 def page(verdicts: Sequence[Verdict]) -> str:
     """Return docs/faults.md."""
-    counted = [verdict for verdict in verdicts if verdict.set != "cases"]
+    counted = campaign(verdicts)
     dates = sorted({verdict.date for verdict in counted})
     head = _HEAD.format(
         runs=len(counted),

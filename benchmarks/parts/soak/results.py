@@ -49,9 +49,14 @@ def prune(folder: Path = FOLDER) -> None:
         path.write_text("".join(json.dumps(_plain(asdict(verdict))) + "\n" for verdict in mine), encoding="utf-8")
 
 
+def campaign(verdicts: Iterable[Verdict]) -> list[Verdict]:
+    """Return those of singles and pairs: a named case is no part of the campaign."""
+    return [verdict for verdict in verdicts if verdict.set != "cases"]
+
+
 def summary(verdicts: Iterable[Verdict]) -> dict[str, Any]:
-    """Return the figures of the campaign; named cases are not counted in it."""
-    counted = [verdict for verdict in verdicts if verdict.set != "cases"]
+    """Return the figures of some runs."""
+    counted = list(verdicts)
     stops = sorted(v.guardian_stop_ms for v in counted if v.guardian_stop_ms is not None)
     return {
         "runs": len(counted),
