@@ -16,6 +16,7 @@ from rotorrig.rig.motor.base import REMEDY, MotorInfo, MotorState, Stop
 from rotorrig.rig.motor.can_link import CanLink, Refused
 from rotorrig.rig.motor.cia402_frames import Item, State
 from rotorrig.rig.motor.slowing import falls, patience
+from rotorrig.rig.serial_port import ReopenedPort
 
 CONFIRM_SECONDS = 1.0  # for the state to follow a command
 CONFIRM_PAUSE_SECONDS = 0.01
@@ -31,6 +32,7 @@ class CanOpenMotor:
         self._table = table
         self._unit = table.rpm_per_unit / RPM  # rad/s
         self._name = f"CANopen, {table.interface} {table.channel}, {table.bitrate / 1000:g} kbit/s, node {table.node}"
+        self._reopened = ReopenedPort(table.channel.partition("@")[0]) if table.interface == "slcan" else None
         self._can: CanLink | None = None
         self._slowest = self._fastest = 0.0  # rad/s, the drive's own limits and the config's; read when opened
         self._slope: tuple[int, int] | None = None  # of the ramps, as the drive has confirmed it since it was opened
@@ -39,6 +41,8 @@ class CanOpenMotor:
     def open(self) -> MotorInfo:
         """Open the bus anew, check who answers, configure the drive and its watchdog. Raises LinkLost."""
         self.close()
+        if self._reopened:
+            self._reopened.check()
         self._can, self._slope = CanLink(self._table, name=self._name), None
         try:
             model = self._check_device()

@@ -15,6 +15,7 @@ from rotorrig.rig.motor import line_frames
 from rotorrig.rig.motor.base import REMEDY, MotorInfo, MotorState, Stop
 from rotorrig.rig.motor.line_frames import Identity
 from rotorrig.rig.motor.line_link import LineLink, Refused
+from rotorrig.rig.serial_port import ReopenedPort
 
 BOOT_SECONDS = 3.0  # boards that start anew when their port is opened boot in about two
 CONFIRM_SECONDS = 1.0  # for the state to follow a command
@@ -32,12 +33,14 @@ class LineMotor:
         self._max_speed = table.max_speed  # rad/s, the config's
         self._watchdog = table.watchdog  # s
         self._name = f"line protocol, {table.port}, {table.baudrate} baud"
+        self._reopened = ReopenedPort(table.port)
         self._link: LineLink | None = None
         self._identity = Identity(max_speed=0.0, max_ramp=0.0, has_encoder=False, model="")
 
     def open(self) -> MotorInfo:
         """Open the port anew, check who answers and set its watchdog. Raises LinkLost."""
         self.close()
+        self._reopened.check()
         self._link = LineLink(self.port, baudrate=self._baudrate, name=self._name)
         try:
             self._identity = self._read_identity()

@@ -15,7 +15,7 @@ from pymodbus.pdu import ModbusPDU
 from rotorrig.rig.config import ModbusRtu, ModbusTcp
 from rotorrig.rig.errors import LimitExceeded, LinkLost
 from rotorrig.rig.motor.turns import Turns
-from rotorrig.rig.serial_port import diagnose_port, keep_lines_when_closed
+from rotorrig.rig.serial_port import ReopenedPort, diagnose_port, keep_lines_when_closed
 
 ANSWER_SECONDS = 0.1  # for a device to answer, besides the wire's own time; a busy drive takes some tens of ms
 TRIES = 6  # of one exchange: a lost link is known after about a second
@@ -51,7 +51,9 @@ class ModbusLink:
         self._turns = Turns()
         self._given_up = 0  # how many answers were, and may still arrive
         self.answer_seconds = ANSWER_SECONDS
+        self._port: ReopenedPort | None = None  # None: it is no serial port
         if isinstance(table, ModbusRtu):
+            self._port = ReopenedPort(table.port)
             self.answer_seconds += _LONGEST * _BITS_PER_BYTE / table.baudrate
             self.name = f"Modbus RTU, {table.port}, {table.baudrate} baud, address {table.address}"
         else:
@@ -180,6 +182,8 @@ class ModbusLink:
 
     def _connect(self) -> ModbusSerialClient | ModbusTcpClient:
         table = self._table
+        if self._port:
+            self._port.check()
         if isinstance(table, ModbusRtu):
             line = ModbusSerialClient(table.port, baudrate=table.baudrate, timeout=self.answer_seconds, retries=0)
             if not line.connect() or line.socket is None:
