@@ -9,21 +9,26 @@ import hashlib
 import json
 import os
 import socket
-import tempfile
 from pathlib import Path
 from typing import Any
 
 from rotorrig.rig.config import Motor
+from rotorrig.rig.errors import LinkLost
 
+FOLDER = Path("/tmp")  # whatever the environment says: a shell, a service and a cron job have to find the same socket
 PATIENCE = 5.0  # s for an answer
 PLACE = ("driver", "port", "host", "tcp_port", "address", "interface", "channel", "node")  # keys that name a link
 
 
 def address_of(table: Motor) -> Path:
-    """Return the socket's path for this [motor] table; its folder is made, for this user alone."""
-    runtime = os.environ.get("XDG_RUNTIME_DIR")
-    folder = Path(runtime or tempfile.gettempdir()) / f"rotorrig-{os.getuid()}"
+    """Return the socket's path for this [motor] table; its folder is made, for this user alone.
+
+    Raises LinkLost if it is another user's.
+    """
+    folder = FOLDER / f"rotorrig-{os.getuid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
+    if folder.is_symlink() or folder.stat().st_uid != os.getuid():
+        raise LinkLost(f"motor: {folder} is not this user's own folder, want it away: guardians are asked there")
     names = {key: str(value) for key, value in table.model_dump().items() if key in PLACE}
     if "port" in names and names["port"].startswith("/"):
         names["port"] = os.path.realpath(names["port"])

@@ -8,7 +8,6 @@ import socket
 import statistics
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -75,16 +74,8 @@ class Sweep:
 
 
 @pytest.fixture
-def runtime(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder for the guardians' sockets, with a path short enough for one."""
-    with tempfile.TemporaryDirectory() as folder:
-        monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
-        monkeypatch.setenv("PYTHONPATH", str(ROOT))
-        yield Path(folder)
-
-
-@pytest.fixture
-def drive(runtime: Path) -> Iterator[LineDrive]:
+def drive(monkeypatch: pytest.MonkeyPatch) -> Iterator[LineDrive]:
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
     made = LineDrive()
     yield made
     made.close()
@@ -220,16 +211,16 @@ def test_a_second_sweep_on_the_same_link_is_refused(sweep: Sweep) -> None:
         Sweep(sweep.drive, sweep.log).control.open()
 
 
-def test_at_rest_the_guardian_ends_and_its_socket_is_gone(sweep: Sweep, runtime: Path) -> None:
-    guardian = sweep.guardian
-    assert list(runtime.glob("*/*.sock"))
+def test_at_rest_the_guardian_ends_and_its_socket_is_gone(sweep: Sweep) -> None:
+    guardian, place = sweep.guardian, registry.address_of(sweep.control._table)
+    assert place.is_socket()
     sweep.turn()
     sweep.control.stop(Stop.COAST)
     until(sweep.confirmed, work=sweep.live)
     sweep.control.close()
     with pytest.raises(ProcessLookupError):
         os.kill(guardian, 0)
-    assert not list(runtime.glob("*/*.sock"))
+    assert not place.exists()
     assert sweep.written() == ""
 
 
@@ -268,18 +259,14 @@ def test_a_defect_of_the_guardian_stops_the_rotor_and_does_not_end_it(sweep: Swe
     until(sweep.confirmed, work=sweep.live)
 
 
-def test_a_guardian_whose_folders_vanish_goes_on_stopping(
-    drive: LineDrive, runtime: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As the system removes a user's folder when he logs out, which may be what ended the sweep."""
+def test_a_guardian_whose_files_vanish_goes_on_stopping(drive: LineDrive, tmp_path: Path) -> None:
+    """As a system may remove a user's files when he logs out, which may be what ended the sweep."""
     sweep = Sweep(drive, tmp_path / "gone" / "log")
     sweep.control.open()
     sweep.turn()
     process = sweep.control._process
     assert process
-    for path in (*runtime.glob("*/*"), *runtime.glob("*")):
-        path.unlink() if path.is_socket() else path.rmdir()
-    runtime.rmdir()
+    registry.address_of(sweep.control._table).unlink()
     left = time.monotonic()
     sweep.control.close(at_rest=False)
     try:
@@ -288,12 +275,11 @@ def test_a_guardian_whose_folders_vanish_goes_on_stopping(
         process.kill()
         process.wait()
         sweep.control._line.close()
-        runtime.mkdir()
 
 
-def test_who_asks_nonsense_or_nothing_at_its_socket_does_not_disturb_it(sweep: Sweep, runtime: Path) -> None:
+def test_who_asks_nonsense_or_nothing_at_its_socket_does_not_disturb_it(sweep: Sweep) -> None:
     sweep.turn()
-    (path,) = runtime.glob("*/*.sock")
+    path = registry.address_of(sweep.control._table)
     for question in (b"[]\n", b"{\n", b""):
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as asker:
             asker.connect(str(path))
@@ -328,3 +314,17 @@ def test_a_control_that_was_never_opened_can_be_closed(drive: LineDrive, tmp_pat
     control: GuardedControl = Sweep(drive, tmp_path / "log").control
     control.close()
     assert control.guardian is None
+
+
+def test_whatever_the_environment_says_guardians_are_asked_in_one_place_of_the_users_own(
+    drive: LineDrive, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    table = Sweep(drive, tmp_path / "log").control._table
+    place = registry.address_of(table)
+    for name in ("XDG_RUNTIME_DIR", "TMPDIR", "HOME"):
+        monkeypatch.setenv(name, str(tmp_path))
+    assert registry.address_of(table) == place
+    monkeypatch.setattr(registry, "FOLDER", tmp_path)
+    (tmp_path / f"rotorrig-{os.getuid()}").symlink_to("/tmp")
+    with pytest.raises(LinkLost, match="not this user's own folder"):
+        ask_guardian(table, "state")
