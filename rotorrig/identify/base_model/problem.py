@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.base_model.forward import Forward, UnitResponse
 from rotorrig.identify.base_model.parameters import Parameters, Reals
 from rotorrig.identify.base_model.settings import BASE_MODEL
-from rotorrig.identify.least_squares import NONE_FIXED, TOLERANCE, Solution, solve
+from rotorrig.identify.least_squares import LEAST_SQUARES, NONE_FIXED, Solution, solve
 from rotorrig.identify.measurement import Measurement, trial_unbalance
 from rotorrig.processing import OrderTrackedResponse
 
@@ -75,7 +75,7 @@ class Problem:
         start: Reals,
         *,
         fixed: Mapping[int, float] = NONE_FIXED,
-        tolerance: float = TOLERANCE,
+        tolerance: float = LEAST_SQUARES.tolerance,
         max_steps: int = BASE_MODEL.most_steps,
     ) -> Solution:
         """Refine by least squares within the bounds, the parameters in `fixed` held: least_squares.solve."""

@@ -60,7 +60,7 @@ def fit_candidate(
     that a full step promises, or ten times under a force law, which bends more.
     """
     cost = price(problem, score.effect)
-    hoped = 10 if score.effect.needs_starts else 2
+    hoped = SELECTION.promised_by_law if score.effect.needs_starts else SELECTION.promised
 
     def worth(chi2: float, promise: float) -> bool:
         return polished.chi2 - chi2 + hoped * promise - cost > leader - SELECTION.near
@@ -144,7 +144,11 @@ def _refine(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Solution
         return problem.solve(start, tolerance=SELECTION.settled, max_steps=SELECTION.steps, worth=worth)
     if nuisances_biased(problem, start):
         near = problem.solve(
-            start, fixed=pinned_nuisances(problem), tolerance=1.0, max_steps=SELECTION.steps, worth=worth
+            start,
+            fixed=pinned_nuisances(problem),
+            tolerance=SELECTION.pinned_settled,
+            max_steps=SELECTION.steps,
+            worth=worth,
         )
         if near.stop is Stop.GIVEN_UP:
             return near

@@ -12,14 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals
+from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Moving, Recording, halved_loads
 from rotorrig.sims.effects import Effect, Parameter
 from rotorrig.sims.rotor.model import Direction, Load, RotorModel, finite_difference
 
 Complex = NDArray[np.complex128]
-
-STEP = 1e-4  # of an unknown's size
-SPANNED = 1e-12  # of the loads' greatest singular value: less is rounding
 
 
 def score_columns(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> list[Reals]:
@@ -56,7 +54,7 @@ class _Step:
 def _steps(effect: Effect, model: RotorModel) -> Iterator[_Step]:
     """Yield the step of each unknown; those that change the number of coordinates have no direction."""
     for q in effect.parameters:
-        theta = _at_small_step(effect, q) if q.low < q.high else effect.at_zero | {q.name: q.at_zero + STEP * q.size}
+        theta = _at_small_step(effect, q)
         h = (theta[q.name] - q.at_zero) / q.size
         there = effect.change_matrices(model, theta) if "matrices" in effect.acts_on else model
         yield _Step(
@@ -70,7 +68,9 @@ def _steps(effect: Effect, model: RotorModel) -> Iterator[_Step]:
 
 def _at_small_step(effect: Effect, q: Parameter) -> dict[str, float]:
     """Return the effect's unknowns at zero amplitude but for a small step of one, within its bounds."""
-    step = STEP * q.size if q.at_zero + STEP * q.size <= q.high else -STEP * q.size
+    step = SELECTION.step * q.size
+    if q.low < q.high and q.at_zero + step > q.high:
+        step = -step
     return effect.at_zero | {q.name: q.at_zero + step}
 
 
@@ -124,7 +124,7 @@ def _responses(recording: Recording, model: RotorModel, loads: Sequence[Load], o
         patterns = np.stack([loads[k].pattern for k in of_law], axis=-1)
         size = np.linalg.norm(patterns, axis=0)
         basis, share, _ = np.linalg.svd(patterns / size, full_matrices=False)
-        basis = basis[:, share > SPANNED * share[0]]
+        basis = basis[:, share > SELECTION.spanned * share[0]]
         units = [Load(pattern=pattern, law=law, order=order, since=loads[of_law[0]].since) for pattern in basis.T]
         z[..., of_law] = recording.columns(model, units, order=order) @ (basis.conj().T @ patterns)
     return z

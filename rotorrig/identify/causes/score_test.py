@@ -12,12 +12,10 @@ import numpy as np
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.locate import best_place
 from rotorrig.identify.causes.score_jacobian import score_columns
+from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect
-
-_TOGETHER = 16  # candidates whose columns are projected at once: passes over the basis are what takes time
-_OPEN = 1e-6  # of a column that the base cannot follow: less is rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,10 +60,10 @@ def curved_scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effec
 def _scores(problem: ExtendedProblem, p: Reals, able: Sequence[Effect], Q: Reals, r: Reals) -> list[Score]:
     columns = score_columns(problem, p, able)
     scored: list[Score] = []
-    for i in range(0, len(able), _TOGETHER):
-        some = columns[i : i + _TOGETHER]
+    for i in range(0, len(able), SELECTION.scored_together):
+        some = columns[i : i + SELECTION.scored_together]
         left = np.split(_beyond(np.hstack(some), Q), np.cumsum([own.shape[1] for own in some])[:-1], axis=1)
-        scored += [_score(*each, r) for each in zip(able[i : i + _TOGETHER], some, left, strict=True)]
+        scored += [_score(*each, r) for each in zip(able[i : i + SELECTION.scored_together], some, left, strict=True)]
     return scored
 
 
@@ -96,7 +94,7 @@ def _curved_score(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, 
         change = np.where(np.isfinite(change), change, 0.0)
         left = change - Q @ (Q.T @ change)
         size = float(left @ left)
-        if size <= (_OPEN**2) * float(change @ change) or size == 0:
+        if size <= SELECTION.beyond_base**2 * float(change @ change) or size == 0:
             continue
         share = -float(left @ r) / size
         lam = share**2 * size if share > 0 else 0.0
@@ -120,7 +118,7 @@ def _score(effect: Effect, columns: Reals, left: Reals, r: Reals) -> Score:
     step = np.zeros(len(effect.parameters))
     length = _lengths(columns)
     size = _lengths(left)
-    seen = size > _OPEN * np.maximum(length, 1e-300)
+    seen = size > SELECTION.beyond_base * np.maximum(length, 1e-300)
     one_sided = np.array([q.low == q.at_zero for q in effect.parameters])
     lam, visible = 0.0, float(np.max(size[seen] ** 2, initial=0.0))
     while seen.any():

@@ -24,7 +24,15 @@ class SelectionSettings:
     left_by_law: float = 0.03  # of the excess of chi2: what harmonic balance may leave
     reached: float = 0.2  # of the excess of chi2: a score that leaves less may be all there is to it
 
+    # scores
+    step: float = 1e-4  # of an unknown's size: differences
+    spanned: float = 1e-12  # of the loads' greatest singular value: less is rounding
+    beyond_base: float = 1e-6  # of a column that the base cannot follow: less is rounding
+    scored_together: int = 16  # candidates whose columns are projected at once: passes over the basis take time
+
     # fits of single candidates
+    promised: float = 2.0  # times what a full step promises: a fit that would not get there even so is given up
+    promised_by_law: float = 10.0  # the same under a force law, which bends more
     near: float = 48.0  # of BIC, three times what tells two causes apart: one further behind the best is given up
     settled: float = 0.1  # of chi2, where a fit ends
     steps: int = 15  # of a fit: a model that is wrong wanders on among its nuisances

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts
 from rotorrig.identify.extended_model.model import ExtendedModel
+from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.effects import Effect
 from rotorrig.sims.rotor.model import Direction, Load
@@ -15,8 +16,6 @@ from rotorrig.sims.rotor.nonlinear import ForceLaw, LawChange
 
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
-
-STEP = 1e-5  # of an unknown in working coordinates: loads and laws
 
 
 class LawColumns:
@@ -80,13 +79,13 @@ class LawColumns:
         rotor = self._model.above(self._moving)
         for i in self._nonlinear:
             pairs = zip(known, self._after[i].loads(recording, order), strict=True)
-            more = [replace(old, pattern=(new.pattern - old.pattern) / STEP) for old, new in pairs]
+            more = [replace(old, pattern=(new.pattern - old.pattern) / EXTENDED_MODEL.law_step) for old, new in pairs]
             z = recording.columns(rotor, more, order=order).sum(axis=-1)
             found[..., np.searchsorted(self._free, i)] += self._model.probes.linear(self._p, z)
 
     def _stepped(self, i: int) -> Moving:
         moved = self._p.copy()
-        moved[i] += STEP
+        moved[i] += EXTENDED_MODEL.law_step
         return self._model.moving(moved)
 
     def _loads(self, recording: Recording) -> tuple[list[Load], dict[int, list[Load]]]:
@@ -95,7 +94,7 @@ class LawColumns:
         more: dict[int, list[Load]] = {}
         for i, after in self._after.items():
             for old, new in zip(known, after.loads(recording, 1), strict=True):
-                change = (new.pattern - old.pattern) / STEP
+                change = (new.pattern - old.pattern) / EXTENDED_MODEL.law_step
                 if change.any():
                     more.setdefault(i, []).append(replace(old, pattern=change))
         return [*self._moving.planes, *known, *(load for loads in more.values() for load in loads)], more
@@ -116,7 +115,12 @@ class LawColumns:
             amounts[i] = np.sum([_unit(loads, first + k) for k in range(len(own))], axis=0)
             first += len(own)
         return {
-            i: LawChange(direction=self._directions.get(i), amounts=amounts.get(i), laws=self._laws(i), step=STEP)
+            i: LawChange(
+                direction=self._directions.get(i),
+                amounts=amounts.get(i),
+                laws=self._laws(i),
+                step=EXTENDED_MODEL.law_step,
+            )
             for i in sorted({*amounts, *self._after})
         }
 
@@ -145,7 +149,7 @@ def _moves_a_law(model: ExtendedModel, p: Reals, effect: Effect, i: int) -> bool
     k = model.effects.index(effect)
     q = effect.parameters[i - model.parameters.theta[k].start]
     theta, rotor = model.parameters.of_effect(p, k), model.rotor(p)
-    there = effect.force_laws(rotor, theta | {q.name: theta[q.name] + STEP * q.size})
+    there = effect.force_laws(rotor, theta | {q.name: theta[q.name] + EXTENDED_MODEL.law_step * q.size})
     return any(not np.array_equal(a.rows, b.rows) for a, b in zip(effect.force_laws(rotor, theta), there, strict=True))
 
 

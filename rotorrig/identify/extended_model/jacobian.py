@@ -6,8 +6,9 @@ from numpy.typing import NDArray
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts
 from rotorrig.identify.extended_model.force_law_jacobian import LawColumns, under_laws
-from rotorrig.identify.extended_model.model import MARCHED, ExtendedModel
+from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.parameters import MAINS, bends
+from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.effects import Effect
 
@@ -15,8 +16,6 @@ Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 
 Changes = dict[int, list[dict[int, Complex]]]  # unknown -> per recording: order -> (row + 1, probe)
-
-STEP = 1e-4  # of an effect's size
 
 
 def columns(model: ExtendedModel, p: Reals, free: Index) -> Reals:
@@ -74,7 +73,7 @@ def _differences(model: ExtendedModel, p: Reals, which: list[int]) -> Changes:
     at = model.predict(p)
     found = {}
     for i in which:
-        h = STEP
+        h = EXTENDED_MODEL.step
         if p[i] + h > high[i] and p[i] - h >= low[i]:
             h = -h
         moved = p.copy()
@@ -97,7 +96,7 @@ def _exact(
     found = {order: np.zeros((rows, probes, len(free)), complex) for order in recording.orders}
     for order in recording.orders:
         if lawful is not None and order == 1:
-            marched = tuple(n for n in recording.orders if n <= MARCHED)
+            marched = tuple(n for n in recording.orders if n <= EXTENDED_MODEL.highest_law_order)
             motion = lawful.fill(recording, found, orders=marched)
         elif order > 1 and model.linear_at(order) and not model.units.exact:
             motion = model.motion_of(recording, p, moving, order=order)
@@ -254,6 +253,6 @@ def _through_effects(
             continue
         for i in free[(free >= part.start) & (free < part.stop)]:
             moved = p.copy()
-            moved[i] += STEP
+            moved[i] += EXTENDED_MODEL.step
             there = model.probes.through_effects(recording, moved, z, order=order)
-            found[..., np.searchsorted(free, i)] = (there - before) / STEP
+            found[..., np.searchsorted(free, i)] = (there - before) / EXTENDED_MODEL.step

@@ -9,9 +9,8 @@ from typing import Self
 
 import numpy as np
 
+from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.sims.effects import EVERY, Complex, Effect, Parameter, ReadingContext, Theta
-
-WIDE = 0.35  # rad, one standard deviation: a notch of 20 degrees is common
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +24,7 @@ class MarkEdge(Effect):
     @classmethod
     def of_recording(cls, number: int) -> Self:
         """Return the nuisance of that recording."""
-        width = Parameter(name="width", unit="rad", low=-np.pi, high=np.pi, size=0.1, prior=WIDE)
+        width = Parameter(name="width", unit="rad", low=-np.pi, high=np.pi, size=0.1, prior=EXTENDED_MODEL.mark_width)
         return cls(where=f"recording {number + 1}", recording=number, parameters=(width,))
 
     def change_readings(self, z: Complex, view: ReadingContext, theta: Theta) -> Complex:

@@ -13,6 +13,7 @@ from rotorrig.identify.base_model import Reals, StructuralModel
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts, halved_loads
 from rotorrig.identify.extended_model.measuring_chain import ProbeSide
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
+from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.identify.extended_model.tracked_recording import ORDERS, Recording
 from rotorrig.identify.extended_model.unit_responses import UnitResponses
 from rotorrig.sims.effects import Effect, Theta
@@ -21,9 +22,6 @@ from rotorrig.sims.rotor.model import Direction, Load, RotorModel, finite_differ
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 
-MARCHED = 2  # the highest order at which a force law is followed
-STEP = 1e-5  # of an effect's size: its matrices
-RECENT = 4  # rotors kept: the next question is often about the same one
 Models = dict[tuple[tuple[str, float], ...], StructuralModel]
 Recent = dict[Hashable, RotorModel]
 
@@ -154,7 +152,7 @@ class ExtendedModel:
             for effect, theta in changes:
                 model = effect.change_matrices(model, theta)
             self._recent[key] = model
-            for old in list(self._recent)[:-RECENT]:
+            for old in list(self._recent)[: -EXTENDED_MODEL.recent]:
                 del self._recent[old]
         return self._recent[key]
 
@@ -163,7 +161,7 @@ class ExtendedModel:
         key = (i, (p[self.parameters.own] == 0).tobytes())
         if key not in self._resizes:
             moved = p.copy()
-            moved[i] += STEP
+            moved[i] += EXTENDED_MODEL.matrix_step
             self._resizes[key] = self.rotor(moved).dof != self.rotor(p).dof
         return self._resizes[key]
 
@@ -187,8 +185,8 @@ class ExtendedModel:
                 found.append(self._structure.direction(model, values, by[i]))
                 continue
             moved = p.copy()
-            moved[i] += STEP
-            found.append(finite_difference(model, self.rotor(moved), STEP))
+            moved[i] += EXTENDED_MODEL.matrix_step
+            found.append(finite_difference(model, self.rotor(moved), EXTENDED_MODEL.matrix_step))
         return found
 
     def amounts(self, recording: Recording, p: Reals, *, halved: bool = False) -> Complex:
@@ -240,7 +238,7 @@ class ExtendedModel:
         key = (recording.number, tuple(wanted), moves)
         if key not in self._marched:
             self._marched[key] = self._marched_anew(recording, p, moving, wanted)
-            for old in list(self._marched)[: -RECENT * len(self.recordings)]:
+            for old in list(self._marched)[: -EXTENDED_MODEL.recent * len(self.recordings)]:
                 del self._marched[old]
         return self._marched[key]
 
@@ -252,7 +250,7 @@ class ExtendedModel:
         loads = [*moving.planes, *first]
         each = self.amounts(recording, p, halved=moving.halved)
         sets, which = np.unique(each, axis=0, return_inverse=True)
-        marched = [order for order in wanted if order <= MARCHED]
+        marched = [order for order in wanted if order <= EXTENDED_MODEL.highest_law_order]
         found = {order: np.zeros((len(each), len(moving.model.probes)), complex) for order in wanted}
         for i, amounts in enumerate(sets):
             amounts = np.append(amounts, np.ones(len(first)))

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Parameters, Reals
+from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects import Effect
 
@@ -19,7 +20,6 @@ Complex = NDArray[np.complex128]
 MAINS = (50.0, 60.0)  # Hz
 KEYPHASOR = "keyphasor angle"  # rad, of the mark: the angle that trial masses are given from
 CURVED_AT = 300e-6  # m, 0-peak: where the curvature of a probe's scale factor is told
-BEYOND = 2.0  # times its plausible range an unknown may be fitted: what ends there is not plausible, and says so
 
 
 class ExtendedParameters:
@@ -92,8 +92,9 @@ class ExtendedParameters:
         """Lower and upper bounds of `p`."""
         low, high = np.full(len(self), -np.inf), np.full(len(self), np.inf)
         low[: len(self.base)], high[: len(self.base)] = self.base.bounds
-        low[self.own] = [(p.low * BEYOND if p.low < 0 else p.low / BEYOND) / p.size for p in self._own]
-        high[self.own] = [(p.high * BEYOND if p.high > 0 else p.high / BEYOND) / p.size for p in self._own]
+        wider = EXTENDED_MODEL.fit_range
+        low[self.own] = [(p.low * wider if p.low < 0 else p.low / wider) / p.size for p in self._own]
+        high[self.own] = [(p.high * wider if p.high > 0 else p.high / wider) / p.size for p in self._own]
         return low, high
 
     @property

@@ -14,7 +14,7 @@ from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.jacobian import columns
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.tracked_recording import ORDERS, Recording
-from rotorrig.identify.least_squares import NONE_FIXED, TOLERANCE, Index, Solution, Stop, Worth, always, solve
+from rotorrig.identify.least_squares import LEAST_SQUARES, NONE_FIXED, Index, Solution, Stop, Worth, always, solve
 from rotorrig.sims.effects import Effect
 
 
@@ -56,8 +56,8 @@ class ExtendedProblem:
         start: Reals,
         *,
         fixed: Mapping[int, float] = NONE_FIXED,
-        tolerance: float = TOLERANCE,
-        max_steps: int = 50,
+        tolerance: float = LEAST_SQUARES.tolerance,
+        max_steps: int = LEAST_SQUARES.steps,
         worth: Worth = always,
     ) -> Solution:
         """Refine by least squares within the bounds, the parameters in `fixed` held: least_squares.solve.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.extended_model.parameters import MAINS
+from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.identify.measurement import Measurement, measure, trial_unbalance
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
@@ -38,7 +39,6 @@ from rotorrig.sims.rotor.swept import Timeline, swept_columns, swept_derivatives
 Complex = NDArray[np.complex128]
 
 ORDERS = (1, 2, 3)  # that a model may predict, where they were tracked
-_BEYOND = 0.1  # m: no rotor kit does
 
 
 class Recording:
@@ -172,8 +172,9 @@ class Recording:
         else:
             moving = steady_with_law(model, self._omega, loads, amounts, laws, orders=orders)
         both = np.concatenate([moving, slow])
-        if not np.all(np.abs(both) < _BEYOND):  # NaN too
-            raise DataError(f"under its force laws the rotor moves by more than {_BEYOND:g} m, want a bounded motion")
+        largest = EXTENDED_MODEL.largest_motion
+        if not np.all(np.abs(both) < largest):  # NaN too
+            raise DataError(f"under its force laws the rotor moves by more than {largest:g} m, want a bounded motion")
         return {order: both[..., i] for i, order in enumerate(orders)}
 
     def law_derivatives(

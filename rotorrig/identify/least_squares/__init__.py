@@ -2,8 +2,8 @@
 
 from rotorrig.identify.chea.residuals import LinearModel, Point, Stop, take_step
 from rotorrig.identify.least_squares.solve import (
+    LEAST_SQUARES,
     NONE_FIXED,
-    TOLERANCE,
     Index,
     Solution,
     Worth,
@@ -13,8 +13,8 @@ from rotorrig.identify.least_squares.solve import (
 )
 
 __all__ = [
+    "LEAST_SQUARES",
     "NONE_FIXED",
-    "TOLERANCE",
     "Index",
     "LinearModel",
     "Point",

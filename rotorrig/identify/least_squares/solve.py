@@ -22,11 +22,21 @@ from rotorrig.rig import DataError
 Reals = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-TOLERANCE = 1e-4  # of chi2: a step of a hundredth of a standard deviation
-OPEN = 1e-9  # singular value of the scaled Jacobian, relative, below which it is rounding
 NONE_FIXED: Mapping[int, float] = MappingProxyType({})
 
 Worth = Callable[[float, float], bool]  # of the sum of squares and of what a full step promises to take from it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LeastSquaresSettings:
+    """End of a fit, and what its data leave open."""
+
+    tolerance: float = 1e-4  # of chi2: a step of a hundredth of a standard deviation
+    steps: int = 50  # a fit that takes as many does not converge
+    rounding: float = 1e-9  # singular value of the scaled Jacobian, relative: less is rounding
+
+
+LEAST_SQUARES = LeastSquaresSettings()
 
 
 def always(cost: float, promise: float) -> bool:
@@ -82,8 +92,8 @@ def solve(
     start: Reals,
     *,
     fixed: Mapping[int, float] = NONE_FIXED,
-    tolerance: float = TOLERANCE,
-    max_steps: int = 50,
+    tolerance: float = LEAST_SQUARES.tolerance,
+    max_steps: int = LEAST_SQUARES.steps,
     worth: Worth = always,
     damped: bool = False,
 ) -> Solution:
@@ -169,5 +179,5 @@ def inverse_information(jacobian: Reals) -> Reals:
     root, _ = triangular_factor(jacobian * scale)
     square = np.pad(root, ((0, len(length) - len(root)), (0, 0)))  # fewer rows than parameters leave some open
     _, size, directions = np.linalg.svd(square)
-    root = scale[:, None] * directions.T / np.maximum(size, OPEN * size[0])
+    root = scale[:, None] * directions.T / np.maximum(size, LEAST_SQUARES.rounding * size[0])
     return root @ root.T

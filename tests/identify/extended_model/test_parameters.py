@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.causes.candidates import background
-from rotorrig.identify.extended_model.parameters import BEYOND, KEYPHASOR, ExtendedParameters
+from rotorrig.identify.extended_model.parameters import KEYPHASOR, ExtendedParameters
+from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, Parameter, find
 
@@ -45,8 +46,8 @@ def test_a_fit_may_go_somewhat_beyond_what_is_plausible(rig: RigConfig) -> None:
     names = laid_out(rig, find(rig, "delay"))
     low, high = (bound[names.own] for bound in names.bounds)
     (q,) = names.effects[0].parameters
-    assert float(high[0] * q.size) == pytest.approx(BEYOND * q.high)
-    assert float(low[0] * q.size) == pytest.approx(BEYOND * q.low)
+    assert float(high[0] * q.size) == pytest.approx(EXTENDED_MODEL.fit_range * q.high)
+    assert float(low[0] * q.size) == pytest.approx(EXTENDED_MODEL.fit_range * q.low)
 
 
 def test_a_range_that_is_all_positive_is_widened_at_both_ends(rig: RigConfig) -> None:

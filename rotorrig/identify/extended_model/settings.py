@@ -1,0 +1,27 @@
+"""Tuning of the extended model: differences, bounds, what it follows and what it keeps."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExtendedModelSettings:
+    """Steps of differences, bounds and nuisances of effects, motion under force laws, rotors kept."""
+
+    # differences
+    step: float = 1e-4  # of an effect's size: vectors
+    matrix_step: float = 1e-5  # of an effect's size: its matrices
+    law_step: float = 1e-5  # of an unknown in working coordinates: loads and laws
+
+    # unknowns
+    fit_range: float = 2.0  # times its plausible range an unknown may be fitted: what ends there says so
+    mark_width: float = 0.35  # rad, one standard deviation: a notch of 20 degrees is common
+
+    # motion under force laws
+    highest_law_order: int = 2  # at which a force law is followed
+    largest_motion: float = 0.1  # m: no rotor kit does
+
+    # rotors kept
+    recent: int = 4  # the next question is often about the same one
+
+
+EXTENDED_MODEL = ExtendedModelSettings()
