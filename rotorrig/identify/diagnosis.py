@@ -93,7 +93,7 @@ def diagnose(
     _check(responses)
     if model == "quasi-static" and (steady := _quasi_static_base(responses, seed=seed, progress=progress)):
         diagnosis = diagnose(responses, holdout=holdout, without=without, seed=seed, progress=progress)
-        return _with_moving_speed(diagnosis, *steady)
+        return _add_moving_speed(diagnosis, *steady)
     with threadpool_limits(1, user_api="blas"):
         progress("base model", 0.0)
         recordings = _recordings(responses, swept=model == "swept")
@@ -157,7 +157,7 @@ def _quasi_static_base(
     return (still, cause) if cause else None
 
 
-def _with_moving_speed(diagnosis: Diagnosis, still: AssessedFit, cause: Cause) -> Diagnosis:
+def _add_moving_speed(diagnosis: Diagnosis, still: AssessedFit, cause: Cause) -> Diagnosis:
     """Return the diagnosis by the swept model as one of the quasi-static base."""
     adequacy = still.adequacy
     return replace(

@@ -27,15 +27,15 @@ _FIRST_UNKNOWNS = ("kxx", "kyy", "cxx", "cyy", "u")  # of files that do not name
 CONVENTIONS = "SI units; amplitudes 0-peak; z = 2 mean(x exp(-j theta)), theta = 0 at the keyphasor edge; lag = -arg z"
 
 
-def write_identification(path: Path, found: Identification) -> None:
+def write_identification(path: Path, identification: Identification) -> None:
     """Write fit.json. Raises DataError if the file cannot be written."""
-    table = identification_table(found)
-    for of_file, fit in zip(table["fits"], found.fits, strict=True):
+    table = identification_table(identification)
+    for of_file, fit in zip(table["fits"], identification.fits, strict=True):
         of_file["prediction"] = _complex_out(fit.prediction)
-    _write(path, _FIT, table, found.source)
+    _write(path, _FIT, table, identification.source)
 
 
-def identification_table(found: Identification) -> dict[str, Any]:
+def identification_table(identification: Identification) -> dict[str, Any]:
     """Return what fit.json holds, less its arrays and its provenance."""
     fits = [
         {
@@ -50,9 +50,9 @@ def identification_table(found: Identification) -> dict[str, Any]:
             "words": list(fit.words),
             **_plain(fit, "objective evaluations stop seed chi2 dof"),
         }
-        for fit in found.fits
+        for fit in identification.fits
     ]
-    return {"effects": list(found.effects), "wall_s": found.wall_s, "fits": fits}
+    return {"effects": list(identification.effects), "wall_s": identification.wall_s, "fits": fits}
 
 
 def read_identification(path: Path) -> Identification:
@@ -92,30 +92,30 @@ def read_identification(path: Path) -> Identification:
         ) from error
 
 
-def write_diagnosis(path: Path, found: Diagnosis) -> None:
+def write_diagnosis(path: Path, diagnosis: Diagnosis) -> None:
     """Write diagnosis.json. Raises DataError if the file cannot be written."""
-    extended = found.extended_residual
+    extended = diagnosis.extended_residual
     arrays = {
-        "residual": _complex_out(found.residual),
-        "sigmas": _numbers_out(found.sigmas),
+        "residual": _complex_out(diagnosis.residual),
+        "sigmas": _numbers_out(diagnosis.sigmas),
         "extended_residual": None if extended is None else _complex_out(extended),
     }
-    _write(path, _DIAGNOSIS, {**diagnosis_table(found), **arrays}, found.source)
+    _write(path, _DIAGNOSIS, {**diagnosis_table(diagnosis), **arrays}, diagnosis.source)
 
 
-def diagnosis_table(found: Diagnosis) -> dict[str, Any]:
+def diagnosis_table(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return what diagnosis.json holds, less its arrays and its provenance."""
     misfit = "run probe order speed_from speed_to sigma residual relative phase backward other_run sentence"
     return {
-        "verdict": str(found.verdict),
-        **_plain(found, "sentence model false_alarm_rate noise_floor"),
-        "base": {**_plain(found, "chi2 dof p"), "worst": [_plain(m, misfit) for m in found.worst]},
-        "causes": [_cause_out(cause) for cause in found.causes],
-        **_plain(found, "tied"),
-        "next_run": {} if found.next_run is None else _plain(found.next_run, "kind words lam separates"),
-        "gain": {} if found.gain is None else _gain_out(found.gain),
-        "hidden": [_plain(effect, "effect smallest unit missing") for effect in found.hidden],
-        **_plain(found, "character responses"),
+        "verdict": str(diagnosis.verdict),
+        **_plain(diagnosis, "sentence model false_alarm_rate noise_floor"),
+        "base": {**_plain(diagnosis, "chi2 dof p"), "worst": [_plain(m, misfit) for m in diagnosis.worst]},
+        "causes": [_cause_out(cause) for cause in diagnosis.causes],
+        **_plain(diagnosis, "tied"),
+        "next_run": {} if diagnosis.next_run is None else _plain(diagnosis.next_run, "kind words lam separates"),
+        "gain": {} if diagnosis.gain is None else _gain_out(diagnosis.gain),
+        "hidden": [_plain(effect, "effect smallest unit missing") for effect in diagnosis.hidden],
+        **_plain(diagnosis, "character responses"),
     }
 
 

@@ -62,38 +62,38 @@ def diagnose_responses(
     return diagnosis
 
 
-def show(found: Diagnosis) -> None:
+def show(diagnosis: Diagnosis) -> None:
     """Print the verdict, the table of causes, ties, the next run and the cross-validation error."""
-    style = "green" if found.verdict is Verdict.ADEQUATE else "yellow"
-    out.print(found.sentence, style=style, highlight=False, markup=False)
-    for misfit in found.worst[1:4] if found.verdict is Verdict.UNEXPLAINED else ():
+    style = "green" if diagnosis.verdict is Verdict.ADEQUATE else "yellow"
+    out.print(diagnosis.sentence, style=style, highlight=False, markup=False)
+    for misfit in diagnosis.worst[1:4] if diagnosis.verdict is Verdict.UNEXPLAINED else ():
         out.print(f"  {misfit.sentence}", highlight=False, markup=False)
-    if found.causes:
-        out.print(tables.causes_table(found))
-    in_sentence = found.verdict in (Verdict.NAMED, Verdict.TIED)  # it has the gain
+    if diagnosis.causes:
+        out.print(tables.causes_table(diagnosis))
+    in_sentence = diagnosis.verdict in (Verdict.NAMED, Verdict.TIED)  # it has the gain
     sentences = [
-        *tie_sentences(found),
-        next_run_sentence(found),
-        "" if in_sentence else gain_sentence(found),
-        found.character,
-        hidden_effects_sentence(found),
+        *tie_sentences(diagnosis),
+        next_run_sentence(diagnosis),
+        "" if in_sentence else gain_sentence(diagnosis),
+        diagnosis.character,
+        hidden_effects_sentence(diagnosis),
     ]
     for words in filter(None, sentences):
         out.print(words, highlight=False, markup=False)
 
 
-def write_extended(path: Path, rig: RigConfig, found: Diagnosis) -> RigConfig:
+def write_extended(path: Path, rig: RigConfig, diagnosis: Diagnosis) -> RigConfig:
     """Write and return the config of `rig` extended by the named causes. Raises DataError if none was named."""
-    extended = extend_rig(rig, found)
+    extended = extend_rig(rig, diagnosis)
     if extended is None:
         raise DataError(f"{path}: not written: no cause was named that extends the model")
     write_whole_text(path, extended.text)
     return extended
 
 
-def extend_rig(rig: RigConfig, found: Diagnosis) -> RigConfig | None:
+def extend_rig(rig: RigConfig, diagnosis: Diagnosis) -> RigConfig | None:
     """Return the rig with the chosen causes added to the effects of its model; None if none was chosen."""
-    chosen = {cause.label: _extension(cause) for cause in found.causes if cause.chosen}
+    chosen = {cause.label: _extension(cause) for cause in diagnosis.causes if cause.chosen}
     if not chosen:
         return None
     return extend(rig, tuple(({effect.label: effect for effect in rig.effects} | chosen).values()))

@@ -42,11 +42,11 @@ def guard(verb: Callable[..., None]) -> Callable[..., None]:
         raise TypeError(f"{verb.__name__}: writes a file, want the option --force")
 
     @wraps(verb)
-    def guarded(**given: Any) -> None:
+    def check_and_run(**given: Any) -> None:
         check_outputs(marks, {name: parameter.default for name, parameter in parameters.items()} | given)
         verb(**given)
 
-    return guarded
+    return check_and_run
 
 
 def outputs_of(verb: Callable[..., None]) -> dict[str, Output]:

@@ -79,7 +79,7 @@ class _Inverter(_Controller):
         return self
 
     @model_validator(mode="after")
-    def _reaches_its_speed(self) -> Self:
+    def _check_frequency(self) -> Self:
         hertz, highest = self.max_speed * RPM / self.rpm_per_hz, load_profile(self.profile).highest_frequency
         if hertz > highest:
             raise ValueError(

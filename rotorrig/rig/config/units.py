@@ -81,10 +81,10 @@ def to_si(text: object, quantity: str) -> float:
         raise ValueError(f"got '{text}', {want}") from error
     if not math.isfinite(number):
         raise ValueError(f"got '{text}', {want}")
-    return _bounded(float(f"{number:.15g}"), quantity)  # 10 mm is 0.01 m, not 0.010000000000000002
+    return _check_range(float(f"{number:.15g}"), quantity)  # 10 mm is 0.01 m, not 0.010000000000000002
 
 
-def _bounded(number: float, quantity: str) -> float:
+def _check_range(number: float, quantity: str) -> float:
     """Return a number in SI, 0 if it is next to it. Raises ValueError for one too large to be meant."""
     unit, _, largest = QUANTITIES[quantity]
     if abs(number) > largest:
@@ -105,7 +105,7 @@ def reads(quantity: str) -> BeforeValidator:
     def validate(value: object, info: ValidationInfo) -> float:
         if info.context and info.context.get("si") and isinstance(value, (int, float)):
             try:
-                return _bounded(float(value), quantity)
+                return _check_range(float(value), quantity)
             except OverflowError as error:
                 raise ValueError(f"got a number of {len(str(value))} digits, want one in SI") from error
         return to_si(value, quantity)

@@ -140,7 +140,7 @@ class CanLink:
 
         for _ in range(1 + RETRIES):
             try:
-                return run(_client(exchange))
+                return run(_make_client(exchange))
             except SdoAbortedError as error:
                 abort = error
                 if abort.code not in _TRANSIENT:
@@ -250,7 +250,7 @@ class _Wire(Network):
             self.notify(_ANSWER, bytearray(answer), 0.0)
 
 
-def _client(exchange: Callable[[bytes], bytes | None]) -> SdoClient:
+def _make_client(exchange: Callable[[bytes], bytes | None]) -> SdoClient:
     """Return a client for one transfer. It neither waits nor repeats: an answer is there once its request is sent."""
     client = SdoClient(_REQUEST, _ANSWER, ObjectDictionary())
     client.RESPONSE_TIMEOUT, client.MAX_RETRIES = 0.0, 1
