@@ -21,7 +21,7 @@ AT_REST = 30.0  # rpm
 TURNING_ON = 20.0  # s after the last fault for which a rotor that turns is watched
 RESTED = 22.0  # s after it has come to rest: a proof from the probes takes 8 s
 LONGEST = 90.0  # s after the first sample
-LEAVE = 1.0  # s between the operator's two Ctrl-C
+LEAVE = (0.0, 1.0, 16.0, 17.0)  # s from when the operator wants to go: Ctrl-C, twice, and after a while twice again
 PATIENCE = 6.0  # s after them
 PLAN_ENDS, DWELL_ENDS = 15.0, 30.0  # s after the first sample, of plans nothing happens to
 AFTERWARDS = 25.0  # s for which a rotor is watched after the program has gone
@@ -172,19 +172,21 @@ def _patience(seen: Seen, peer: Peer) -> float:
 
 
 class _Operator:
-    """Leaves a program that does not end: two Ctrl-C, then kill -9."""
+    """Leaves a program that does not end: two Ctrl-C, two more once it may have offered to be left, then kill -9."""
 
     def __init__(self, seen: Seen, program: Program) -> None:
         self._seen, self._program = seen, program
-        self._pressed: list[float] = []
+        self._pressed = 0
 
     def leave(self, now: float) -> None:
         """Do what it is time for."""
         self._seen.left = self._seen.left or now
-        if not self._pressed or (len(self._pressed) < 2 and now - self._pressed[0] > LEAVE):
-            self._pressed.append(now)
-            self._program.strike("SIGINT")
-        elif now - self._pressed[0] > LEAVE + PATIENCE and not self._seen.killed:
+        passed = now - self._seen.left
+        if self._pressed < len(LEAVE):
+            if passed >= LEAVE[self._pressed]:
+                self._pressed += 1
+                self._program.strike("SIGINT")
+        elif passed > LEAVE[-1] + PATIENCE and not self._seen.killed:
             self._seen.killed = True
             self._program.strike("SIGKILL")
 
