@@ -202,7 +202,7 @@ class CanDrive:
             }[self._state]
             return word | 0x200 | (0x400 if said.at_target else 0)
         if index in (0x6043, 0x6044):
-            return round(said.output)
+            return round(-said.output if said.backward else said.output)
         return {0x603F: said.fault, 0x6061: self._get(0x6060), 0x1001: int(bool(said.fault))}.get(index)
 
     def _write(self, *, index: int, subindex: int, od: Any, data: bytes) -> None:

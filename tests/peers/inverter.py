@@ -22,7 +22,7 @@ class Switches:
     no_watchdog: bool = False  # silence does not stop it, whatever was set
     runs_at: float | None = None  # rpm put out, whatever is asked; it reports what was asked
     speed_factor: float = 1.0  # of the output, e.g. 2 for half the pole pairs
-    backward: bool = False  # it turns the other way, and says so as its manual has it
+    backward: bool = False  # it turns the other way, and says so where its protocol can (not on the line protocol)
 
 
 @dataclass(frozen=True, slots=True)

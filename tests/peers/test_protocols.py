@@ -102,6 +102,12 @@ def test_a_cia_402_drive_goes_through_its_states(inverter: Inverter, journal: Jo
         assert status() == wanted
     exchange("2B4260002C010000")
     assert inverter.target == 300.0
+    inverter.advance(1.0)
+    assert inverter.output > 0
+    for backward, sign in ((False, 1), (True, -1)):
+        inverter.switches.backward = backward
+        actual = int.from_bytes(exchange("4044600000000000")[4:6], "little", signed=True)
+        assert actual == sign * round(inverter.output)
     exchange("2B40600000000000")  # disable voltage
     assert status() == 0x40
     assert not inverter.on
