@@ -58,7 +58,14 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "keyphasor_speed tally",
         "nidaqmx opendaq stream",
     ),
-    "acquisition": ("recording", "files importers sweep", "exporters replay"),
+    "acquisition": ("recording", "files importers sweep", "exporters proof_test replay"),
+    "acquisition.proof_test": (
+        "certificate turns",
+        "devices plan stage",
+        "protection",
+        "protections trial",
+        "proof",
+    ),
     "processing": (
         "probe_planes response waveform windows",
         "settings shaft_angle",

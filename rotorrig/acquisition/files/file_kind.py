@@ -18,6 +18,7 @@ KINDS = {
     "response": "a response",
     "fit": "a fit",
     "diagnosis": "a diagnosis",
+    "proof": "a certificate of a proof test",
     "report": "a report",
     "rrd": "a Rerun file",
     "config": "a rig config",
@@ -30,7 +31,7 @@ KINDS = {
     "mcap": "an MCAP file of another program",
     "other": "a file of another kind",
 }
-_JSON_KINDS = {"rotorrig fit": "fit", "rotorrig diagnosis": "diagnosis"}
+_JSON_KINDS = {"rotorrig fit": "fit", "rotorrig diagnosis": "diagnosis", "rotorrig proof test": "proof"}
 _CSV_HEADS = (b"time [s],", b"# order vectors, raw;")
 _TITLE = b": rotor report</title>"
 _HEAD = 1 << 16  # bytes that are looked at for all but JSON and TOML

@@ -1,10 +1,12 @@
 from .critical_speeds import Band as Band
 from .critical_speeds import critical_bands as critical_bands
+from .engine import RUN_DOWN_LIMIT as RUN_DOWN_LIMIT
 from .engine import SweepInterrupted as SweepInterrupted
 from .engine import SweepResult as SweepResult
 from .engine import reading_interval as reading_interval
 from .engine import run_sweep as run_sweep
 from .operator import Operator as Operator
+from .plans import SETTLING_RAMP as SETTLING_RAMP
 from .plans import draft_sweep as draft_sweep
 from .plans import objections as objections
 from .plans import plan_sweep as plan_sweep
@@ -14,6 +16,7 @@ from .steps import Ask as Ask
 from .steps import Coast as Coast
 from .steps import Dwell as Dwell
 from .steps import Mark as Mark
+from .steps import Provoke as Provoke
 from .steps import Ramp as Ramp
 from .steps import Rest as Rest
 from .steps import Step as Step
@@ -26,12 +29,15 @@ from .timeline import plan_timeline as plan_timeline
 
 __all__ = [
     "COAST_SECONDS",
+    "RUN_DOWN_LIMIT",
+    "SETTLING_RAMP",
     "Ask",
     "Band",
     "Coast",
     "Dwell",
     "Mark",
     "Operator",
+    "Provoke",
     "Ramp",
     "Rest",
     "RotorState",

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from rotorrig.acquisition.sweep.operator import Operator
 from rotorrig.acquisition.sweep.rest import AT_REST, RotorState
 from rotorrig.acquisition.sweep.session import Session
-from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
+from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Provoke, Ramp, Rest, Step, Trial
 from rotorrig.acquisition.sweep.timeline import plan_timeline
 from rotorrig.rig import LimitExceeded
 from rotorrig.rig.config import RPM
@@ -55,6 +55,8 @@ def _perform_step(step: Step, session: Session, operator: Operator) -> Iterator[
             yield from _come_to_rest(session)
         case Ask():
             yield from _ask_operator(step, session, operator)
+        case Provoke():
+            yield from _provoke(step, session)
 
 
 def _ramp(step: Ramp, session: Session) -> Iterator[float]:
@@ -128,6 +130,16 @@ def _ask_operator(step: Ask, session: Session, operator: Operator) -> Iterator[f
         yield 0.0
     session.limits_armed, session.recording_paused = True, False
     session.note("note", f"done: {step.request}")
+
+
+def _provoke(step: Provoke, session: Session) -> Iterator[float]:
+    session.note("note", f"proof test: {step.what}")
+    session.limits_armed = step.limits
+    step.act()
+    while not step.has_stopped():
+        yield 0.0
+        session.take_block()
+    session.limits_armed = True
 
 
 def _at_speed(target: float, session: Session) -> bool:

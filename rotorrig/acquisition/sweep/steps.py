@@ -1,5 +1,6 @@
 """Steps of a sweep, each one request to the rig; plans make them, the engine performs them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 
@@ -64,4 +65,18 @@ class Trial:
     mass: str
 
 
-Step = Ramp | Dwell | Coast | Rest | Ask | Mark | Trial
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Provoke:
+    """Provoke a protection at the present speed and wait until it has stopped the rotor: a proof test's step.
+
+    `has_stopped` is asked after every block; it raises LimitExceeded if the rotor does not stop as it should. Without
+    `limits` the interlock looks away, as the drive has to stop the rotor by itself.
+    """
+
+    what: str
+    act: Callable[[], None]
+    has_stopped: Callable[[], bool]
+    limits: bool = True
+
+
+Step = Ramp | Dwell | Coast | Rest | Ask | Mark | Trial | Provoke

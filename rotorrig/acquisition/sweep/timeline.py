@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rotorrig.acquisition.sweep.critical_speeds import with_start_speeds
-from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Ramp, Rest, Step, Trial
+from rotorrig.acquisition.sweep.steps import Ask, Coast, Dwell, Mark, Provoke, Ramp, Rest, Step, Trial
 
 COAST_SECONDS = 45.0  # an RK4's from full speed; another rotor's is not known before it has been measured
 
@@ -48,5 +48,5 @@ def _duration_and_end(step: Step, speed: float, ramp: float) -> tuple[float, flo
             return COAST_SECONDS, step.until
         case Rest():
             return speed / ramp, 0.0
-        case Ask() | Mark() | Trial():
+        case Ask() | Mark() | Provoke() | Trial():
             return 0.0, speed

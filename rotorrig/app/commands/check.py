@@ -1,15 +1,31 @@
 """`rotor check`: parts and critical speeds of a config, replies of its devices."""
 
+from contextlib import ExitStack
 from dataclasses import asdict
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from rotorrig.acquisition.proof_test import (
+    PARTS,
+    Certificate,
+    RigDevices,
+    Verdict,
+    plan_proof_test,
+    proof_speed,
+    prove_protections,
+    write_certificate,
+)
 from rotorrig.app.commands.config_model import check_effects
-from rotorrig.app.terminal import out, tables
-from rotorrig.rig import DataError, LinkLost, connect
+from rotorrig.app.commands.simulate import SimulatedRig, run_simulated_rig
+from rotorrig.app.commands.sweep import SIMULATED_PATIENCE, guardian_patience
+from rotorrig.app.terminal import HINT, confirm, operator_for, out, progress_bars, tables
+from rotorrig.rig import DataError, LinkLost, NotAtRest, RigError, connect
 from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.rig.control import PERSIST
 
 
 def show_rig(rig: RigConfig) -> None:
@@ -84,6 +100,62 @@ def clear_fault(rig: RigConfig) -> None:
         if fault:
             motor.clear_fault()
     out.print(f"motor: {'fault cleared: ' + fault if fault else 'no fault to clear'}", highlight=False)
+
+
+def run_proof_test(rig: RigConfig, *, out_file: Path | None, simulation: SimulatedRig | None, yes: bool) -> Certificate:
+    """Provoke the rig's protections one by one and write the certificate. Raises ConfigError, LinkLost.
+
+    A simulated rig turns without a confirmation. Its time is the real one, as that of a drive's watchdog is.
+    """
+    plan_proof_test(rig)
+    if simulation is None:
+        confirm(
+            f"The rotor will be turned at {proof_speed(rig) * RPM:.0f} rpm, {PARTS} times, and its protections "
+            "provoked. Is nobody near it, and its guard closed?",
+            yes=yes,
+        )
+    with ExitStack() as stack:
+        ports = stack.enter_context(run_simulated_rig(rig, simulation)) if simulation else None
+        bars = stack.enter_context(progress_bars())
+        say = partial(bars.console.print, markup=False, highlight=False, soft_wrap=True)
+        if bars.console.is_terminal:
+            say(HINT)
+        task = bars.add_task("proof test", total=PARTS, note="")
+        certificate = prove_protections(
+            rig,
+            RigDevices(
+                rig,
+                guardian=guardian_patience(rig, simulated=ports is not None),
+                persist=SIMULATED_PATIENCE if ports else PERSIST,
+                motor_at=ports.motor if ports else None,
+                daq_at=ports.daq if ports else None,
+            ),
+            simulated=ports is not None,
+            operator=operator_for((), say=say, yes=yes),
+            report=lambda name, number: bars.update(task, completed=number, note=name),
+        )
+    if out_file:
+        write_certificate(out_file, certificate)
+    return certificate
+
+
+def refuse_failed(certificate: Certificate, *, out_file: Path | None) -> None:
+    """Raise RigError if a protection failed, NotAtRest if the rotor may turn."""
+    failed = next((proof for proof in certificate.proofs if proof.verdict is Verdict.FAILED), None)
+    if failed is None:
+        return
+    where = f"; {out_file} holds the certificate" if out_file else ""
+    if not failed.at_rest:
+        raise NotAtRest(f"proof test: {failed.name} FAILED, {failed.why}{where}")
+    raise RigError(f"proof test: {failed.name} FAILED, {failed.why}; the rotor is at rest{where}")
+
+
+def describe_certificate(certificate: Certificate, *, out_file: Path | None) -> str:
+    """Return one sentence about a certificate without a failure."""
+    proven = [proof.name for proof in certificate.proofs if proof.verdict is Verdict.PASSED]
+    absent = [f"{proof.name}: {proof.why}" for proof in certificate.proofs if proof.verdict is Verdict.NOT_AVAILABLE]
+    words = f"{len(proven)} protections stopped the rotor in time"
+    return "; ".join([f"{out_file}: {words}" if out_file else words, *(f"NOT AVAILABLE {text}" for text in absent)])
 
 
 def _show_motor(rig: RigConfig) -> None:

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rotorrig.acquisition import Event
 from rotorrig.acquisition.files import RecordingWriter
 from rotorrig.acquisition.sweep import (
     Ask,
@@ -49,11 +50,12 @@ def sweep(
     overwrite: bool = False,
     rolling: bool = False,
     on_move: Callable[[Path], object] = lambda path: None,
+    remark: str = "",
 ) -> SweepResult:
     """Run `rotor sweep`, on the config's devices or a simulated rig, with progress and, with `view`, the live view.
 
     A wrong plan or a full disk is refused before anything starts. With `yes`, requests to the operator do not wait.
-    `on_move` is told where the recording goes on if its folder vanishes.
+    `on_move` is told where the recording goes on if its folder vanishes. `remark` is noted in it at its beginning.
     """
     steps = steps_of(rig, plan, trial=trial)
     if simulation and any(isinstance(step, Ask) for step in steps):
@@ -86,6 +88,7 @@ def sweep(
             operator=operator,
             rolling=rolling,
             on_move=on_move,
+            remark=remark,
         )
 
 
@@ -130,6 +133,7 @@ def record_sweep(
     progress: Progress | None = None,
     operator: Operator | None = None,
     on_move: Callable[[Path], object] = lambda path: None,
+    remark: str = "",
     rolling: bool = False,
 ) -> SweepResult:
     """Run plan `plan` of the config and record it to `out`; `ports` replace the config's, for a simulated rig.
@@ -148,12 +152,14 @@ def record_sweep(
         )
         moved = partial(_tell_move, out, operator, on_move)
         writer = stack.enter_context(RecordingWriter(out, rig, info, source, overwrite=overwrite, on_move=moved))
+        if remark:
+            writer.write_event(Event(t_ns=0, kind="note", text=remark))
         control = GuardedControl(
             rig,
             log=out.with_name(f"{out.name}.guardian.txt"),
             at=ports.motor if ports else None,
             every=reading_interval(rig),
-            patience=_guardian_patience(rig, simulated=ports is not None),
+            patience=guardian_patience(rig, simulated=ports is not None),
             persist=SIMULATED_PATIENCE if ports else PERSIST,
         )
         stack.callback(control.close)
@@ -186,7 +192,7 @@ def _tell_move(out: Path, operator: Operator | None, on_move: Callable[[Path], o
             operator.tell(f"{out}: the file or its folder has vanished; the recording goes on as {path}")
 
 
-def _guardian_patience(rig: RigConfig, *, simulated: bool) -> float:
+def guardian_patience(rig: RigConfig, *, simulated: bool) -> float:
     """Seconds without a processed sample after which the guardian stops the rotor."""
     if rig.motor and rig.motor.guardian:
         return rig.motor.guardian

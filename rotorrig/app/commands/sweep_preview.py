@@ -16,6 +16,7 @@ from rotorrig.acquisition.sweep import (
     Coast,
     Dwell,
     Mark,
+    Provoke,
     Ramp,
     Rest,
     TimedStep,
@@ -211,6 +212,8 @@ def _describe_step(timed: TimedStep) -> tuple[str, str]:
             return f"mark '{label}'", ""
         case Trial(mass=mass):
             return f"trial mass: {mass}", ""
+        case Provoke(what=what):
+            return f"proof test: {what}", ""
 
 
 def _remarks(timed: TimedStep, preview: Preview) -> str:

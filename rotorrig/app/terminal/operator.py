@@ -6,6 +6,8 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 
+import typer
+
 from rotorrig.acquisition.sweep import Ask, Step
 from rotorrig.rig import ConfigError
 
@@ -57,6 +59,16 @@ def operator_for(steps: Sequence[Step], *, say: Callable[[str], object], yes: bo
             "for a rehearsal without them"
         )
     return Terminal(say=say, yes=yes)
+
+
+def confirm(request: str, *, yes: bool) -> None:
+    """Ask for a yes at the terminal before the rotor is turned; `yes` is one. Raises ConfigError without it."""
+    if yes:
+        return
+    if not sys.stdin.isatty():
+        raise ConfigError("there is no terminal to confirm at that the rotor may be turned; want one, or --yes")
+    if not typer.confirm(request, err=True):
+        raise ConfigError("not confirmed; nothing was turned")
 
 
 def read_typed_lines() -> list[str]:

@@ -1,4 +1,4 @@
-"""Results as text, shared by terminal, report and viewer: quantities with units, causes, tracking quality."""
+"""Results as text, shared by terminal, report and viewer: quantities, causes, tracking quality, proof test."""
 
 from rotorrig.app.text.causes import (
     cause_evidence,
@@ -13,6 +13,7 @@ from rotorrig.app.text.causes import (
     parameter_shifts,
     tie_sentences,
 )
+from rotorrig.app.text.proof_test import proof_test_remark
 from rotorrig.app.text.quantities import (
     SHOWN,
     UNDETERMINED,
@@ -52,6 +53,7 @@ __all__ = [
     "next_run_sentence",
     "p_value_text",
     "parameter_shifts",
+    "proof_test_remark",
     "quality_lines",
     "quantity_text",
     "quantity_with_sigma",

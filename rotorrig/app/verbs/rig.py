@@ -24,11 +24,17 @@ from rotorrig.app.verbs.arguments import (
 )
 from rotorrig.app.verbs.output_guard import Arguments, Output
 from rotorrig.rig import ConfigError, RigError
-from rotorrig.rig.config import bundled_config, bundled_configs, copy_config, load
+from rotorrig.rig.config import RigConfig, bundled_config, bundled_configs, copy_config, load
 
 
 def _bundled_name(given: Arguments) -> Path | None:
     return Path(f"{given['name']}.toml") if given["name"] else None
+
+
+def _certificate_file(given: Arguments) -> Path | None:
+    from rotorrig.acquisition.proof_test import certificate_file
+
+    return certificate_file(given["config"]) if given["proof_test"] and not given["simulate"] else None
 
 
 def _demo_files(folder: Path) -> Mapping[Path, str]:
@@ -72,12 +78,32 @@ def check(
     ] = False,
     clear: Annotated[bool, typer.Option("--clear-fault", help="clear the motor controller's fault")] = False,
     model: Annotated[bool, typer.Option("--model", help="draw the rotor; masses, static sag, critical speeds")] = False,
+    proof_test: Annotated[
+        bool, typer.Option("--proof-test", help="turn the rotor, provoke every protection and time its stop")
+    ] = False,
+    out_file: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", help="the proof test's certificate", show_default="CONFIG.proof.json"),
+        Output(kind="proof", default=_certificate_file),
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="proof test: turn the rotor without asking")] = False,
+    simulate: Annotated[bool, typer.Option("--simulate", help="proof test: of a simulated rig")] = False,
+    seed: Seed = 1,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
-    """Check a config and print its parts; with --connect, query its devices."""
+    """Check a config and print its parts; with --connect, query its devices; with --proof-test, its protections."""
     from rotorrig.app.commands import check as checking
 
     rig = load_config(config)
+    if proof_test:
+        if connect or clear or model:
+            raise ConfigError("--proof-test: goes without --connect, --clear-fault and --model")
+        path = out_file or _certificate_file({"config": config, "proof_test": True, "simulate": simulate})
+        _prove(rig, path, simulate=simulate, seed=seed, yes=yes, as_json=as_json)
+        return
+    if out_file or yes or simulate:
+        raise ConfigError("--out, --yes and --simulate: go with --proof-test")
     if as_json:
         if model or clear:
             raise ConfigError("--json: goes with --connect alone, want it without --model and --clear-fault")
@@ -90,6 +116,28 @@ def check(
         checking.clear_fault(rig)
     if connect:
         checking.show_devices(rig)
+
+
+def _prove(rig: RigConfig, path: Path | None, *, simulate: bool, seed: int, yes: bool, as_json: bool) -> None:
+    """Run the proof test and print its certificate. Raises RigError if a protection failed."""
+    from rotorrig.acquisition.proof_test import certificate_facts
+    from rotorrig.app.commands import check as checking
+    from rotorrig.app.commands.simulate import SimulatedRig
+    from rotorrig.app.terminal import proof_table
+
+    simulation = SimulatedRig(seed=seed, rate=1.0) if simulate else None
+    try:
+        certificate = checking.run_proof_test(rig, out_file=path, simulation=simulation, yes=yes)
+    except KeyboardInterrupt as interrupt:  # a sweep's comes once the rotor is at rest; between them it is
+        err.print("interrupted: the rotor is at rest; no certificate was written", highlight=False)
+        raise typer.Exit(130) from interrupt
+    if as_json:
+        tell("", certificate_facts(certificate), as_json=True)
+    else:
+        out.print(proof_table(certificate))
+    checking.refuse_failed(certificate, out_file=path)
+    if not as_json:
+        tell(checking.describe_certificate(certificate, out_file=path), {}, as_json=False)
 
 
 def sweep(
@@ -123,8 +171,12 @@ def sweep(
     from rotorrig.acquisition.sweep import SweepInterrupted
     from rotorrig.app.commands import simulate as simulating
     from rotorrig.app.commands import sweep
+    from rotorrig.app.text import proof_test_remark
 
     simulation = simulating.SimulatedRig(seed=seed, hidden=hidden, rate=rate, faults=faults) if simulate else None
+    remark = "" if simulate else proof_test_remark(rig, config)
+    if remark:
+        err.print(f"note: {remark}", highlight=False, soft_wrap=True)
     places = [out_file]  # the recording's; another if its folder vanishes
     try:
         result = sweep.sweep(
@@ -138,6 +190,7 @@ def sweep(
             overwrite=force,
             rolling=rolling,
             on_move=places.append,
+            remark=remark,
         )
     except SweepInterrupted as interrupt:  # Ctrl-C, SIGTERM, or the terminal was closed
         err.print(f"interrupted: the rotor is at rest; {places[-1]} holds the sweep so far", highlight=False)

@@ -100,8 +100,11 @@ class MotorControl(Protocol):
         """
         ...
 
-    def fall_silent(self, seconds: float) -> None:
-        """Send nothing for so long, or until another stop: a drive that obeys nothing else has its watchdog left."""
+    def fall_silent(self, seconds: float, *, closed: bool = False) -> None:
+        """Send nothing for so long, or until another stop: a drive that obeys nothing else has its watchdog left.
+
+        With `closed` the link is closed too, as if its cable were pulled; the next stop opens it again.
+        """
         ...
 
     def close(self, *, at_rest: bool = True) -> None:

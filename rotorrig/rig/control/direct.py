@@ -18,7 +18,7 @@ class DirectControl:
         self._faults: list[Exception] = []
         self._last_reading = self._last_try = self._silent_until = -math.inf
         self._commands_sent = 0
-        self._started = self._stopping = self._link_lost = False
+        self._started = self._stopping = self._link_lost = self._link_closed = False
         self._report: StopReport | None = None
 
     @property
@@ -48,7 +48,7 @@ class DirectControl:
 
     def read_soon(self) -> None:
         """Take a reading, unless there was one just now."""
-        if self._clock.now() - self._last_reading >= READ_SOON:
+        if self._clock.now() - self._last_reading >= READ_SOON and self._clock.now() >= self._silent_until:
             self._read()
 
     def take_readings(self) -> list[Reading]:
@@ -62,11 +62,14 @@ class DirectControl:
         """Send a stop."""
         self._stopping, self._silent_until = True, -math.inf
         self._report = StopReport(kind=kind, handed=self._clock.now())
-        self._try_stop(reopen=False)
+        self._try_stop(reopen=self._link_closed)
 
-    def fall_silent(self, seconds: float) -> None:
-        """Send nothing for so long, or until another stop."""
+    def fall_silent(self, seconds: float, *, closed: bool = False) -> None:
+        """Send nothing for so long, or until another stop; with `closed`, on a link that is closed meanwhile."""
         self._silent_until = self._clock.now() + seconds
+        if closed:
+            self._motor.close()
+            self._link_lost = self._link_closed = True
 
     def close(self, *, at_rest: bool = True) -> None:
         """Do nothing: there are no threads."""
@@ -95,6 +98,7 @@ class DirectControl:
         try:
             if reopen:
                 self._motor.open()
+                self._link_closed = False
             self._motor.stop(report.kind)
             self._link_lost = False
         except Exception as error:

@@ -164,12 +164,12 @@ class GuardedControl:
         else:
             self._line.tell(stop=kind.value, number=self._stops_sent)
 
-    def fall_silent(self, seconds: float) -> None:
-        """Send the drive nothing for so long, or until another stop."""
+    def fall_silent(self, seconds: float, *, closed: bool = False) -> None:
+        """Send the drive nothing for so long, or until another stop; with `closed`, on a link closed meanwhile."""
         if self._own:
-            self._own.fall_silent(seconds)
+            self._own.fall_silent(seconds, closed=closed)
         else:
-            self._line.tell(silence=seconds)
+            self._line.tell(silence=seconds, closed=closed)
 
     def close(self, *, at_rest: bool = True) -> None:
         """End the guardian; with `at_rest` False it goes on without this process. May be called twice."""

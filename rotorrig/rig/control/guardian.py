@@ -118,8 +118,8 @@ class Guardian:
             case {"stop": kind, "number": number}:
                 self._stopping, self._stops = True, number
                 self._control.stop(Stop(kind))
-            case {"silence": seconds}:
-                self._control.fall_silent(seconds)
+            case {"silence": seconds, "closed": closed}:
+                self._control.fall_silent(seconds, closed=closed)
             case {"read_soon": _}:
                 self._control.read_soon()
             case {"start": _}:

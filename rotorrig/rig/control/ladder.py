@@ -45,16 +45,19 @@ class Ladder:
         self._present = Measure.RAMP
         self._elapsed = 0.0  # s the present measure has had
         self._from: float | None = None  # speed [rad/s] it has to bring down; None: not seen
+        self._helped = False  # once, so far
 
     def begin(self, measure: Measure, speed: float | None) -> None:
         """Note that a measure was taken at this speed [rad/s]; None: nobody sees it."""
-        self._present, self._elapsed, self._from = measure, 0.0, speed
+        self._present, self._elapsed, self._from, self._helped = measure, 0.0, speed, False
 
     def advance(self, seconds: float, speed: float | None) -> Measure | None:
         """Give the present measure more time; return the one that shall replace it, if it did not help in its time."""
         self._elapsed += seconds
+        if speed is not None and self._from is not None and not self._helped:
+            self._from = max(self._from, speed)  # a keyphasor that was silent has come back
         if speed is not None and (self._from is None or speed <= self._from - fall(self._from)):
-            self._elapsed, self._from = 0.0, speed  # it has to go on slowing down
+            self._elapsed, self._from, self._helped = 0.0, speed, True  # it has to go on slowing down
         if self._elapsed <= self._patience():
             return None
         after = self._measures.index(self._present) + 1

@@ -31,6 +31,7 @@ class ThreadedControl:
         self._wire = threading.Lock()  # held while the worker is at the wire
         self._commanding = False  # the worker is carrying out a command
         self._stopping = self._closed = self._soon = self._link_lost = False
+        self._closing = self._link_closed = False  # the link is to be closed, is closed, for a silence
         self._commands_sent = self._commands_done = 0
         self._last_reading = -math.inf
         self._last_exchange = math.inf  # when the last reading or command ended; infinite: there was none
@@ -79,13 +80,16 @@ class ThreadedControl:
 
     def stop(self, kind: Stop) -> None:
         """Send a stop at once."""
-        self._stopping, self._silent_until = True, -math.inf
+        self._stopping, self._silent_until, self._closing = True, -math.inf, False
         self._report = StopReport(kind=kind)
         self._stops.put(kind)
 
-    def fall_silent(self, seconds: float) -> None:
-        """Send nothing for so long, or until another stop."""
+    def fall_silent(self, seconds: float, *, closed: bool = False) -> None:
+        """Send nothing for so long, or until another stop; with `closed`, on a link that is closed meanwhile."""
         self._silent_until = self._clock.now() + seconds
+        if closed:
+            self._closing = True
+            self._commands.put(None)
 
     def close(self, *, at_rest: bool = True) -> None:
         """End the threads; may be called twice. Does not stop the rotor."""
@@ -106,6 +110,7 @@ class ThreadedControl:
             try:
                 with self._wire:
                     self._carry_out(command)
+                    self._close_link_if_asked()
                     self._read_if_due()
             except Exception as fault:  # raised by `take_readings`, in the thread that can act on it
                 self._link_lost = True
@@ -136,6 +141,12 @@ class ThreadedControl:
         finally:
             self._commands_done += 1  # of one that failed or came after a stop, too: a later reading is later than it
             self._commanding = False
+
+    def _close_link_if_asked(self) -> None:
+        if self._closing:
+            self._closing = False
+            self._link_lost = self._link_closed = True  # until a stop has opened it again
+            self._motor.close()
 
     def _check_watchdog(self) -> None:
         """Raise LimitExceeded if this program hung for so long that the drive's watchdog may have stopped the rotor.
@@ -179,7 +190,7 @@ class ThreadedControl:
         """Try once to stop; return the report after it."""
         overtaken, trouble = self._commanding, ""
         try:
-            if report.tries:
+            if report.tries or self._link_closed:
                 self._reopen_link()
             self._motor.stop(report.kind)
             if overtaken:  # the command it went ahead of may have started the drive again
@@ -195,3 +206,4 @@ class ThreadedControl:
         self._link_lost = True  # no readings meanwhile
         with self._wire:
             self._motor.open()
+            self._link_closed = False

@@ -27,7 +27,7 @@ class Interlock:
 
     def __init__(self, rig: RigConfig, info: DaqInfo) -> None:
         self.keyphasor = KeyphasorSpeed(rig, info) if rig.keyphasor else None
-        self._overspeed = overspeed_limit(rig)
+        self.overspeed = overspeed_limit(rig)  # rad/s; a proof test lowers it
         self._sample_rate = info.sample_rate
         self._vibration = Vibration(rig, info)
         self._gaps = GapVoltage(rig)
@@ -55,7 +55,7 @@ class Interlock:
             self._late.check(block, now)
         speed = self.keyphasor.steady_speed if self.keyphasor else 0.0
         if self.keyphasor:
-            check_overspeed(speed, limit=self._overspeed, source="keyphasor")
+            check_overspeed(speed, limit=self.overspeed, source="keyphasor")
             self._asked.check(self.keyphasor)
             self._keyphasor_loss.check(self._asked.command, self.keyphasor)
         if len(block.counts):
@@ -82,7 +82,7 @@ class Interlock:
             raise LimitExceeded(
                 f"drive: turns backward at {state.speed * RPM:.0f} rpm, want the sense of rotation of every plan"
             )
-        check_overspeed(state.speed, limit=self._overspeed, source="drive")
+        check_overspeed(state.speed, limit=self.overspeed, source="drive")
         if self.keyphasor is None:
             return
         self._keyphasor_loss.check_motor(state, self.keyphasor)

@@ -1,5 +1,6 @@
 from .base import Block as Block
 from .base import Daq as Daq
+from .base import DaqCounters as DaqCounters
 from .base import DaqInfo as DaqInfo
 from .calibration import ProbeScale as ProbeScale
 from .calibration import channel_volts as channel_volts
@@ -13,6 +14,7 @@ from .stream import StreamDaq as StreamDaq
 __all__ = [
     "Block",
     "Daq",
+    "DaqCounters",
     "DaqInfo",
     "KeyphasorSpeed",
     "LostDaq",

@@ -58,6 +58,7 @@ def samples(tmp_path: Path, rig_config: RigConfig) -> dict[str, Path]:
     texts = {
         "fit": '{"kind": "rotorrig fit"}',
         "diagnosis": '{"kind": "rotorrig diagnosis"}',
+        "proof": '{"kind": "rotorrig proof test"}',
         "report": "<!DOCTYPE html>\n<head>\n<title>RK4: rotor report</title>",
         "rrd": "RRF2 and so on",
         "config": RK4.read_text(),
