@@ -196,6 +196,10 @@ class FileWriter:
             if kept:
                 self._take_name()
                 fate = f"it ends early and keeps the {kept / 1e6:.2f} MB before that"
+            elif self._flush_every is not None and self._file.marked:
+                self._file.close()
+                part = part_path(self.path)
+                fate = f"not even its end; `rotor salvage {part} --out saved.mcap` saves what {part.name} holds"
             else:
                 self._file.discard()
                 fate = "nothing of it is kept"

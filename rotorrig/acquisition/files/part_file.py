@@ -117,6 +117,11 @@ class PartFile:
         """Mark what was written so far as a valid file once `end_early` has put its ending behind it."""
         self._marks.append(self.tell())
 
+    @property
+    def marked(self) -> bool:
+        """True if something of it is worth a salvage."""
+        return bool(self._marks)
+
     def end_early(self, ending: bytes) -> int:
         """Cut back to the last mark and write `ending` there; return the bytes kept before it, 0 if none could be.
 

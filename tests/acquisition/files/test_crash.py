@@ -121,6 +121,23 @@ def test_a_disk_that_fills_up_holds_a_valid_file_of_what_went_onto_it(tmp_path: 
     assert as_written(read.blocks) and not read.complete
 
 
+def test_a_file_whose_end_cannot_be_written_any_more_stays_to_be_salvaged(tmp_path: Path) -> None:
+    """A quota that is below the file's size already: not even the room of its last second can be had again."""
+    path, saved = tmp_path / "run.mcap", tmp_path / "saved.mcap"
+    child = subprocess.Popen(writing(CONFIG, path), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert child.stdout
+    while int(child.stdout.readline()) < 100:
+        pass
+    resource.prlimit(child.pid, resource.RLIMIT_FSIZE, (1000, resource.RLIM_INFINITY))
+    rest, complaint = child.communicate(timeout=30)
+    assert complaint.count("\n") == 1
+    assert "run.mcap.part --out saved.mcap` saves what run.mcap.part holds" in complaint
+    result = salvage(path.with_name("run.mcap.part"), saved)
+    cut = 0.4  # s, the four flushes that were given up for the room
+    assert (int(rest.split()[-1]) + 1 - result.blocks) * 0.02 <= cut + 0.25
+    assert as_written(read_recording(saved).blocks)
+
+
 def test_a_disk_that_is_full_from_the_start_leaves_nothing(tmp_path: Path) -> None:
     done = limited(CONFIG, tmp_path / "run.mcap", 1000)
     assert "nothing of it is kept" in done.stderr

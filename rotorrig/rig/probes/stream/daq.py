@@ -170,11 +170,17 @@ class StreamDaq:
             raise LinkLost(f"{self.port}: '{line.decode().strip()}' cannot be sent to the DAQ ({error})") from error
 
     def _frames(self, seconds: float) -> Iterator[tuple[Frame, float]]:
-        """Yield what arrives within `seconds`, and when. Raises LinkLost when the port is gone."""
-        wire = self._require_port()
-        deadline = time.monotonic() + seconds
-        while (left := deadline - time.monotonic()) > 0 and (frame := wire.next_frame(left)):
-            yield frame
+        """Yield what arrives within `seconds`, and when. Raises LinkLost when the port is gone.
+
+        A process that was held up meanwhile has not waited: what the port kept for it is still to come.
+        """
+        wire, waited = self._require_port(), 0.0
+        while waited < seconds:
+            began = time.monotonic()
+            frame = wire.next_frame(min(POLL_SECONDS, seconds - waited))
+            waited += min(time.monotonic() - began, POLL_SECONDS)
+            if frame:
+                yield frame
 
     def _require_port(self) -> FramePort:
         if self._wire is None:

@@ -277,6 +277,26 @@ def test_silence_is_a_lost_link(board: Board, daq: StreamDaq) -> None:
         daq.read(timeout=0.2)
 
 
+def test_a_process_held_up_for_longer_than_it_waits_loses_no_frame(
+    board: Board, daq: StreamDaq, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stopped and continued, it finds its time over and what the port has kept for it."""
+    board.frames = iter(FRAMES)
+    daq.open()
+    daq.start()
+    now, wait, held_up = time.monotonic, port.FramePort.next_frame, [0.0]
+
+    def wait_stopped(self: port.FramePort, timeout: float) -> object:
+        if held_up[0]:
+            return wait(self, timeout)
+        held_up[0] = 3.0
+        return None
+
+    monkeypatch.setattr(port.FramePort, "next_frame", wait_stopped)
+    monkeypatch.setattr(time, "monotonic", lambda: now() + held_up[0])
+    assert [daq.read(2.0).first_sample for _ in FRAMES] == [0, 200, 400, 600, 800, 1000]
+
+
 def test_a_cut_wire_is_a_lost_link_at_once(board: Board, daq: StreamDaq) -> None:
     board.frames = iter(FRAMES[:1])
     daq.open()
