@@ -14,11 +14,13 @@ from benchmarks.parts.blind.run import record
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig, load, parse
+from tests import compile_once
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 
 settings.register_profile("patient", deadline=None)  # a busy machine is no defect of the code under test
 settings.load_profile("patient")
+compile_once.install()
 
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # so a shell starts what it puts in the background
