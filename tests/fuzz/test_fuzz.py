@@ -24,13 +24,14 @@ def fuzz(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
 
 
-def test_damaged_and_made_up_inputs_are_read_or_refused(tmp_path: Path) -> None:
-    done = fuzz(tmp_path, "--inputs", "500", "--workers", "1", "--seed", "20261121")
+@pytest.mark.parametrize("inputs", [100, pytest.param(500, marks=pytest.mark.campaign)])
+def test_damaged_and_made_up_inputs_are_read_or_refused(inputs: int, tmp_path: Path) -> None:
+    done = fuzz(tmp_path, "--inputs", str(inputs), "--workers", "1", "--seed", "20261121")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "500 inputs in" in done.stdout and ", 0 findings" in done.stdout
+    assert f"{inputs} inputs in" in done.stdout and ", 0 findings" in done.stdout
     assert [path.name for path in tmp_path.iterdir()] == ["progress.json"]
-    again = fuzz(tmp_path, "--inputs", "500", "--workers", "1", "--seed", "20261121")
-    assert "500 inputs in 0 s, 0 findings" in again.stdout
+    again = fuzz(tmp_path, "--inputs", str(inputs), "--workers", "1", "--seed", "20261121")
+    assert f"{inputs} inputs in 0 s, 0 findings" in again.stdout
 
 
 @pytest.fixture(scope="module")

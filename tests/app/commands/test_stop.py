@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from rotorrig.app.commands import stop as stopping
 from rotorrig.app.commands.stop import stop
 from rotorrig.rig import connect
 from rotorrig.rig.config.description import RigConfig, load
@@ -127,6 +128,31 @@ def test_a_link_that_cannot_be_opened_is_no_rest(rig: RigConfig) -> None:
         stop(gone, say=lambda text: None)
 
 
+def answer_as_guardian(monkeypatch: pytest.MonkeyPatch, **answer: object) -> list[str]:
+    """Answer `rotor stop` as a guardian does; return what it was asked."""
+    asked: list[str] = []
+
+    def ask(table: object, question: str) -> dict[str, object]:
+        asked.append(question)
+        return answer
+
+    monkeypatch.setattr(stopping, "ask_guardian", ask)
+    return asked
+
+
+def test_a_sweep_that_runs_is_told_to_stop(rig: RigConfig, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = answer_as_guardian(monkeypatch, sweep=4711, reason="", pid=4712)
+    last = "told the sweep of process 4711 to stop; it reports what becomes of the rotor"
+    assert stop(rig, say=pytest.fail) == last
+    assert asked == ["stop"]
+
+
+def test_of_a_sweep_that_hangs_its_process_and_why_are_named(rig: RigConfig, monkeypatch: pytest.MonkeyPatch) -> None:
+    answer_as_guardian(monkeypatch, sweep=4711, reason="no sample was processed for 5 s", pid=4712)
+    with pytest.raises(NotAtRest, match=r"^THE ROTOR MAY STILL BE TURNING: the sweep of process 4711 hangs .no sample"):
+        stop(rig, say=pytest.fail)
+
+
 def test_a_rotor_left_to_a_guardian_is_taken_over_from_it(
     ports: BenchPorts, config: Path, rig: RigConfig, tmp_path: Path
 ) -> None:
@@ -157,6 +183,7 @@ def test_a_rotor_left_to_a_guardian_is_taken_over_from_it(
     assert ask_guardian(table, "state") is None
 
 
+@pytest.mark.campaign
 def test_a_sweep_that_runs_is_told_to_stop_and_reports(
     ports: BenchPorts, config: Path, rig: RigConfig, tmp_path: Path
 ) -> None:
@@ -174,6 +201,7 @@ def test_a_sweep_that_runs_is_told_to_stop_and_reports(
     assert speed(ports) < FEW_RPM
 
 
+@pytest.mark.campaign
 def test_a_sweep_that_hangs_is_no_rest(ports: BenchPorts, config: Path, rig: RigConfig, tmp_path: Path) -> None:
     process = rotor("sweep", config, "--out", tmp_path / "run.mcap")
     wait_for(lambda: speed(ports) > 100)
