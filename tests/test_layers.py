@@ -60,7 +60,8 @@ FLOORS: dict[str, tuple[str, ...]] = {
     ),
     "acquisition": ("recording", "files importers sweep", "exporters proof_test replay"),
     "acquisition.proof_test": (
-        "certificate turns",
+        "certificate motion",
+        "turns",
         "devices plan stage",
         "protection",
         "protections trial",

@@ -1,7 +1,8 @@
 """Turns of the rotor by the sample clock: when it began to slow down, and when it came to rest.
 
-Measured from the keyphasor's pulses alone, so nothing is known to better than a turn or two. A gap in the samples hides
-the turn it falls into.
+When it began is known from the keyphasor's pulses, to a turn or two. The last turn gives no pulse any more, so its end
+is the last motion that the probes saw, 2 s after the last pulse at most: then the rotor was slower than 30 rpm. A gap
+in the samples hides the turn it falls into.
 """
 
 import math
@@ -9,12 +10,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.acquisition.proof_test.motion import ProbeMotion
 from rotorrig.rig.config import RigConfig
 from rotorrig.rig.probes import Block, DaqInfo, KeyphasorSpeed
 
 SLOWER = 0.02  # of the speed at least, by which a turn has to be slower than the steady ones ...
 BEYOND_JITTER = 1.5  # ... and times what these stray by
-LAST_TURNS = 3  # whose deceleration says when the rotor stood
+AT_REST = 2.0  # s for a turn, 30 rpm: slower than that counts as rest
 
 
 class TurnRecord:
@@ -22,6 +24,7 @@ class TurnRecord:
 
     def __init__(self, rig: RigConfig, info: DaqInfo) -> None:
         self._keyphasor, self._rate = KeyphasorSpeed(rig, info), info.sample_rate
+        self._motion = ProbeMotion(rig, info)
         self._ends: list[float] = []  # s; NaN: samples are missing here
         self._next_sample = 0
         self._steady = math.nan  # s, a turn of the rotor before it was disturbed
@@ -33,6 +36,7 @@ class TurnRecord:
             self._ends.append(math.nan)
         self._next_sample = block.first_sample + len(block.counts)
         self._ends += (self._keyphasor.update(block) / self._rate).tolist()
+        self._motion.take(block)
 
     @property
     def time(self) -> float:
@@ -70,26 +74,16 @@ class TurnRecord:
         It is the moment at which a pulse of the steady rotor was overdue, late by two turns at most.
         """
         ends, slow = self._slow_turns()
-        begin = ends[-1 - slow] if len(ends) else math.nan
+        begin = float(ends[-1 - slow]) if len(ends) else math.nan
         return begin + self._slow if begin + self._slow <= self.time else math.nan
 
     def rest_at(self) -> float:
-        """Return about when [s] the rotor stood at the latest, if it gives no more pulses.
-
-        After the last one less than a turn was left, which at a steady deceleration, that of the last turns where it is
-        known, takes no longer than twice as long as at the speed before.
-        """
-        ends, slow = self._slow_turns()
-        if not len(ends):
+        """Return when [s] a rotor that is at rest came to it; NaN if it never turned."""
+        ends = [end for end in self._ends if not math.isnan(end)]
+        if not ends:
             return math.nan
-        lengths = np.diff(ends)[-min(slow + 1, LAST_TURNS) :] if slow else np.empty(0)
-        if len(lengths) < 2 or not np.isfinite(lengths).all():
-            return float(ends[-1]) + 2 * self._steady
-        speeds, middles = 1 / lengths, ends[-len(lengths) :] - lengths / 2
-        deceleration = (speeds[0] - speeds[-1]) / (middles[-1] - middles[0])
-        last = speeds[-1] - deceleration * lengths[-1] / 2
-        left = min(last / deceleration, 2 / last) if last > 0 and deceleration > 0 else 0.0
-        return float(ends[-1]) + left
+        seen = self._motion.last_seen()
+        return min(max(ends[-1], ends[-1] if math.isnan(seen) else seen), ends[-1] + AT_REST)
 
     def _lengths(self, *, since: float) -> NDArray[np.float64]:
         """Return the durations [s] of the turns that began since then, NaN of one with a gap."""

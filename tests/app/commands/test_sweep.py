@@ -44,7 +44,7 @@ def test_a_limit_stops_the_rotor_and_the_recording_follows_it_to_rest(ports: Ben
     rig = hasty()
     assert rig.limits
     strict = rig.model_copy(update={"limits": rig.limits.model_copy(update={"vibration": 250e-6})})
-    result = record_sweep(strict, out=tmp_path / "run.mcap", ports=ports)
+    result = record_sweep(strict, out=tmp_path / "run.mcap", ports=ports, remark="no proof test")
     assert (result.ending, result.state, result.gaps) == ("trip", RotorState.AT_REST, 0)
     assert "limit 250 um" in result.trip
     times = result.stop_times
@@ -52,6 +52,7 @@ def test_a_limit_stops_the_rotor_and_the_recording_follows_it_to_rest(ports: Ben
     assert times.received <= times.decided <= times.handed <= times.confirmed
     recording = read_recording(tmp_path / "run.mcap")
     assert recording.complete
+    assert (recording.events[0].kind, recording.events[0].text) == ("note", "no proof test")
     (trip,) = [event for event in recording.events if event.kind == "trip"]
     end = recording.samples / recording.daq.sample_rate
     assert end - trip.t_ns / 1e9 > 2.0  # the rotor's way to rest, and two seconds without a pulse

@@ -109,3 +109,17 @@ def test_a_speed_that_is_seen_again_gives_the_present_measure_its_time() -> None
 
 def test_only_three_measures_are_stops_the_drive_is_sent() -> None:
     assert [measure.stop for measure in Measure] == [Stop.RAMP, Stop.EMERGENCY, Stop.COAST, None, None]
+
+
+def test_a_rotor_seen_again_at_speed_is_judged_by_its_fall_from_there() -> None:
+    ladder = make_ladder()
+    ladder.begin(Measure.EMERGENCY, 3.0)  # by the wait for a pulse of a keyphasor that was silent
+    assert climb(ladder, seconds=1.0, speed=25.0) == []
+    assert [ladder.advance(STEP, 25.0 - 8.0 * i * STEP) for i in range(150)] == [None] * 150
+
+
+def test_a_rotor_that_goes_up_and_down_is_not_slowing_down() -> None:
+    ladder = make_ladder()
+    ladder.begin(Measure.EMERGENCY, 100.0)
+    swings = [100.0 + 15.0 * math.sin(2 * math.pi * i * STEP) for i in range(round(8 / STEP))]
+    assert Measure.COAST in [ladder.advance(STEP, speed) for speed in swings]

@@ -251,3 +251,23 @@ def test_the_direct_control_does_the_same_by_its_callers_clock(motor: ScriptedMo
     control.beat(0.0)
     assert motor.commands[1:] == [("stop", Stop.RAMP)] * 2
     assert motor.opened == 1
+
+
+def test_a_link_closed_for_a_silence_is_opened_by_the_next_stop(motor: ScriptedMotor, control: ThreadedControl) -> None:
+    closed = threading.Event()
+    motor.close = closed.set  # type: ignore[method-assign]
+    until(lambda: bool(control.take_readings()))
+    control.fall_silent(60.0, closed=True)
+    assert closed.wait(SOON)
+    time.sleep(0.05)
+    control.take_readings()
+    control.read_soon()
+    time.sleep(0.1)
+    assert control.take_readings() == []  # and no fault: it was closed on purpose
+    assert motor.opened == 0
+    control.stop(Stop.EMERGENCY)
+    until(lambda: confirmed(control))
+    assert motor.opened == 1
+    assert control.report
+    assert control.report.tries == 1
+    until(lambda: bool(control.take_readings()))
