@@ -109,6 +109,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
     "identify.chea": (
         "calls session",
         "steps",
+        "engine",
         "chapter modern residuals",
         "profiles",
         "search",

@@ -1,19 +1,20 @@
-"""The two searches by name: "seed", the chapter's own, and "modern", the best made of its idea."""
+"""The searches by name: "seed", the chapter's own, and "modern", the best made of its idea."""
 
 from typing import Any, Literal
 
 import numpy as np
 
 from rotorrig.identify.chea.chapter import chapter
+from rotorrig.identify.chea.engine import Engine
 from rotorrig.identify.chea.modern import modern
 from rotorrig.identify.chea.session import Evaluations, Record, StopReason
 
 Profile = Literal["modern", "seed"]
 
-#: name -> the search, (record, rng, settings) -> Evaluations[StopReason], and its usual settings
+#: name -> (dim, settings) -> Method, and its usual settings
 _PROFILES: dict[str, tuple[Any, Any]] = {
-    "modern": (modern.search, modern.MODERN),
-    "seed": (chapter.search, chapter.SEED),
+    "modern": (modern.method, modern.MODERN),
+    "seed": (chapter.method, chapter.SEED),
 }
 
 
@@ -24,10 +25,10 @@ def begin(profile: str, settings: Any, dim: int, rng: np.random.Generator) -> tu
     """
     if profile not in _PROFILES:
         raise ValueError(f"profile is {profile!r}, expected one of {', '.join(map(repr, _PROFILES))}")
-    search, usual = _PROFILES[profile]
+    method, usual = _PROFILES[profile]
     chosen = usual if settings is None else settings
     if type(chosen) is not type(usual):
         want = f"{type(usual).__module__}.{type(usual).__qualname__}"
         raise ValueError(f"settings is a {type(chosen).__name__}, expected a {want} for profile={profile!r}")
     record = Record(dim, same_point=chosen.same_point)
-    return record, search(record, rng, chosen)
+    return record, Engine(record, rng, method(dim, chosen)).run()

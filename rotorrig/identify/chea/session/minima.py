@@ -21,7 +21,7 @@ class Minima:
     """Ends of local searches; those within `tolerance` of one another are one minimum, kept at its lowest."""
 
     def __init__(self, dim: int, *, tolerance: float) -> None:
-        self._tolerance = tolerance
+        self.tolerance = tolerance
         self._u = np.empty((0, dim))
         self._fun = np.empty(0)
         self._hits = np.empty(0, dtype=np.intp)
@@ -38,7 +38,7 @@ class Minima:
     def add(self, u: Array, fun: float) -> None:
         """Take in the end of a local search at `u` (dim,) of the unit cube."""
         away = _distances(self._u, u)
-        if not (away <= self._tolerance).any():
+        if not (away <= self.tolerance).any():
             self._u = np.vstack([self._u, u])
             self._fun = np.append(self._fun, fun)
             self._hits = np.append(self._hits, 1)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.chea import StopReason
-from rotorrig.identify.chea.chapter.chapter import search
+from rotorrig.identify.chea.chapter.chapter import method
 from rotorrig.identify.chea.chapter.settings import SEED, SeedSettings
+from rotorrig.identify.chea.engine import Engine
 from rotorrig.identify.chea.session.record import Record
 from tests.identify.chea.driving import drive
 
@@ -31,7 +32,7 @@ def egg_box(u: np.ndarray) -> np.ndarray:
 
 def run(fun, seed: int = 0, settings: SeedSettings = SEED) -> tuple[StopReason, Record]:
     record = Record(2, same_point=settings.same_point)
-    return drive(search(record, np.random.default_rng(seed), settings), fun, record), record
+    return drive(Engine(record, np.random.default_rng(seed), method(2, settings)).run(), fun, record), record
 
 
 @pytest.mark.parametrize("seed", range(5))
