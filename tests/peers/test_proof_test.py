@@ -63,6 +63,7 @@ def prove(peer: Peer, controller: str, folder: Path) -> Outcome:
         env={**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "200"},
     )
     peer.follow()
+    assert (folder / "rig.proof.json").is_file(), done.stderr
     certificate = json.loads((folder / "rig.proof.json").read_text())
     return Outcome(done.returncode, certificate, done.stderr.strip().split("\n")[-1])
 
