@@ -4,7 +4,10 @@ from .minimize import chea as chea
 from .modern.settings import MODERN as MODERN
 from .modern.settings import ModernSettings as ModernSettings
 from .profiles import Profile as Profile
+from .residuals import ABSOLUTES as ABSOLUTES
 from .residuals import RESIDUAL as RESIDUAL
+from .residuals import SQUARES as SQUARES
+from .residuals import Norm as Norm
 from .residuals import Residual as Residual
 from .residuals import ResidualResult as ResidualResult
 from .residuals import ResidualSettings as ResidualSettings
@@ -15,11 +18,14 @@ from .session import SearchState as SearchState
 from .session import StopReason as StopReason
 
 __all__ = [
+    "ABSOLUTES",
     "MODERN",
     "RESIDUAL",
     "SEED",
+    "SQUARES",
     "CheaResult",
     "ModernSettings",
+    "Norm",
     "Profile",
     "Residual",
     "ResidualResult",

@@ -69,7 +69,7 @@ def _refit(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: int
     for step in range(1, steps + 1):
         model = LinearModel(J[:, free], r, p[free], bounds)
         promise = model.promise(model.best(0.0))
-        taken = take_step(model, evaluate) if promise > enough else None
+        taken = take_step(evaluate, model) if promise > enough else None
         if taken is None:
             break
         p, r = full(taken.point.p), taken.point.r

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.residuals.levenberg_marquardt import Point, minimize_squares
+from rotorrig.identify.chea.residuals import Point, minimize_squares
 from rotorrig.identify.least_squares.solve import Solution, inverse_information
 from rotorrig.identify.uncertainty.profile_likelihood import profile_interval
 from rotorrig.identify.uncertainty.quantities import Amount, Phase

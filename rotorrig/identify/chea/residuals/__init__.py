@@ -1,31 +1,33 @@
-"""CHEA for residual vectors: multistart Levenberg-Marquardt, valleys, and least absolute values by linear programs."""
+"""CHEA for residual vectors: descents by Levenberg-Marquardt or linear programs, and the parts of a search by them."""
 
 from rotorrig.identify.chea.residuals.least_absolute import descend_absolute
 from rotorrig.identify.chea.residuals.levenberg_marquardt import (
     FIT,
     SEARCH,
-    Counted,
-    Evaluate,
     Minimum,
-    Point,
     Progress,
-    Residual,
     Settings,
     Stop,
     minimize_squares,
     take_step,
 )
 from rotorrig.identify.chea.residuals.linear_model import LinearModel, triangular_factor
-from rotorrig.identify.chea.residuals.residual_search import RESIDUAL, ResidualResult, ResidualSettings, residual_search
+from rotorrig.identify.chea.residuals.norms import ABSOLUTES, SQUARES, Norm
+from rotorrig.identify.chea.residuals.point import Counted, Evaluate, Point, Residual
+from rotorrig.identify.chea.residuals.residual_search import ResidualResult, residual_search
+from rotorrig.identify.chea.residuals.vector import RESIDUAL, ResidualSettings
 
 __all__ = [
+    "ABSOLUTES",
     "FIT",
     "RESIDUAL",
     "SEARCH",
+    "SQUARES",
     "Counted",
     "Evaluate",
     "LinearModel",
     "Minimum",
+    "Norm",
     "Point",
     "Progress",
     "Residual",

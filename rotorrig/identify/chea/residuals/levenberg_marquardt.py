@@ -36,15 +36,17 @@ Damping follows Nielsen ("Damping parameter in Marquardt's method", 1999), scale
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.chea.residuals.linear_model import LinearModel
+from rotorrig.identify.chea.residuals.point import Point, Residuals, answering
 from rotorrig.identify.chea.residuals.settings import LINEAR_MODEL
 
 Array = NDArray[np.float64]
-Residual = Callable[[Array], tuple[Array, Array]]  # u (dim,) -> r (figure,) and dr/du (figure, dim)
+T = TypeVar("T")
 Solve = Callable[[Array], Array]  # p with its linear parameters at their best
 
 _TINY = np.finfo(float).tiny
@@ -79,59 +81,6 @@ class Stop(StrEnum):
     ENOUGH = "enough"  # low enough, or where it leads is known
 
 
-class Point:
-    """A place, the residuals there, and their Jacobian once it is asked for."""
-
-    __slots__ = ("_jacobian", "_normal", "cost", "p", "r")
-
-    def __init__(self, p: Array, r: Array, jacobian: Array | Callable[[], Array]) -> None:
-        """`p` (parameter,), `r` (figure,), `jacobian` (figure, parameter) or what returns it."""
-        self.p = p
-        self.r = r
-        self.cost = sum_of_squares(r)
-        self._jacobian = jacobian
-        self._normal: Array | None = None
-
-    @property
-    def J(self) -> Array:  # noqa: N802
-        """Jacobian, (figure, parameter)."""
-        if callable(self._jacobian):
-            self._jacobian = self._jacobian()
-        return self._jacobian
-
-    @property
-    def normal(self) -> Array:
-        """J^T J, (parameter, parameter)."""
-        if self._normal is None:
-            self._normal = self.J.T @ self.J
-        return self._normal
-
-
-def sum_of_squares(r: Array) -> float:
-    """Return r r; infinite where a step went so far that there is no number."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        cost = float(r @ r)
-    return cost if np.isfinite(cost) else np.inf
-
-
-Evaluate = Callable[[Array], Point]
-
-
-class Counted:
-    """A residual with its Jacobian, its calls counted. An answer that is not finite costs infinitely."""
-
-    def __init__(self, fun: Residual) -> None:
-        self._fun = fun
-        self.calls = 0
-
-    def __call__(self, u: Array) -> Point:
-        """Return the residual and its Jacobian at `u`."""
-        self.calls += 1
-        r, J = self._fun(u)
-        finite = np.isfinite(J).all()
-        return Point(u, r if finite else np.full(len(r), np.inf), J)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Progress:
     """State of a descent, shown to `watch` after every step."""
@@ -156,8 +105,7 @@ class Minimum:
         return self.stop is Stop.CONVERGED
 
 
-def minimize_squares(
-    evaluate: Evaluate,
+def descend_squares(
     start: Point,
     *,
     bounds: tuple[Array, Array],
@@ -168,7 +116,7 @@ def minimize_squares(
     max_calls: int | None = None,
     solve_linear: Solve = lambda p: p,
     watch: Callable[[Progress], Stop | None] = lambda progress: None,
-) -> Minimum:
+) -> Residuals[Minimum]:
     """Minimize the sum of squares from `start`, which is within the bounds.
 
     It has converged when no step promises more than `tolerance`, or than that `share` of the sum. `max_steps` counts
@@ -177,13 +125,14 @@ def minimize_squares(
 
     >>> def valley(p):
     ...     return np.array([10 * (p[1] - p[0]**2), 1 - p[0]]), np.array([[-20 * p[0], 10], [-1, 0]])
+    >>> from rotorrig.identify.chea.residuals import Counted
     >>> fun, box = Counted(valley), (np.full(2, -5.0), np.full(2, 5.0))
     >>> found = minimize_squares(fun, fun(np.array([-1.2, 1.0])), bounds=box, tolerance=1e-12)
     >>> found.point.p.round(6).tolist(), found.steps, str(found.stop)
     ([1.0, 1.0], 2, 'converged')
     """
     point, damping, idle = start, settings.damping, 0
-    calls = _Calls(evaluate, start.cost, most=max_calls)
+    calls = _Calls(start.cost, most=max_calls)
     for step in range(1, max_steps + 1):
         model = LinearModel(point.J, point.r, point.p, bounds, reach=settings.reach)
         why = None
@@ -193,7 +142,9 @@ def minimize_squares(
             why = watch(Progress(point=point, costs=calls.costs, model=model))
         taken = None
         if why is None:
-            taken = take_step(model, calls, solve_linear=solve_linear, damping=damping, settings=settings)
+            taken = yield from calls.count(
+                try_steps(model, solve_linear=solve_linear, damping=damping, settings=settings)
+            )
         if taken is not None:
             gained = point.cost - taken.point.cost
             idle = idle + 1 if settings.idle and gained < settings.idle * model.full_promise else 0
@@ -212,28 +163,27 @@ class Step:
     damping: float  # of the next one
 
 
-def take_step(
+def try_steps(
     model: LinearModel,
-    evaluate: Evaluate,
     *,
     solve_linear: Solve = lambda p: p,
     damping: float = FIT.damping,
     settings: Settings = FIT,
-) -> Step | None:
+) -> Residuals[Step | None]:
     """Take the full step of a linear model, or the longest damped one that helps; None if none does.
 
     After a damped step that gains less than half of its promise the linear parameters are solved for; without full
     steps, after every one.
     """
-    if settings.full_steps and (point := _take_full_step(model, evaluate, settings)) is not None:
+    if settings.full_steps and (point := (yield from _take_full_step(model, settings))) is not None:
         return Step(point=point, damping=max(0.1 * damping, LINEAR_MODEL.least_damping))
     growth = 2.0
     for _ in range(settings.trials):
         aimed = model.best(damping)
         promised = model.promise(aimed)
-        point = evaluate(aimed if settings.full_steps else solve_linear(aimed))
+        point = yield aimed if settings.full_steps else solve_linear(aimed)
         if settings.full_steps and model.cost - point.cost < promised / 2:
-            point = _solve_linear(point, evaluate, solve_linear)
+            point = yield from _solve_linear(point, solve_linear)
         gained = model.cost - point.cost
         if gained > 0:
             share = min(gained / max(promised, _TINY), 1.0)
@@ -243,6 +193,10 @@ def take_step(
     return None
 
 
+minimize_squares = answering(descend_squares)
+take_step = answering(try_steps)
+
+
 def _is_minimum(model: LinearModel, enough: float, damping: float, settings: Settings) -> bool:
     """Say whether no step promises more than `enough`: the damped one is asked first where it is taken first."""
     if not settings.full_steps and model.promise(model.best(damping)) > enough:
@@ -250,38 +204,37 @@ def _is_minimum(model: LinearModel, enough: float, damping: float, settings: Set
     return model.full_promise <= enough
 
 
-def _take_full_step(model: LinearModel, evaluate: Evaluate, settings: Settings) -> Point | None:
+def _take_full_step(model: LinearModel, settings: Settings) -> Residuals[Point | None]:
     """Take the undamped step, and further ones by the same derivatives; None if it gains less than half its promise.
 
     Each of the further ones has to halve what is left of the promise, or it leads nowhere.
     """
     promise = model.full_promise
     floor = model.cost - promise
-    point = evaluate(model.best(LINEAR_MODEL.least_damping))
+    point = yield model.best(LINEAR_MODEL.least_damping)
     for _ in range(settings.bends):
         left = point.cost - floor
         if not settings.left * promise < left < np.inf:
             break
-        further = evaluate(model.further(point.p, point.r))
+        further = yield model.further(point.p, point.r)
         if not further.cost - floor < left / 2:
             break
         point = further
     return point if point.cost - floor < promise / 2 else None
 
 
-def _solve_linear(point: Point, evaluate: Evaluate, solve_linear: Solve) -> Point:
+def _solve_linear(point: Point, solve_linear: Solve) -> Residuals[Point]:
     """Return the lower one of `point` and where its linear parameters are at their best."""
     solved = solve_linear(point.p)
     if solved is point.p:
         return point
-    return min(evaluate(solved), point, key=lambda end: end.cost)
+    return min((yield solved), point, key=lambda end: end.cost)
 
 
 class _Calls:
-    """A function whose calls are counted; it costs infinitely once they are used up."""
+    """Calls of a descent, counted; an answer costs infinitely once they are used up."""
 
-    def __init__(self, evaluate: Evaluate, cost: float, *, most: int | None) -> None:
-        self._evaluate = evaluate
+    def __init__(self, cost: float, *, most: int | None) -> None:
         self._most = most
         self.costs = [cost]  # the lowest until every call
 
@@ -293,9 +246,16 @@ class _Calls:
     def used_up(self) -> bool:
         return self._most is not None and self.made >= self._most
 
-    def __call__(self, p: Array) -> Point:
-        if self.used_up:
-            return Point(p, np.full(1, np.inf), np.zeros((1, len(p))))
-        point = self._evaluate(p)
-        self.costs.append(min(point.cost, self.costs[-1]))
-        return point
+    def count(self, part: Residuals[T]) -> Residuals[T]:
+        """Pass on what a part of the descent asks for, while there are calls left."""
+        try:
+            p = next(part)
+            while True:
+                if self.used_up:
+                    point = Point(p, np.full(1, np.inf), np.zeros((1, len(p))))
+                else:
+                    point = yield p
+                    self.costs.append(min(point.cost, self.costs[-1]))
+                p = part.send(point)
+        except StopIteration as end:
+            return end.value

@@ -1,54 +1,39 @@
-"""`Valleys`: the minima of a sum of squares, each once, however far a flat valley floor extends."""
+"""`Valleys`: the distance of minima by their residuals, however far a flat valley floor extends."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.residuals.levenberg_marquardt import Point
+from rotorrig.identify.chea.residuals.norms import Norm
+from rotorrig.identify.chea.residuals.point import Point
+
+Array = NDArray[np.float64]
 
 
 class Valleys:
-    """Ends of descents; one that explains the data as another does is that one, kept at its lowest.
+    """Ends of descents, with their residuals; a point that explains the data as one of them does is in its place.
 
-    Ends are the same within `same_point` in every parameter, or where the linear model of the lower one has its
-    residuals change by less than `same_fit` of its sum of squares: what tells them apart, the data do not determine.
+    It does where the linear model of the end has its residuals change by less than `same_fit` of its value: what tells
+    the two apart, the data do not determine.
     """
 
-    def __init__(self, dim: int, *, same_point: float, same_fit: float) -> None:
-        self._same_point = same_point
+    def __init__(self, norm: Norm, *, same_fit: float) -> None:
+        self._norm = norm
         self._same_fit = same_fit
-        self.points: list[Point] = []
-        self.cost = np.empty(0)  # (valley,)
-        self.hits = np.empty(0, dtype=np.intp)  # (valley,) ends that were there
-        self._u = np.empty((0, dim))
-        self._normal = np.empty((0, dim, dim))
+        self._ends: dict[bytes, Point] = {}
 
-    @property
-    def best(self) -> float:
-        """The lowest sum of squares, +inf before the first."""
-        return float(self.cost.min(initial=np.inf))
+    def keep(self, end: Point) -> None:
+        """Remember the end of a descent."""
+        self._ends[end.p.tobytes()] = end
 
-    def add(self, point: Point, *, hits: int = 1) -> None:
-        """Take in the end of a descent, or of several."""
-        same = np.flatnonzero(self._same(point))
-        if not len(same):
-            self.points.append(point)
-            self.cost = np.append(self.cost, point.cost)
-            self.hits = np.append(self.hits, hits)
-            self._u = np.vstack([self._u, point.p])
-            self._normal = np.concatenate([self._normal, point.normal[None]])
-            return
-        known = same[self.cost[same].argmin()]
-        self.hits[known] += hits
-        if point.cost < self.cost[known]:
-            self.points[known], self.cost[known] = point, point.cost
-            self._u[known], self._normal[known] = point.p, point.normal
+    def end(self, u: Array) -> Point:
+        """Return the end that was kept at `u` (dim,)."""
+        return self._ends[u.tobytes()]
 
-    def holds(self, point: Point) -> bool:
-        """Return whether a point is in a known valley, and no lower."""
-        return bool((self._same(point) & (self.cost <= point.cost)).any())
+    def distance(self, minima: Array, values: Array, u: Array) -> Array:
+        """Return the distances (n,) of minima that were kept, (n, dim) with values (n,), to `u` (dim,).
 
-    def _same(self, point: Point) -> NDArray[np.bool_]:
-        away = point.p - self._u
-        change = np.einsum("vi,vij,vj->v", away, self._normal, away)
-        near = np.abs(away).max(axis=1) <= self._same_point
-        return near | (change <= self._same_fit * self.cost)
+        They are the largest differences in any parameter, but nil within a valley.
+        """
+        away = u - minima
+        change = [self._norm.value(self.end(known).J @ step) for known, step in zip(minima, away, strict=True)]
+        return np.where(np.array(change) <= self._same_fit * values, 0.0, np.abs(away).max(axis=1))

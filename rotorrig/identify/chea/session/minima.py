@@ -1,11 +1,12 @@
 """`Minima`: the local minima found, each once."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Distance = Callable[[Array, Array, Array], Array]  # from minima (n, dim) with values (n,) to a point (dim,) -> (n,)
 
 
 def one_point(points: Sequence[Array], tolerance: float) -> bool:
@@ -20,8 +21,10 @@ def one_point(points: Sequence[Array], tolerance: float) -> bool:
 class Minima:
     """Ends of local searches; those within `tolerance` of one another are one minimum, kept at its lowest."""
 
-    def __init__(self, dim: int, *, tolerance: float) -> None:
+    def __init__(self, dim: int, *, tolerance: float, distance: Distance | None = None) -> None:
+        """`distance` is by default the largest difference in any one parameter."""
         self.tolerance = tolerance
+        self._distance = distance or (lambda points, _, u: _distances(points, u))
         self._u = np.empty((0, dim))
         self._fun = np.empty(0)
         self._hits = np.empty(0, dtype=np.intp)
@@ -35,16 +38,20 @@ class Minima:
         """The lowest value found, +inf before the first."""
         return float(self._fun.min(initial=np.inf))
 
-    def add(self, u: Array, fun: float) -> None:
-        """Take in the end of a local search at `u` (dim,) of the unit cube."""
-        away = _distances(self._u, u)
+    def holds(self, u: Array, fun: float) -> bool:
+        """Return whether a point is at a known minimum, and no lower."""
+        return bool(((self._distance(self._u, self._fun, u) <= self.tolerance) & (self._fun <= fun)).any())
+
+    def add(self, u: Array, fun: float, *, hits: int = 1) -> None:
+        """Take in the end of a local search, or of several, at `u` (dim,) of the unit cube."""
+        away = self._distance(self._u, self._fun, u)
         if not (away <= self.tolerance).any():
             self._u = np.vstack([self._u, u])
             self._fun = np.append(self._fun, fun)
-            self._hits = np.append(self._hits, 1)
+            self._hits = np.append(self._hits, hits)
             return
         known = away.argmin()
-        self._hits[known] += 1
+        self._hits[known] += hits
         if fun < self._fun[known]:
             self._u[known], self._fun[known] = u, fun
 

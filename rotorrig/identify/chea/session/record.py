@@ -22,10 +22,13 @@ class Record:
     The ask/tell object adds the points; the parts of the search all else.
     """
 
-    def __init__(self, dim: int, *, same_point: float) -> None:
-        """Begin empty; ends of local searches within `same_point` of one another in every parameter are one minimum."""
+    def __init__(self, dim: int, *, same_point: float = 0.0, minima: Minima | None = None) -> None:
+        """Begin empty; ends of local searches within `same_point` of one another in every parameter are one minimum.
+
+        `minima` are an empty list that has another rule.
+        """
         self.dim = dim
-        self.minima = Minima(dim, tolerance=same_point)
+        self.minima = Minima(dim, tolerance=same_point) if minima is None else minima
         self.nfev = 0
         self.njev = 0  # gradients taken by finite differences; their points are in nfev
         self.nit = 0  # steps of the search: generations, local searches, far searches

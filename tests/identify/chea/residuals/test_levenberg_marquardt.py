@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.residuals.levenberg_marquardt import (
+from rotorrig.identify.chea.residuals import (
     SEARCH,
     Counted,
     Minimum,

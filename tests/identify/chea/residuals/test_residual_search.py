@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea import StopReason, residual_search
+from rotorrig.identify.chea import ABSOLUTES, StopReason, residual_search
 
 
 def peak(level=0.0):
@@ -129,3 +129,25 @@ def test_it_begins_where_it_is_told_and_stays_in_the_cube(rng):
     assert min(u.min() for u in visited[:4]) >= 0.9
     assert min(u.min() for u in visited) >= 0.0
     assert max(u.max() for u in visited) <= 1.0
+
+
+def test_sums_of_absolute_values_are_searched_likewise_and_outliers_do_not_move_them(rng):
+    fun, truth = peak()
+
+    def with_outliers(u):
+        r, J = fun(u)
+        r[::6] += 3.0
+        return r, J
+
+    found = residual_search(with_outliers, 3, rng=rng, norm=ABSOLUTES)
+    assert found.stop is StopReason.CONVERGED
+    assert found.u[0] == pytest.approx(truth, abs=1e-6)
+    assert found.cost[0] == pytest.approx(3.0 * 11)  # every sixth of 61
+    squares = residual_search(with_outliers, 3, rng=rng)
+    assert np.abs(squares.u[0] - truth).max() > 1e-3
+
+
+def test_both_minima_of_a_sum_of_absolute_values_are_listed(rng):
+    found = residual_search(two_bottoms(0.1), 2, rng=rng, norm=ABSOLUTES)
+    assert np.sort(found.u[:, 0]) == pytest.approx([0.25, 0.75], abs=1e-6)
+    assert found.cost == pytest.approx([0.1, 0.1])
