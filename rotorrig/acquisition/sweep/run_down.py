@@ -173,10 +173,10 @@ class _Watch:
 
     def shows_nothing_for(self, patience: float) -> bool:
         """Return whether the drive is off by its word, and for so long [s of wall time] the rotor has not been seen."""
-        session, now = self._session, self._session.clock.now()
-        if self._speed() is not None or session.motor_state is None or session.motor_state.running:
+        state, now = self._session.motor_state, self._session.clock.now()
+        if self._speed() is not None or (state is not None and state.running):
             self._unseen_since = now
-        return self._is_confirmed() and now - self._unseen_since > patience
+        return self._is_confirmed() and state is not None and now - self._unseen_since > patience
 
     def stop_harder_if_needed(self) -> None:
         """Go up the ladder if the rotor goes on as before; time counts from when the present stop was first tried."""
