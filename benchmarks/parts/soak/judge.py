@@ -23,6 +23,7 @@ _TURNING = re.compile(r"(?i)still (be )?turning|\bunknown\b|not at rest|keeps tu
 _REST = re.compile(r"(?i)\bat rest\b|\bat a standstill\b|rotor (was|is|has) (been )?stopped|stands still")
 _GUARDIAN_WRITES = (".json", ".jsonl", ".txt", ".log")  # beside the recording
 _LAST_WORDS = 300  # characters of it
+HANGS = "SIGSTOP for 3 s"
 _ENDS_STREAM = {"DAQ silent", "DAQ late", "DAQ restarts"}  # a sweep may take no samples after these
 
 
@@ -192,6 +193,8 @@ def _excused(seen: Seen, peer: Peer) -> tuple[int, int]:
     end = min(seen.ended, stream_ended["t"] - CLOSING if stream_ended else math.inf)
     if seen.status is None or seen.status < 0 or seen.killed:
         end = min(end, seen.ended - SETTLE)
+        if seen.ended - struck.get(HANGS, -math.inf) < BY_NAME[HANGS].seconds:  # it was killed while it hung
+            end = min(end, struck[HANGS] - SETTLE)
     else:
         end = min(end, seen.ended - CLOSING)
     if seen.left is not None:

@@ -201,6 +201,7 @@ def _stop_rotor(
         report = session.control.report
         if report is None or report.kind is not ending.stop:  # else the limit or the signal has sent it already
             session.stop_rotor(ending.stop)
+        session.note_stop()  # the guardian may have sent it
         session.beat()  # a silent DAQ may have been waited for
         session.limits_armed = ending.stop is Stop.RAMP
         session.recording_paused = False

@@ -112,7 +112,8 @@ class Session:
     def rest(self) -> RotorState:
         """Whether the rotor is at rest, by the evidence so far."""
         off = self.motor_state is not None and not self.motor_state.running
-        return self._evidence.judge(drive_off=off, fastest=self._fastest, stopped_at=self._stopped_at)
+        fastest = self._fastest + self._risen()
+        return self._evidence.judge(drive_off=off, fastest=fastest, stopped_at=self._stopped_at)
 
     @property
     def stop_times(self) -> StopTimes | None:
@@ -148,14 +149,19 @@ class Session:
 
     def stop_rotor(self, kind: Stop) -> None:
         """Stop the rotor now and for good: later commands are refused. Returns at once; signal handlers may call it."""
-        if math.isnan(self._decided):
-            self._decided, self._stopped_at = self.clock.now(), self.t
-            self._note_fastest()
+        self.note_stop()
         self._first_stop = self._first_stop or self.control.report
         self.control.stop(kind)
         self.motor_state, self.commanded_speed = None, 0.0
         if kind is Stop.RAMP:  # the one under which limits stay armed; another may come from a signal handler
             self._interlock.command(0.0)
+
+    def note_stop(self) -> None:
+        """Take note that the rotor is being stopped for good, by whomever."""
+        if math.isnan(self._decided):
+            self._decided, self._stopped_at = self.clock.now(), self._time_by_the_wall()
+            self._note_fastest()
+            self.commanded_speed = 0.0
 
     def check_standstill(self, state: MotorState) -> None:
         """Check before the first command that the rotor is at rest. Raises LimitExceeded."""
@@ -163,7 +169,15 @@ class Session:
         self._evidence.take_as_rest()
 
     def _note_fastest(self) -> None:
-        self._fastest += min(self.commanded_speed, self._ramp * (self.t - self._commanded_at))
+        self._fastest += self._risen()
+
+    def _risen(self) -> float:
+        """Return by how much [rad/s] the rotor can have become faster since the last command."""
+        return min(self.commanded_speed, self._ramp * (self._time_by_the_wall() - self._commanded_at))
+
+    def _time_by_the_wall(self) -> float:
+        """Sample time now [s]: the last samples are old if this program hung."""
+        return self.t + self.clock.now() - self.last_block
 
     def start(self) -> None:
         """Start the motor control and the DAQ's stream."""

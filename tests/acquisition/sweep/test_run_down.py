@@ -1,5 +1,6 @@
 """From the stop to rest: watched, recorded, and stopped harder when the rotor does not slow down."""
 
+import dataclasses
 import math
 import signal
 from collections.abc import Callable
@@ -8,7 +9,8 @@ import pytest
 
 from rotorrig.acquisition.sweep.plans import Dwell, Mark, Ramp
 from rotorrig.acquisition.sweep.rest import RotorState
-from rotorrig.rig.errors import LinkLost, NotAtRest
+from rotorrig.rig.control import DirectControl, Reading
+from rotorrig.rig.errors import LimitExceeded, LinkLost, NotAtRest
 from rotorrig.rig.motor.base import MotorState, Stop
 from rotorrig.rig.probes.base import Block, DaqInfo
 from tests.acquisition.sweep.scripted_bench import LOOKED, Bench, MakeBench, Watching, at_sample, gone
@@ -284,6 +286,37 @@ def test_a_daq_that_is_lost_and_comes_back_proves_the_rotor_at_rest(bench: MakeB
     assert (first, len(before)) == (0, 4.5 * rate)
     assert back[0] >= lost[0] + 5.0
     assert after / rate == pytest.approx(back[0], abs=0.1)
+
+
+def test_a_rotor_that_the_guardian_has_stopped_on_its_first_ramp_is_not_taken_for_one_that_never_turned(
+    bench: MakeBench,
+) -> None:
+    rig = bench()
+
+    class Guarded(DirectControl):
+        """Stopped by a guardian while the program hung; the drive says that it is off, and the rotor turns on."""
+
+        def take_readings(self) -> list[Reading]:
+            if rig.shaft.speed > 15.0 and self.report is None:
+                rig.clock.sleep(3.0)
+                self.stop(Stop.EMERGENCY)
+                raise LimitExceeded("guardian: no sample was processed for 0.5 s; it has stopped the rotor")
+            return super().take_readings()
+
+    rig.motor.obeys = set()
+    rig.motor.on_read = lambda state: dataclasses.replace(
+        state, running=rig.motor.commands[-1:] == [("set", 60.0, 60.0)]
+    )
+    press = pressing(signal.SIGINT, *(600_000 + 1000 * i for i in range(4)))
+
+    def dead(block: Block) -> Block:
+        block.counts[:, rig.rig.keyphasor.channel] = 0  # type: ignore[union-attr]
+        return press(block)
+
+    rig.daq.on_block = dead
+    with pytest.raises(NotAtRest, match=r"^THE ROTOR MAY STILL BE TURNING"):
+        rig.sweep((Ramp(to=60.0, rate=60.0),), control=Guarded(rig.motor, clock=rig.clock))
+    assert rig.shaft.speed > 15.0
 
 
 def test_silence_of_keyphasor_and_drive_is_no_rest(bench: MakeBench) -> None:
