@@ -13,7 +13,12 @@ class StepSettings:
     # sequential quadratic programming
     first: float = 0.05  # length of the first step, in the steepest parameter: a start is most often in its basin
     sufficient: float = 1e-4  # of the decrease the slope promises (Armijo)
+    risen: float = 0.99  # of the slope along a step: what may be left at its end (Wolfe); 0.9 costs eq. (2) 2 % more
+    bracket: float = 0.01  # of a step: places between which the slope turns, so close, are one kink
     shortest: float = 1e-6  # of a step: below, the slope leads nowhere
+    difference: float = 1.5e-8  # of the cube: forward differences; the square root of the float's resolution
+    difference_at_kinks: float = 1e-10  # once a line search found nothing lower though the slope is steep; see sqp.py
+    smooth: float = 1e-3  # of the first slope: with less of it left this is no kink
     shortening: tuple[float, float] = (0.1, 0.5)  # of a step that was too long: the least and the most that is kept
 
     # quadratic programs on a box

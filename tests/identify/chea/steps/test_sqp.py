@@ -116,3 +116,16 @@ def test_a_wall_of_infinity_on_the_way_is_survived() -> None:
     assert u[0] >= 0.5
     assert np.isfinite(value)
     assert value < bowl(START[None])[0]
+
+
+def test_a_sum_of_absolute_values_is_descended_along_its_kinks_to_where_all_are_nothing() -> None:
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        slopes, target = rng.normal(size=(60, 4)) * np.logspace(0, -4, 4), rng.uniform(0.2, 0.8, 4)
+
+        def fun(u: np.ndarray, slopes: np.ndarray = slopes, target: np.ndarray = target) -> np.ndarray:
+            return np.abs((u - target) @ slopes.T).sum(axis=1)
+
+        u, _, record = run(fun, rng.random(4))
+        assert u == pytest.approx(target, abs=1e-4)
+        assert record.nfev < 2000
