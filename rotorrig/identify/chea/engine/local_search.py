@@ -19,6 +19,7 @@ class End:
     u: Array  # (dim,) the lowest point met
     fun: float
     kind: Kind
+    hessian: Array | None = None  # (dim, dim) there, of a search that goes by one
 
 
 class LocalSearch(Protocol):

@@ -9,12 +9,12 @@ costs 30 to 40 calls. A wall of failing calls is no slope: a descent may end at 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.chea.engine import End
 from rotorrig.identify.chea.modern.settings import MODERN, DescentSettings
 from rotorrig.identify.chea.modern.taylor_model import TaylorModel, fit
 from rotorrig.identify.chea.session import Evaluations, Record
@@ -27,16 +27,6 @@ StopIf = Callable[[Array, float, Array, float], bool]
 
 HUGE = 1e100  # beyond that no polynomial is fitted without overflow
 FLOAT = 4 * np.finfo(np.float64).eps  # a gain below that, of the value, is rounding
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class End:
-    """End of a descent and its kind."""
-
-    u: Array  # (dim,) the lowest point met
-    fun: float
-    kind: Literal["minimum", "stuck", "abandoned", "no value"]
-    hessian: Array  # (dim, dim) at the end, as the last model has it
 
 
 def descend(

@@ -5,13 +5,16 @@ around it and is given up when it makes for a known minimum, the minima show a f
 number and their ties say when to stop.
 """
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.chea.engine import Clusters, End, Engine, Method, nearest_better, next_head
-from rotorrig.identify.chea.modern.finds import Finds
 from rotorrig.identify.chea.modern.funnel import fit_funnel
 from rotorrig.identify.chea.modern.local_search import descend
+from rotorrig.identify.chea.modern.natural_stop import Finds
 from rotorrig.identify.chea.modern.recombination import offspring, spacing
 from rotorrig.identify.chea.modern.settings import MODERN, ModernSettings
 from rotorrig.identify.chea.session import Evaluations, Record
@@ -161,20 +164,30 @@ class _Parts:
 
         Any point of a plateau is an end: one that is not lower than all minima is none.
         """
-        ground = yield from descend(
+        end = yield from descend(
             record,
             start,
             value,
             radius=self._settings.radius if radius is None else radius,
-            stop_if=_MakesForKnown(record, self._settings) if wary else None,
+            stop_if=partial(self._makes_for_known, record) if wary else None,
             max_calls=self._settings.stint * (record.dim + 1),
             settings=self._settings.descent,
         )
-        if ground.kind == "minimum":
-            self._confirmed = min(self._confirmed, ground.fun)
-        if ground.kind in ("minimum", "stuck") and self._is_on_plateau(record, ground.u, ground.fun):
-            return End(u=ground.u, fun=ground.fun, kind="abandoned")
-        return End(u=ground.u, fun=ground.fun, kind=ground.kind)
+        if end.kind == "minimum":
+            self._confirmed = min(self._confirmed, end.fun)
+        if end.kind in ("minimum", "stuck") and self._is_on_plateau(record, end.u, end.fun):
+            return replace(end, kind="abandoned")
+        return end
+
+    def _makes_for_known(self, record: Record, u: Array, _fun: float, goal: Array, _foreseen: float) -> bool:
+        """Return whether the `goal` of a descent now at `u` is a known minimum, and clearly which."""
+        minima, _, _ = record.minima.sorted()
+        if not len(minima):
+            return False
+        away = np.abs(minima - goal).max(axis=1)
+        to_go = float(np.abs(minima[away.argmin()] - u).max())
+        close = self._settings.heading * to_go + self._settings.same_point
+        return bool(away.min() <= close and (away <= 4 * close).sum() == 1)
 
     def _is_on_plateau(self, record: Record, u: Array, fun: float) -> bool:
         """Return whether points not quite at `u`, which is no new lowest, have exactly its value."""
@@ -186,20 +199,3 @@ class _Parts:
     def _apart(self, minima: Array) -> float:
         """Return the usual distance of minima (n, dim), or what is expected of it."""
         return min(spacing(minima), 4 * self._settings.radius)
-
-
-class _MakesForKnown:
-    """Whether the goal of a descent is a known minimum, and clearly which."""
-
-    def __init__(self, record: Record, settings: ModernSettings) -> None:
-        self._record = record
-        self._settings = settings
-
-    def __call__(self, u: Array, _fun: float, goal: Array, _foreseen: float) -> bool:
-        minima, _, _ = self._record.minima.sorted()
-        if not len(minima):
-            return False
-        away = np.abs(minima - goal).max(axis=1)
-        to_go = float(np.abs(minima[away.argmin()] - u).max())
-        close = self._settings.heading * to_go + self._settings.same_point
-        return bool(away.min() <= close and (away <= 4 * close).sum() == 1)

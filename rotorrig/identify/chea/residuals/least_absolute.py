@@ -26,29 +26,31 @@ def descend_absolute(
     `tolerance` of the sum.
     """
     counted = Counted(fun)
-    point, _ = answering(lower_absolute)(
-        counted, counted(start), radius=radius, tolerance=tolerance, max_calls=max_calls - 1
-    )
+    descent = answering(lower_absolute)
+    point, _ = descent(counted, counted(start), reach=radius, share=tolerance, max_calls=max_calls - 1)
     return point.p, sum_of_absolutes(point.r), counted.calls
 
 
 def lower_absolute(
     start: Point,
     *,
-    radius: float,
-    tolerance: float,
+    reach: float,
+    share: float,
     max_calls: int,
     watch: Callable[[Point, Sequence[float]], Stop | None] = lambda point, values: None,
 ) -> Residuals[tuple[Point, Stop]]:
-    """Descend likewise from a point whose residuals are known; `watch` sees the lowest and the sums so far."""
-    point, values = start, [sum_of_absolutes(start.r)]
+    """Descend likewise from a point whose residuals are known; `watch` sees the lowest and the sums so far.
+
+    `reach` is the radius, `share` the tolerance.
+    """
+    point, values, radius = start, [sum_of_absolutes(start.r)], reach
     while len(values) <= max_calls:
         u, value = point.p, values[-1]
         if radius <= ABSOLUTE.shortest:
             return point, Stop.STALLED
         step = minimize_absolute_on_box(point.r, point.J, np.maximum(-u, -radius), np.minimum(1 - u, radius))
         promised = value - sum_of_absolutes(point.r + point.J @ step)
-        if promised <= tolerance * value:
+        if promised <= share * value:
             return point, Stop.CONVERGED
         if len(values) > 1 and (why := watch(point, values)):
             return point, why

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,43 +15,36 @@ Array = NDArray[np.float64]
 Watch = Callable[[Point, Sequence[float]], Stop | None]  # of the lowest point, and the lowest values until every call
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Descent:
-    """How far a descent goes."""
+class Descent(Protocol):
+    """A way down from a point."""
 
-    reach: float  # longest step in any parameter, of absolute values: the first one
-    share: float  # of the value: it ends when a step promises less
-    max_calls: int
-    watch: Watch = lambda point, values: None
+    def __call__(
+        self, start: Point, *, reach: float, share: float, max_calls: int, watch: Watch
+    ) -> Residuals[tuple[Point, Stop]]:
+        """Descend by steps of `reach` in any parameter, the first one at least, until one promises a `share` less."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Norm:
-    """The value of residuals, and a descent of it from a point."""
+    """The value of residuals, and a way down to where it is least."""
 
     value: Callable[[Array], float]
-    descend: Callable[[Point, Descent], Residuals[tuple[Point, Stop]]]
+    descend: Descent
 
 
-def _by_squares(start: Point, how: Descent) -> Residuals[tuple[Point, Stop]]:
+def _by_squares(
+    start: Point, *, reach: float, share: float, max_calls: int, watch: Watch
+) -> Residuals[tuple[Point, Stop]]:
     end = yield from descend_squares(
         start,
         bounds=(np.zeros(len(start.p)), np.ones(len(start.p))),
-        settings=replace(SEARCH, reach=how.reach),
-        share=how.share,
-        max_calls=how.max_calls,
-        watch=lambda progress: how.watch(progress.point, progress.costs),
+        settings=replace(SEARCH, reach=reach),
+        share=share,
+        max_calls=max_calls,
+        watch=lambda progress: watch(progress.point, progress.costs),
     )
     return end.point, end.stop
 
 
-def _by_linear_programs(start: Point, how: Descent) -> Residuals[tuple[Point, Stop]]:
-    return (
-        yield from lower_absolute(
-            start, radius=how.reach, tolerance=how.share, max_calls=how.max_calls, watch=how.watch
-        )
-    )
-
-
 SQUARES = Norm(value=sum_of_squares, descend=_by_squares)  # by Levenberg and Marquardt
-ABSOLUTES = Norm(value=sum_of_absolutes, descend=_by_linear_programs)
+ABSOLUTES = Norm(value=sum_of_absolutes, descend=lower_absolute)  # by linear programs

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.chea.engine import Clusters, End, Engine, Method, nearest_better
 from rotorrig.identify.chea.residuals.levenberg_marquardt import Stop
-from rotorrig.identify.chea.residuals.norms import Descent, Norm
+from rotorrig.identify.chea.residuals.norms import Norm, Watch
 from rotorrig.identify.chea.residuals.point import Evaluate, Point
 from rotorrig.identify.chea.residuals.valleys import Valleys
 from rotorrig.identify.chea.session import Evaluations, Minima, Record
@@ -104,12 +104,12 @@ class Vector:
             lags = len(values) > settings.patience and values[-1] > (1 - settings.gain) * values[-1 - settings.patience]
             return Stop.GIVEN_UP if lags and values[-1] > settings.significant * record.minima.best else None
 
-        how = Descent(reach=settings.reach, share=settings.rough, max_calls=settings.steps, watch=watch)
-        return (yield from self._follow(self._answers.pop(start.tobytes()), how))
+        return (yield from self._follow(self._answers.pop(start.tobytes()), share=settings.rough, watch=watch))
 
-    def _follow(self, start: Point, how: Descent) -> Evaluations[End]:
+    def _follow(self, start: Point, *, share: float, watch: Watch = lambda point, values: None) -> Evaluations[End]:
         """Return the end of a descent, whose points the engine has evaluated."""
-        descent = self._norm.descend(start, how)
+        settings = self._settings
+        descent = self._norm.descend(start, reach=settings.reach, share=share, max_calls=settings.steps, watch=watch)
         try:
             u = next(descent)
             while True:
@@ -134,7 +134,6 @@ class Vector:
         bottoms = self.no_minima(record.dim)
         for u, fun, hits in zip(*record.minima.sorted(), strict=True):
             if fun <= settings.significant * record.minima.best:
-                how = Descent(reach=settings.reach, share=settings.fine, max_calls=settings.steps)
-                end = yield from self._follow(self._valleys.end(u), how)
+                end = yield from self._follow(self._valleys.end(u), share=settings.fine)
                 bottoms.add(end.u, end.fun, hits=int(hits))
         record.minima = bottoms

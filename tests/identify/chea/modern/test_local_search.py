@@ -5,7 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from rotorrig.identify.chea.modern.local_search import End, descend
+from rotorrig.identify.chea.engine import End
+from rotorrig.identify.chea.modern.local_search import descend
 from rotorrig.identify.chea.session.record import Record
 
 Fun = Callable[[np.ndarray], np.ndarray]
