@@ -17,8 +17,7 @@ class StepSettings:
     bracket: float = 0.01  # of a step: places between which the slope turns, so close, are one kink
     shortest: float = 1e-6  # of a step: below, the slope leads nowhere
     difference: float = 1.5e-8  # of the cube: forward differences; the square root of the float's resolution
-    difference_at_kinks: float = 1e-10  # once a line search found nothing lower though the slope is steep; see sqp.py
-    smooth: float = 1e-3  # of the first slope: with less of it left this is no kink
+    difference_at_kinks: float = 1e-10  # once a line search found nothing where it was promised something; see sqp.py
     shortening: tuple[float, float] = (0.1, 0.5)  # of a step that was too long: the least and the most that is kept
 
     # quadratic programs on a box
