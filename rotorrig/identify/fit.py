@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.base_model import BASE_MODEL, ObjectiveName, Problem, Reals, SearchResult, search
+from rotorrig.identify.base_model import BASE_MODEL, ObjectiveName, Problem, Reals, SearchName, SearchResult, search
 from rotorrig.identify.identification import Fit, Identification
 from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.measurement import Measurement, measure
@@ -26,7 +26,7 @@ from rotorrig.identify.uncertainty import (
 )
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import ConfigError, DataError, code_version
-from rotorrig.rig.config import RigConfig
+from rotorrig.rig.config import Identify, RigConfig
 
 WHOLE = "whole sweep"
 
@@ -50,6 +50,7 @@ def identify(
     *,
     seed: int = 0,
     objective: ObjectiveName = "residual",
+    method: SearchName | None = None,
     profile: bool = False,
     resampling: Resampling | None = None,
     progress: Progress = lambda text: None,
@@ -57,22 +58,23 @@ def identify(
     """Identify what the config's [identify] table names, on the whole sweep and on its bands.
 
     `objective` is that of the search: the whitened complex "residual", or the chapter's "f1", "f2" or "f3" on the
-    amplitudes of a single unbalance. With `profile` all intervals are of the profile likelihood, and not only those
-    that the covariance would get wrong; with `resampling` those of the whole sweep are of a bootstrap. A band with too
-    few rows is left out and the first fit's words say so. Raises ConfigError if the rig has no [identify] section,
-    DataError if the whole sweep holds too few rows.
+    amplitudes of a single unbalance. `method` is how: by the "vector" of residuals and its derivatives, or by the
+    objective's value alone, "modern" or "seed", the chapter's; by default the config's. With `profile` all intervals
+    are of the profile likelihood, and not only those that the covariance would get wrong; with `resampling` those of
+    the whole sweep are of a bootstrap. A band with too few rows is left out and the first fit's words say so. Raises
+    ConfigError if the rig has no [identify] section, DataError if the whole sweep holds too few rows.
     """
     rig = response.rig
-    _check(rig)
+    known = _check(rig)
     began = time.perf_counter()
-    options = _Options(objective=objective, seed=seed, profile=profile)
+    options = _Options(objective=objective, method=method or known.search, seed=seed, profile=profile)
     left_out = []
     with threadpool_limits(1, user_api="blas"):  # thousands of small products: threads cost 40 times what they save
         progress(WHOLE)
         whole = _band(response, WHOLE)
         searched, best = _search_and_refine(response, whole, options)
         fits = [_fit(response, whole, whole, options, searched, best)]
-        for name, limits in (rig.identify.bands if rig.identify else {}).items():
+        for name, limits in known.bands.items():
             progress(name)
             try:
                 part = _band(response, name, limits)
@@ -93,7 +95,7 @@ def identify(
     )
 
 
-def _check(rig: RigConfig) -> None:
+def _check(rig: RigConfig) -> Identify:
     if rig.identify is None:
         raise ConfigError(f"{rig.name}: the config has no [identify] section, want bearings and a disk to identify")
     for bearing in rig.bearings:
@@ -101,6 +103,7 @@ def _check(rig: RigConfig) -> None:
             raise ConfigError(
                 f"{rig.name}: bearing '{bearing.name}' is given over speed, want constants to identify by"
             )
+    return rig.identify
 
 
 def first_fit(response: OrderTrackedResponse, *, seed: int = 0) -> Solution:
@@ -110,7 +113,7 @@ def first_fit(response: OrderTrackedResponse, *, seed: int = 0) -> Solution:
         return _search_and_refine(
             response,
             _band(response, WHOLE),
-            _Options(objective="residual", seed=seed, profile=False, steps=FIT.first_steps),
+            _Options(objective="residual", method="vector", seed=seed, profile=False, steps=FIT.first_steps),
         )[1]
 
 
@@ -119,6 +122,7 @@ class _Options:
     """Of every band's fit."""
 
     objective: ObjectiveName  # of the global search
+    method: SearchName
     seed: int
     profile: bool
     steps: int = BASE_MODEL.most_steps  # of the least squares with all unknowns free
@@ -143,7 +147,9 @@ def _search_and_refine(
 ) -> tuple[SearchResult, Solution]:
     """Search a band, and refine what was found and, if given, `near`: the parameters of another band."""
     space = band.problem.parameters.space
-    searched = search(response, band.measured, space, objective=options.objective, seed=options.seed)
+    searched = search(
+        response, band.measured, space, objective=options.objective, method=options.method, seed=options.seed
+    )
     return searched, _best(
         _refine_starts(
             band.problem, [np.array(o.theta[: len(space)]) for o in searched.optima], near, steps=options.steps
@@ -208,6 +214,7 @@ def _fit(
         nuisances=estimates.estimate_nuisances(best, problem),
         unknowns=(*space.names, *(amount.name for amount in space.amounts)),
         optima=searched.optima,
+        trace=searched.trace,
         objective=options.objective,
         evaluations=searched.evaluations,
         stop=searched.stop,

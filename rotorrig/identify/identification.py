@@ -32,6 +32,26 @@ class Optimum:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Stage:
+    """What one kind of step of a search did."""
+
+    name: str  # "gather" or "genetic", "local", "breed", "far", "polish"
+    steps: int
+    evaluations: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchTrace:
+    """The way of a global search: its stages, and where it looked. Places are in the unknowns of `Fit.unknowns`, SI."""
+
+    method: str = "vector"  # by residuals and derivatives; by values alone "modern", or "seed": the chapter's
+    stages: tuple[Stage, ...] = ()
+    reduced: int = 0  # clusters that were not convex, in whose bounds points were gathered again
+    heads: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))  # (cluster, unknown) best of each
+    points: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))  # (point, unknown) evenly thinned
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Direction:
     """A combination of the estimates, as a unit vector of relative changes (rad for phases), and how well it is known.
 
@@ -62,6 +82,7 @@ class Fit:
     prediction: NDArray[np.complex128]  # (speed, probe) m, 1X as measured: runout included, every row of the response
     directions: tuple[Direction, ...] = ()  # what the data and priors determine, least known first
     budget: dict[str, dict[str, float]] = field(default_factory=dict)  # estimate -> "noise".. -> part of variance
+    trace: SearchTrace = field(default_factory=SearchTrace)  # of the global search
     words: tuple[str, ...]  # what the data cannot tell, in sentences
 
     def estimate(self, name: str) -> Estimate:

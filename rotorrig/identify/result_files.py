@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
-from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
+from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum, SearchTrace, Stage
 from rotorrig.identify.verdict import Cause, Gain, HiddenEffect, NextRun, ParameterValue, Shift
 from rotorrig.rig import DataError, Provenance, write_whole_text
 
@@ -32,6 +32,7 @@ def write_identification(path: Path, identification: Identification) -> None:
     table = identification_table(identification)
     for of_file, fit in zip(table["fits"], identification.fits, strict=True):
         of_file["prediction"] = _complex_out(fit.prediction)
+        of_file["search"] |= {"heads": _numbers_out(fit.trace.heads), "points": _numbers_out(fit.trace.points)}
     _write(path, _FIT, table, identification.source)
 
 
@@ -48,6 +49,7 @@ def identification_table(identification: Identification) -> dict[str, Any]:
             "directions": [_plain(d, "weights sigma sigma_of_noise") for d in fit.directions],
             "budget": fit.budget,
             "words": list(fit.words),
+            "search": _trace_out(fit.trace),
             **_plain(fit, "objective evaluations stop seed chi2 dof"),
         }
         for fit in identification.fits
@@ -76,6 +78,7 @@ def read_identification(path: Path) -> Identification:
                 prediction=_complex_in(f["prediction"]),
                 directions=tuple(_direction(d) for d in f.get("directions", ())),
                 budget=f.get("budget", {}),
+                trace=_trace_in(f["search"]) if "search" in f else SearchTrace(),
                 words=tuple(f["words"]),
             )
             for f in table["fits"]
@@ -258,6 +261,25 @@ def _finite(value: Any) -> Any:
     if isinstance(value, np.generic):
         value = value.item()
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _trace_out(trace: SearchTrace) -> dict[str, Any]:
+    return {
+        "method": trace.method,
+        "stages": [_plain(stage, "name steps evaluations") for stage in trace.stages],
+        "clusters": len(trace.heads),
+        "reduced": trace.reduced,
+    }
+
+
+def _trace_in(table: dict[str, Any]) -> SearchTrace:
+    return SearchTrace(
+        method=table["method"],
+        stages=tuple(Stage(**stage) for stage in table["stages"]),
+        reduced=int(table["reduced"]),
+        heads=_numbers_in(table["heads"]),
+        points=_numbers_in(table["points"]),
+    )
 
 
 def _plain(thing: object, names: str) -> dict[str, Any]:

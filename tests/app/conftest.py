@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
-from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum
+from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum, SearchTrace, Stage
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
 from rotorrig.identify.verdict.next_run import NextRun
@@ -258,6 +258,17 @@ def identification(response: OrderTrackedResponse) -> Identification:
         objective="f1",
         evaluations=4321,
         stop="converged",
+        trace=SearchTrace(
+            method="seed",
+            stages=(
+                Stage(name="genetic", steps=11, evaluations=1500),
+                Stage(name="local", steps=9, evaluations=2421),
+                Stage(name="far", steps=1, evaluations=400),
+            ),
+            reduced=1,
+            heads=np.array([[3e4, 4e4, 10.0, 900.0, 1e-5], [2e4, 9e4, 5.0, 20.0, 3e-5]]),
+            points=np.geomspace([1e2, 1e2, 1.0, 1.0, 1e-7], [1e6, 1e6, 1e3, 1e3, 1e-3], 30),
+        ),
         seed=7,
         chi2=2950.0,
         dof=2910,

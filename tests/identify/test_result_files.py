@@ -10,7 +10,15 @@ import pytest
 
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
-from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum
+from rotorrig.identify.identification import (
+    Direction,
+    Estimate,
+    Fit,
+    Identification,
+    Optimum,
+    SearchTrace,
+    Stage,
+)
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
@@ -52,6 +60,13 @@ FOUND = Identification(
             directions=(
                 Direction(weights={"kxx": 0.6, "cyy": -0.8}, sigma=math.inf, sigma_of_noise=0.25),
                 Direction(weights={"kxx": 0.8, "cyy": 0.6}, sigma=0.01, sigma_of_noise=0.005),
+            ),
+            trace=SearchTrace(
+                method="seed",
+                stages=(Stage(name="genetic", steps=12, evaluations=900), Stage(name="far", steps=1, evaluations=334)),
+                reduced=1,
+                heads=np.array([[1.0, 2.0, 3.0, 4.0, 5.0]]),
+                points=np.array([[1.0, 2.0, 3.0, 4.0, 5.0], [2.0, 3.0, 4.0, 5.0, 6.0]]),
             ),
             budget={"kxx": {"noise": 0.75, "E": 0.25}, "cyy": {"noise": 1.0, "E": 0.0}},
             words=("cyy ran into its bound",),

@@ -134,7 +134,7 @@ def _searched(
     """Return the minimum of f1, f2 or f3; without `slow_roll` the prediction's is not subtracted, as in the chapter."""
     began = time.perf_counter()
     amplitudes = chapter_amplitudes(response, measured, slow_roll=slow_roll)
-    optima, calls, _ = search_amplitudes(amplitudes, objective=objective, rng=np.random.default_rng(0))
+    optima, calls, *_ = search_amplitudes(amplitudes, objective=objective, rng=np.random.default_rng(0))
     return np.array(optima[0].theta), calls, time.perf_counter() - began
 
 

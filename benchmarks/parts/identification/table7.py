@@ -153,9 +153,9 @@ def vector(objective: str, seed: int) -> Run:
     rng, z = np.random.default_rng(seed), oracle_response()
     if objective == "complex":
         whiten = np.broadcast_to(np.eye(2 * z.shape[1]), (len(z), 2 * z.shape[1], 2 * z.shape[1]))
-        optima, calls, _ = search_residual(ComplexResidual(steady(), z, whiten / np.abs(z).max()), rng=rng)
+        optima, calls, *_ = search_residual(ComplexResidual(steady(), z, whiten / np.abs(z).max()), rng=rng)
     else:
-        optima, calls, _ = search_amplitudes(Amplitudes(steady(), np.abs(z)), objective=objective, rng=rng)
+        optima, calls, *_ = search_amplitudes(Amplitudes(steady(), np.abs(z)), objective=objective, rng=rng)
     return Run(calls, _error(np.array(optima[0].theta), TRUTH))
 
 
@@ -177,7 +177,7 @@ def random_run(seed: int) -> RandomRun:
     truth = np.array(model.theta(np.append(u, amount)))
     amplitude = np.abs(steady().receptance.response(*truth))
     amplitudes = Amplitudes(steady(), amplitude)
-    optima, calls, _ = search_amplitudes(amplitudes, objective="f2", rng=rng)
+    optima, calls, *_ = search_amplitudes(amplitudes, objective="f2", rng=rng)
     found = np.array(optima[0].theta)
     ratio = np.abs(steady().receptance.response(*found)) / amplitude
     sigma = standard_deviations(amplitudes, np.append(u, amount), noise=SAME_RESPONSE)

@@ -84,7 +84,7 @@ def noisy(draw: int | None) -> Amplitudes:
 def _run(job: tuple[ObjectiveName, int, int, bool]) -> Run:
     objective, draw, starts, as_black_box = job
     amplitudes, rng = noisy(draw), np.random.default_rng([88, draw])
-    optima, calls, _ = search_amplitudes(amplitudes, objective=objective, rng=rng)
+    optima, calls, *_ = search_amplitudes(amplitudes, objective=objective, rng=rng)
     vector = _search(optima[0].theta, optima[0].cost, calls)
     scalar = _search(*black_box(amplitudes, objective=objective, seed=draw)) if as_black_box else None
     brute = least_of_many(amplitudes, objective=objective, starts=starts, near=TRUTH, rng=rng)

@@ -4,7 +4,7 @@ from rich.progress import Progress
 
 from rotorrig.app.terminal import progress_bars
 from rotorrig.identify import Identification, identify
-from rotorrig.identify.base_model import ObjectiveName
+from rotorrig.identify.base_model import ObjectiveName, SearchName
 from rotorrig.identify.uncertainty import Resampling
 from rotorrig.processing import OrderTrackedResponse
 
@@ -13,6 +13,7 @@ def identify_response(
     response: OrderTrackedResponse,
     *,
     objective: ObjectiveName = "residual",
+    method: SearchName | None = None,
     profile: bool = False,
     draws: int = 0,
     workers: int = 1,
@@ -28,6 +29,7 @@ def identify_response(
         identification = identify(
             response,
             objective=objective,
+            method=method,
             profile=profile,
             resampling=resampling,
             seed=seed,

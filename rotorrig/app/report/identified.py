@@ -3,7 +3,8 @@
 import math
 from collections.abc import Mapping
 
-from rotorrig.app.report.html import Section, details, paragraph, section, table
+from rotorrig.app.report.figures import search_map
+from rotorrig.app.report.html import Section, details, paragraph, plot, section, table
 from rotorrig.app.text import (
     bound_text,
     change_in_sigmas,
@@ -13,6 +14,8 @@ from rotorrig.app.text import (
     is_determined,
     long_name,
     quantity_text,
+    search_line,
+    stages_text,
 )
 from rotorrig.identify import Diagnosis, Estimate, Fit, Identification, Verdict
 from rotorrig.rig.config import RPM
@@ -34,6 +37,7 @@ def identified_section(
         paragraph(_PLUS_MINUS),
         *(_limits(fit) for fit in first if fit.budget),
         *(_nuisances(fit) for fit in first if fit.nuisances),
+        *(_search(fit) for fit in first if fit.trace.stages),
     )
 
 
@@ -65,6 +69,25 @@ def _estimate_row(estimate: Estimate, truth: Mapping[str, float] | None) -> list
             change_in_sigmas(estimate, actual),
         ]
     return [*cells, bound_text(estimate) or ("" if is_determined(estimate) else "insensitive: barely affects the fit")]
+
+
+def _search(fit: Fit) -> str:
+    """Return the significant minima of the search beside the refined values, what it did and where it looked."""
+    units = [fit.estimate(name).unit for name in fit.unknowns]
+    rows = [
+        [f"minimum {i}", f"{optimum.cost:.5g}", *map(quantity_text, optimum.theta, units)]
+        for i, optimum in enumerate(fit.optima, start=1)
+    ]
+    refined = [fit.estimate(name).value for name in fit.unknowns]
+    rows.append(["refined", "–", *map(quantity_text, refined, units)])
+    figure = search_map(fit)
+    drawn = "Evaluated points, best of each cluster, minima and refined values, over two unknowns at a time"
+    return details(
+        "Global search: its minima, its stages and where it looked",
+        paragraph(search_line(fit), stages_text(fit)),
+        table(f"Significant minima of {fit.objective}", ["", fit.objective, *fit.unknowns], rows),
+        plot("search-map", figure, caption=drawn, label=drawn) if figure else "",
+    )
 
 
 def _limits(fit: Fit) -> str:

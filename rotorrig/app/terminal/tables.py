@@ -17,8 +17,10 @@ from rotorrig.app.text import (
     change_text,
     interval_text,
 )
-from rotorrig.identify import Diagnosis, Estimate, Identification
+from rotorrig.identify import Diagnosis, Estimate, Fit, Identification
 from rotorrig.rig.config import RPM, RigConfig
+
+MINIMA = 4  # columns that fit a terminal
 
 
 def identification_table(identification: Identification, truth: Mapping[str, float] | None = None) -> Table:
@@ -41,6 +43,22 @@ def identification_table(identification: Identification, truth: Mapping[str, flo
             cells.append(estimate_cell(estimate, factor))
             cells += [change_text(estimate, known)] if truth else []
         table.add_row(*cells)
+    return table
+
+
+def search_table(fit: Fit) -> Table:
+    """Return the best minima of the objective that was searched, and the refined values beside them."""
+    minima = fit.optima[:MINIMA]
+    table = Table(box=box.SIMPLE_HEAD)
+    table.add_column("", no_wrap=True)
+    for i in range(len(minima)):
+        table.add_column(f"minimum {i + 1}" if len(minima) > 1 else "minimum", justify="right")
+    table.add_column("refined", justify="right")
+    table.add_row(fit.objective, *(f"{optimum.cost:.5g}" for optimum in minima), "")
+    for i, name in enumerate(fit.unknowns):
+        unit, factor = SHOWN.get(fit.estimate(name).unit, (fit.estimate(name).unit, 1.0))
+        cells = [f"{optimum.theta[i] * factor:.5g}" for optimum in minima]
+        table.add_row(f"{name} [{unit}]", *cells, f"{fit.estimate(name).value * factor:.5g}")
     return table
 
 

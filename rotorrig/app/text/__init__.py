@@ -1,4 +1,4 @@
-"""Results as text, shared by terminal, report and viewer: quantities, causes, tracking quality, proof test."""
+"""Results as text, shared by terminal, report and viewer: quantities, causes, tracking, global search, proof test."""
 
 from rotorrig.app.text.causes import (
     cause_evidence,
@@ -29,6 +29,7 @@ from rotorrig.app.text.quantities import (
     quantity_text,
     quantity_with_sigma,
 )
+from rotorrig.app.text.search import search_line, stages_text
 from rotorrig.app.text.tracking import quality_lines, spacing_remark, tracking_facts, tracking_line
 
 __all__ = [
@@ -57,7 +58,9 @@ __all__ = [
     "quality_lines",
     "quantity_text",
     "quantity_with_sigma",
+    "search_line",
     "spacing_remark",
+    "stages_text",
     "tie_sentences",
     "tracking_facts",
     "tracking_line",

@@ -18,6 +18,13 @@ def identify(
         Literal["residual", "f1", "f2", "f3"],
         typer.Option(help="cost function: complex residual, or the chapter's amplitude errors, eq. 14-16"),
     ] = "residual",
+    search: Annotated[
+        Literal["vector", "modern", "seed"] | None,
+        typer.Option(
+            help="global search: by residuals and derivatives, or by the cost alone, seed as the chapter did",
+            show_default="the config's",
+        ),
+    ] = None,
     profile: Annotated[
         bool, typer.Option("--profile", help="95 % intervals of all parameters by profile likelihood")
     ] = False,
@@ -30,18 +37,22 @@ def identify(
     """Fit bearing stiffness, damping and unbalance to a response."""
     from rotorrig.app.commands import identify
     from rotorrig.app.terminal import tables
+    from rotorrig.app.text import search_line, stages_text
     from rotorrig.identify import identification_table, write_identification
     from rotorrig.processing.files import read_response
 
     measured = read_response(response)
     identification = identify.identify_response(
-        measured, objective=objective, profile=profile, draws=bootstrap, workers=workers, seed=seed
+        measured, objective=objective, method=search, profile=profile, draws=bootstrap, workers=workers, seed=seed
     )
     write_identification(out_file, identification)
     if as_json:
         tell("", {"file": str(out_file), **identification_table(identification)}, as_json=True)
         return
     out.print(tables.identification_table(identification))
+    for part in (search_line(identification.fits[0]), tables.search_table(identification.fits[0])):
+        out.print(part, highlight=False)
+    out.print(stages_text(identification.fits[0]), highlight=False)
     for words in identification.fits[0].words:
         out.print(words, highlight=False)
     if measured.rig.effects:

@@ -1,5 +1,6 @@
 """The base model as a least-squares problem: what is unknown, its forward response, objectives and global search."""
 
+from rotorrig.identify.base_model.black_box import SearchName
 from rotorrig.identify.base_model.global_search import SearchResult, search
 from rotorrig.identify.base_model.objectives import ObjectiveName
 from rotorrig.identify.base_model.parameters import Parameters, Reals
@@ -15,6 +16,7 @@ __all__ = [
     "Parameters",
     "Problem",
     "Reals",
+    "SearchName",
     "SearchResult",
     "Space",
     "StructuralModel",

@@ -7,18 +7,21 @@ that of the objective itself.
 
 import time
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from rotorrig.identify.base_model.black_box import Outcome, SearchName, search_values, trace_search
 from rotorrig.identify.base_model.objectives import Amplitudes, ComplexResidual, ObjectiveName
 from rotorrig.identify.base_model.settings import BASE_MODEL
+from rotorrig.identify.base_model.steady_forward import Steady
 from rotorrig.identify.base_model.unknowns import Space
-from rotorrig.identify.chea import RESIDUAL, ResidualSettings, StopReason, residual_search
+from rotorrig.identify.chea import RESIDUAL, ResidualResult, ResidualSettings, StopReason, residual_search
 from rotorrig.identify.chea.residuals import SEARCH, Counted, descend_absolute, minimize_squares
 from rotorrig.identify.chea.session import Minima
-from rotorrig.identify.identification import Optimum
+from rotorrig.identify.identification import Optimum, SearchTrace
 from rotorrig.identify.measurement import Measurement
 from rotorrig.processing import OrderTrackedResponse
 
@@ -30,8 +33,9 @@ class SearchResult:
     """Result of a search."""
 
     optima: tuple[Optimum, ...]  # best first
-    evaluations: int  # calls of the model, each the response and its derivatives
+    evaluations: int  # calls of the model, each the response and, where the search takes them, its derivatives
     stop: str
+    trace: SearchTrace
     seconds: float
 
 
@@ -41,11 +45,14 @@ def search(
     space: Space,
     *,
     objective: ObjectiveName = "residual",
+    method: SearchName = "vector",
     seed: int = 0,
 ) -> SearchResult:
     """List the significant minima of an objective over the coefficients and the unbalance of `space`.
 
     "residual" is the whitened complex one and knows any space; "f1", "f2" and "f3" are the chapter's, of one unbalance.
+    The method is told the "vector" of residuals and its derivatives, or the objective's value alone: CHEA's profiles
+    "modern" and "seed", the latter the chapter's own.
     The model is the steady one; modulus and density stay at the nameplate's. Raises ValueError on another name,
     ConfigError and DataError where the space or the data do not suit an objective on amplitudes.
     """
@@ -53,14 +60,24 @@ def search(
     rng = np.random.default_rng(seed)
     with threadpool_limits(1, user_api="blas"):  # hundreds of small products: threads cost more than they save
         if objective == "residual":
-            optima, calls, stop = search_residual(ComplexResidual.of(response, measured, space), rng=rng)
+            problem = ComplexResidual.of(response, measured, space)
+            steady = problem.steady
+            if method == "vector":
+                found = search_residual(problem, rng=rng)
+            else:
+                found = search_values(problem.values, steady.dim, problem.theta, steady.values, method=method, rng=rng)
         else:
             amplitudes = Amplitudes.of(response, measured, space)
-            optima, calls, stop = search_amplitudes(amplitudes, objective=objective, rng=rng)
-    return SearchResult(optima=optima, evaluations=calls, stop=str(stop), seconds=time.perf_counter() - began)
-
-
-Outcome = tuple[tuple[Optimum, ...], int, StopReason]
+            if method == "vector":
+                found = search_amplitudes(amplitudes, objective=objective, rng=rng)
+            else:
+                values = partial(amplitudes.values, objective=objective)
+                found = search_values(
+                    values, amplitudes.dim, amplitudes.theta, amplitudes.places, method=method, rng=rng
+                )
+    optima, calls, stop, trace = found
+    seconds = time.perf_counter() - began
+    return SearchResult(optima=optima, evaluations=calls, stop=str(stop), trace=trace, seconds=seconds)
 
 
 def search_residual(
@@ -70,11 +87,8 @@ def search_residual(
     steady = problem.steady
     floor = BASE_MODEL.rounding**2 * problem.size
     found = residual_search(problem, steady.dim, rng=rng, floor=floor, starts=steady.starts, settings=settings)
-    optima = [
-        Optimum(theta=(*map(float, steady.values(u)), *map(float, np.abs(problem.amounts(u)))), cost=float(cost))
-        for u, cost in zip(found.u, found.cost, strict=True)
-    ]
-    return tuple(optima), found.calls + len(optima), found.stop
+    optima = [Optimum(theta=problem.theta(u), cost=float(cost)) for u, cost in zip(found.u, found.cost, strict=True)]
+    return tuple(optima), found.calls + len(optima), found.stop, _trace(found, steady)
 
 
 def search_amplitudes(
@@ -94,7 +108,12 @@ def search_amplitudes(
         minima.add(v, cost)
         calls += 1 + more
     optima = [Optimum(theta=amplitudes.theta(v), cost=float(cost)) for v, cost, _ in zip(*minima.sorted(), strict=True)]
-    return tuple(optima), calls, found.stop
+    return tuple(optima), calls, found.stop, _trace(found, steady)
+
+
+def _trace(found: ResidualResult, steady: Steady) -> SearchTrace:
+    """Return the way of a search by the vector of residuals, which solves for the amounts."""
+    return trace_search("vector", found.stages, found.heads, found.points, steady.values)
 
 
 def _value(amplitudes: Amplitudes, v: Real, objective: ObjectiveName) -> tuple[Real, float, int]:

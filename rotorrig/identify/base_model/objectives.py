@@ -123,6 +123,15 @@ class Amplitudes:
             cost = (off**2 if objective == "f1" else np.abs(off)).sum(axis=1)
         return cost, (amount - self._lowest) / self._range
 
+    def values(self, v: Real, *, objective: ObjectiveName) -> Real:
+        """Return f1 [um^2], f2 or f3 [um], (candidate,), at points (candidate, dim), the amount last."""
+        log_ratio = np.log(np.abs(self._compared(self.steady.responses(v[:, :-1])[:, 0])) / self._measured)
+        log_ratio += self._lowest + v[:, -1:] * self._range
+        if objective == "f2":
+            return np.abs(log_ratio).sum(axis=1) / _LN10
+        off = np.expm1(log_ratio) * self._measured / _MICROMETRE
+        return (off**2 if objective == "f1" else np.abs(off)).sum(axis=1)
+
     def size(self, objective: ObjectiveName) -> float:
         """Return the objective of a prediction of nothing, f1 [um^2] or f3 [um]; for f2 of one e times too large."""
         measured = self._measured / _MICROMETRE
@@ -146,7 +155,12 @@ class Amplitudes:
 
     def theta(self, v: Real) -> tuple[float, ...]:
         """Return the unknowns and the amount at `v` (dim,), in SI."""
-        return (*map(float, self.steady.values(v[:-1])), float(np.exp(self._lowest + v[-1] * self._range)))
+        return tuple(map(float, self.places(v)))
+
+    def places(self, v: Real) -> Real:
+        """Return likewise, (..., unknown), those of points (..., dim)."""
+        amount = np.exp(self._lowest + v[..., -1:] * self._range)
+        return np.concatenate([self.steady.values(v[..., :-1]), amount], axis=-1)
 
     def _log_ratios(self, u: Real) -> tuple[Real, Real]:
         """Return ln of predicted, for 1 kg m, over measured, (figure,), and d/du."""
@@ -209,6 +223,14 @@ class ComplexResidual:
         """Return the residual at `u` (dim,) in standard deviations, (figure,), and d/du."""
         _, off, by_u = self._solved(u)
         return off, by_u
+
+    def values(self, u: Real) -> Real:
+        """Return the sums of squares (candidate,) at points (candidate, dim)."""
+        return np.array([float(r @ r) for _, r, _ in map(self._solved, u)])
+
+    def theta(self, u: Real) -> tuple[float, ...]:
+        """Return the unknowns and the amounts at `u`, in SI."""
+        return (*map(float, self.steady.values(u)), *map(float, np.abs(self.amounts(u))))
 
     def amounts(self, u: Real) -> Complex:
         """Return the unbalance at its best at `u`, (plane sought,) kg m."""

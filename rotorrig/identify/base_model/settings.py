@@ -26,6 +26,10 @@ class BaseModelSettings:
     descent: int = 100  # calls from the one to the other,
     fine: float = 1e-10  # which ends when a step promises less, of the cost of f1
 
+    black_box: int = 10_000  # calls of an objective that is searched by its values: three times the chapter's
+    significant: float = 4.0  # times its least value: a minimum above explains nothing
+    shown: int = 500  # points of a search that are kept for its picture
+
     # refinement
     most_steps: int = 50  # with all unknowns free; a fit that takes as many does not converge
     near: float = 1.0  # of chi2: from here on all parameters are freed

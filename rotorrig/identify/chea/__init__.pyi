@@ -15,6 +15,7 @@ from .residuals import residual_search as residual_search
 from .search import Search as Search
 from .session import CheaResult as CheaResult
 from .session import SearchState as SearchState
+from .session import Stage as Stage
 from .session import StopReason as StopReason
 
 __all__ = [
@@ -33,6 +34,7 @@ __all__ = [
     "Search",
     "SearchState",
     "SeedSettings",
+    "Stage",
     "StopReason",
     "chea",
     "residual_search",

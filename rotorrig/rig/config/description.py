@@ -85,6 +85,8 @@ class Identify(Part):
     cxy_bounds: tuple[CrossDamping, CrossDamping] = Field(default_factory=_symmetric("c_bounds"))
     u_bounds: tuple[UnbalanceAmount, UnbalanceAmount] = (1e-7, 1e-3)  # of the global search
     bands: dict[Name, tuple[Speed, Speed]] = Field(default_factory=dict)  # speed ranges to fit besides the whole sweep
+    # global search: by residuals and derivatives, or by the objective's value alone, "seed" as the chapter did
+    search: Literal["vector", "modern", "seed"] = "vector"
 
     @property
     def coefficient_names(self) -> tuple[str, ...]:
@@ -186,7 +188,10 @@ class RigConfig(Part):
         return self._hash(exclude={"effects"})
 
     def _hash(self, *, exclude: set[str]) -> str:
-        return short_hash(json.dumps(self.model_dump(mode="json", exclude=exclude), sort_keys=True).encode())
+        table = self.model_dump(mode="json", exclude=exclude)
+        if self.identify and self.identify.search == "vector":
+            del table["identify"]["search"]  # the usual one: a config that does not name it keeps its hash
+        return short_hash(json.dumps(table, sort_keys=True).encode())
 
     def disk(self, name: str) -> Disk:
         """Return the disk of that name."""

@@ -34,7 +34,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "dark": {"width": 1200, "dark": True},
     "phone": {"width": 390},
 }
-PLOTS = 18  # 1X and 2X residuals before and after, whirl; 4 Bode, 4 polar; 2 full spectra; 2X amplitude; 2 centrelines
+PLOTS = 19  # residuals of 1X and 2X before and after, whirl; 4 Bode, 4 polar; search; 2 full spectra; 2X; 2 centrelines
 
 
 @pytest.fixture(scope="module")

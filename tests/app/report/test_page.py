@@ -211,6 +211,15 @@ def test_what_the_data_cannot_tell_is_quoted(page: Page, identification: Identif
     assert identification.fits[0].words[0] in page.said()
 
 
+def test_the_search_shows_its_minima_its_stages_and_where_it_looked(page: Page) -> None:
+    text = page.said()
+    assert "f1 was searched by its value alone, with the chapter's algorithm: 4321 calls, converged" in text
+    assert "11 generations of 1500, searched 2 clusters, reduced the bounds to 1 that were not convex" in text
+    assert "minimum 1" in text
+    assert "refined" in text
+    assert "evaluated points" in text.lower()
+
+
 def test_provenance_is_complete(page: Page) -> None:
     for word in ("0123456789abcdef", "fedcba9876543210", "run.mcap", "4321 evaluations", "seed 7", "12.3 s"):
         assert word in page.said()

@@ -36,6 +36,29 @@ def test_every_objective_finds_what_made_the_data(clean: OrderTrackedResponse, o
     assert found.stop in ("converged", "target reached")
 
 
+@pytest.mark.parametrize("method", ["modern", "seed"])
+@pytest.mark.parametrize("objective", ["f1", "f2", "f3", "residual"])
+def test_an_objective_searched_by_its_value_alone_has_the_same_minimum(
+    clean: OrderTrackedResponse, objective: str, method: str
+) -> None:
+    by_vector, by_values = (found_in(clean, objective=objective, method=m) for m in ("vector", method))
+    assert by_values.optima[0].theta == pytest.approx(by_vector.optima[0].theta, rel=1e-3)
+    assert by_values.evaluations == sum(stage.evaluations for stage in by_values.trace.stages)
+    assert by_values.optima[0].cost <= by_values.optima[-1].cost <= 4 * by_values.optima[0].cost
+
+
+@pytest.mark.parametrize("method", ["vector", "modern", "seed"])
+def test_a_search_leaves_its_trace(clean: OrderTrackedResponse, method: str) -> None:
+    trace = found_in(clean, objective="f1", method=method).trace
+    assert trace.method == method
+    names = [stage.name for stage in trace.stages]
+    assert names[:2] == ["genetic" if method == "seed" else "gather", "local"]
+    assert len(trace.heads) >= 1
+    assert trace.points.shape[1] == trace.heads.shape[1] == (4 if method == "vector" else 5)
+    assert (trace.points[:, :2] >= 1e2).all()
+    assert (trace.points[:, :2] <= 1e6).all()
+
+
 @pytest.mark.campaign
 def test_the_blind_plants_values_are_found_near_enough_to_be_refined(blind_response: OrderTrackedResponse) -> None:
     truth = expected_estimates(blind_response.rig, draw(blind_response.rig, seed=BLIND_SEED))
@@ -76,7 +99,7 @@ def test_in_noise_each_objective_is_lower_than_at_the_truth_and_all_around(
         sought(rig_config), bearings={"spring": SPRING}, unbalance={"disk": U}, rng=rng, noise=1e-6
     )
     amplitudes = Amplitudes.of(response, measure(response), Space.of(response.rig))
-    optima, _, _ = search_amplitudes(amplitudes, objective=objective, rng=rng)
+    optima, *_ = search_amplitudes(amplitudes, objective=objective, rng=rng)
     best = np.array(optima[0].theta)
     around = best * np.exp(rng.normal(0, 1, (200, 5)) * 10 ** rng.uniform(-6, -1, (200, 1)))
     others = np.vstack([around, [31e3, 37e3, 18.0, 12.0, 12e-6]])

@@ -35,6 +35,16 @@ def test_a_config_survives_the_way_through_a_file_of_ours() -> None:
     assert again.text == RK4
 
 
+def test_the_usual_search_named_or_not_is_one_config() -> None:
+    rig = parse(RK4, where="x")
+    named, other = (
+        parse(RK4.replace("[identify]", f"[identify]\nsearch = '{s}'"), where="x") for s in ("vector", "seed")
+    )
+    assert named.hash == rig.hash
+    assert other.hash != rig.hash
+    assert other.identify.search == "seed"
+
+
 def test_the_hash_follows_values_and_not_layout() -> None:
     rig = parse(RK4, where="rk4.toml")
     assert parse("# a comment\n" + RK4.replace("10 mm", "0.01 m"), where="x").hash == rig.hash

@@ -1,10 +1,11 @@
-"""Plotly figures of the report: Bode, polar, centreline, residual maps. One figure per file."""
+"""Plotly figures of the report: Bode, polar, centreline, residual and search maps. One figure per file."""
 
 from rotorrig.app.report.figures.amplitudes import order_amplitudes
 from rotorrig.app.report.figures.bode import bode
 from rotorrig.app.report.figures.centreline import centreline
 from rotorrig.app.report.figures.maps import full_spectrum_map, residual_map, whirl_map
 from rotorrig.app.report.figures.polar import polar
+from rotorrig.app.report.figures.search_map import search_map
 
 __all__ = [
     "bode",
@@ -13,5 +14,6 @@ __all__ = [
     "order_amplitudes",
     "polar",
     "residual_map",
+    "search_map",
     "whirl_map",
 ]

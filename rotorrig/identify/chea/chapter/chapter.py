@@ -78,6 +78,7 @@ class _Parts:
             point = farthest(candidates, engine.record.points)
             value = float((yield point[None])[0])
             if value < engine.record.minima.best:
+                engine.record.tally("far")
                 yield from engine.descend(point, value)
         engine.record.step("far")
 

@@ -70,6 +70,7 @@ class Engine:
                 if not np.isfinite(self.record.best[1]):
                     return StopReason.NO_FINITE_VALUE
             boxes = inner
+            self.record.reduced += len(boxes)
             if not boxes:
                 break
         while not self.method.is_over(self):
@@ -95,6 +96,7 @@ class Engine:
         """Descend from the best of every cluster; return the clusters with the listed minimum that led to."""
         searched = []
         for members in clusters:
+            self.record.heads.append(self.points[members[0]])
             end = yield from self.descend_from(int(members[0]))
             searched.append((members, self._listed(end)))
             yield from self.method.after(self)

@@ -15,7 +15,7 @@ from rotorrig.identify.chea.engine import Engine
 from rotorrig.identify.chea.residuals.norms import SQUARES, Norm
 from rotorrig.identify.chea.residuals.point import Counted, Residual
 from rotorrig.identify.chea.residuals.vector import RESIDUAL, ResidualSettings, Starts, Vector
-from rotorrig.identify.chea.session import Evaluations, Record, StopReason
+from rotorrig.identify.chea.session import Evaluations, Record, Stage, StopReason
 
 Array = NDArray[np.float64]
 
@@ -29,6 +29,9 @@ class ResidualResult:
     hits: NDArray[np.intp]  # (minimum,) descents that ended there
     calls: int
     stop: StopReason
+    stages: dict[str, Stage]  # what each kind of step did, in the order they began
+    heads: Array  # (n, dim) best points of the clusters that were searched
+    points: Array  # (calls, dim)
 
 
 def residual_search(
@@ -67,7 +70,16 @@ def residual_search(
         record.minima.add(u.copy(), lowest)
     places, cost, hits = record.minima.sorted()
     listed = cost <= max(settings.significant * lowest, floor)
-    return ResidualResult(u=places[listed], cost=cost[listed], hits=hits[listed], calls=record.nfev, stop=stop)
+    return ResidualResult(
+        u=places[listed],
+        cost=cost[listed],
+        hits=hits[listed],
+        calls=record.nfev,
+        stop=stop,
+        stages=record.stages,
+        heads=np.array(record.heads).reshape(-1, dim),
+        points=record.points,
+    )
 
 
 def _run(plan: Evaluations[StopReason], vector: Vector, record: Record, *, floor: float, max_calls: int) -> StopReason:

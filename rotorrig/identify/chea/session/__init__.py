@@ -1,7 +1,7 @@
 """One run of CHEA: its state and resume, the record of calls, scaling, stop rules, the list of minima, the result."""
 
 from rotorrig.identify.chea.session.minima import Minima, one_point
-from rotorrig.identify.chea.session.record import Evaluations, Record
+from rotorrig.identify.chea.session.record import Evaluations, Record, Stage
 from rotorrig.identify.chea.session.result import CheaResult, assemble
 from rotorrig.identify.chea.session.scaling import Box, from_bounds
 from rotorrig.identify.chea.session.state import SearchState
@@ -14,6 +14,7 @@ __all__ = [
     "Minima",
     "Record",
     "SearchState",
+    "Stage",
     "StopReason",
     "assemble",
     "from_bounds",

@@ -1,7 +1,7 @@
 """`Record`: every point a search has evaluated and every minimum it has met, in the unit cube."""
 
 from collections.abc import Generator
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,13 @@ T = TypeVar("T")
 #: A part of a search: it yields points (n, dim) of the unit cube, is sent their values (n,), and returns its finding.
 #: A value that could not be had is +inf.
 Evaluations = Generator[Array, Array, T]
+
+
+class Stage(NamedTuple):
+    """All steps of one kind."""
+
+    steps: int
+    calls: int
 
 
 class Record:
@@ -33,6 +40,9 @@ class Record:
         self.njev = 0  # gradients taken by finite differences; their points are in nfev
         self.nit = 0  # steps of the search: generations, local searches, far searches
         self.stage = ""  # of the latest step
+        self.stages: dict[str, Stage] = {}  # what each kind of step did
+        self.heads: list[Array] = []  # (dim,) of the clusters that were searched
+        self.reduced = 0  # clusters that were not convex, in whose bounds points were gathered again
         self.failures = 0
         self.history: list[tuple[int, float]] = []  # (nfev, best so far) at every improvement
         self._points = np.empty((1024, dim))
@@ -77,6 +87,13 @@ class Record:
         """Count a step of the search, for whoever watches."""
         self.nit += 1
         self.stage = stage
+        self.tally(stage, steps=1)
+
+    def tally(self, stage: str, *, steps: int = 0) -> None:
+        """Put the calls since the last tally down to a kind of step."""
+        before = self.stages.get(stage, Stage(0, 0))
+        counted = sum(done.calls for done in self.stages.values())
+        self.stages[stage] = Stage(before.steps + steps, before.calls + self.nfev - counted)
 
 
 def _read_only(view: Array) -> Array:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult
 
-from rotorrig.identify.chea.session.record import Record
+from rotorrig.identify.chea.session.record import Record, Stage
 from rotorrig.identify.chea.session.state import SearchState
 from rotorrig.identify.chea.session.stopping import StopReason
 
@@ -27,6 +27,9 @@ class CheaResult(OptimizeResult):
     xl: Array  # (n, dim) minima: ends of local searches, each once, best first
     funl: Array  # (n,)
     hits: NDArray[np.intp]  # (n,) how many local searches ended there
+    stages: dict[str, Stage]  # what each kind of step did, in the order they began
+    heads: Array  # (n, dim) best points of the clusters that were searched
+    reduced: int  # clusters that were not convex, in whose bounds points were gathered again
     history: Array  # (m, 2) nfev and best value at every improvement
     state: SearchState  # to be resumed
 
@@ -50,6 +53,9 @@ def assemble(record: Record, state: SearchState, reason: StopReason) -> CheaResu
         xl=state.scaling.to_parameters(u),
         funl=funl,
         hits=hits,
+        stages=dict(record.stages),
+        heads=state.scaling.to_parameters(np.array(record.heads).reshape(-1, record.dim)),
+        reduced=record.reduced,
         history=np.array(record.history, dtype=np.float64).reshape(-1, 2),
         state=state,
     )

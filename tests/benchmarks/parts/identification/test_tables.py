@@ -55,7 +55,7 @@ def test_brute_force_from_a_few_starts_meets_what_the_search_finds(monkeypatch, 
     monkeypatch.setattr("benchmarks.parts.identification.searches._SCATTERED", 1)
     monkeypatch.setattr("benchmarks.parts.identification.searches._CARRIED", 1)
     amplitudes, rng = table8.noisy(1), np.random.default_rng(2)
-    optima, _, _ = search_amplitudes(amplitudes, objective=objective, rng=rng)
+    optima, *_ = search_amplitudes(amplitudes, objective=objective, rng=rng)
     least = least_of_many(amplitudes, objective=objective, starts=2, near=table8.TRUTH, rng=rng)
     assert least == pytest.approx(optima[0].cost, rel=1e-6)
 
@@ -78,7 +78,7 @@ def test_a_black_box_finds_the_true_values_in_as_many_calls_as_the_chapter(objec
 def test_a_black_box_on_noise_ends_where_rounds_agree_and_at_the_end_of_a_descent(monkeypatch) -> None:
     monkeypatch.setattr("benchmarks.parts.identification.searches._ENOUGH", 2)
     amplitudes = table8.noisy(2)
-    optima, _, _ = search_amplitudes(amplitudes, objective="f2", rng=np.random.default_rng(1))
+    optima, *_ = search_amplitudes(amplitudes, objective="f2", rng=np.random.default_rng(1))
     theta, cost, calls = black_box(amplitudes, objective="f2", seed=2)
     assert cost == pytest.approx(optima[0].cost, rel=1e-3)
     assert theta == pytest.approx(optima[0].theta, rel=0.1)
