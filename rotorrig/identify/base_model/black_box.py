@@ -1,6 +1,6 @@
 """The chapter's experiment: the minima of an objective by its values alone, without derivatives."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
@@ -47,13 +47,13 @@ def search_values(
 
 
 def trace_search(
-    method: SearchName, stages: Mapping[str, Calls], heads: Real, points: Real, places: Places, *, reduced: int = 0
+    method: SearchName, stages: Sequence[Calls], heads: Real, points: Real, places: Places, *, reduced: int = 0
 ) -> SearchTrace:
     """Return the way of a search with its places in SI; of many points an even choice."""
     shown = points[np.unique(np.linspace(0, len(points) - 1, BASE_MODEL.shown).astype(np.intp))]
     return SearchTrace(
         method=method,
-        stages=tuple(Stage(name=name, steps=done.steps, evaluations=done.calls) for name, done in stages.items()),
+        stages=tuple(Stage(name=done.name, steps=done.steps, evaluations=done.calls) for done in stages),
         reduced=reduced,
         heads=places(heads),
         points=places(shown),

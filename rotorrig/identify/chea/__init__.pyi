@@ -3,6 +3,7 @@ from .chapter.settings import SeedSettings as SeedSettings
 from .minimize import chea as chea
 from .modern.settings import MODERN as MODERN
 from .modern.settings import ModernSettings as ModernSettings
+from .profiles import Local as Local
 from .profiles import Profile as Profile
 from .residuals import ABSOLUTES as ABSOLUTES
 from .residuals import RESIDUAL as RESIDUAL
@@ -25,6 +26,7 @@ __all__ = [
     "SEED",
     "SQUARES",
     "CheaResult",
+    "Local",
     "ModernSettings",
     "Norm",
     "Profile",

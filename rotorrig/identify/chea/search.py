@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.chea.profiles import Profile, begin
+from rotorrig.identify.chea.profiles import Local, Profile, begin
 from rotorrig.identify.chea.session import (
     Box,
     CheaResult,
@@ -51,6 +51,7 @@ class Search:
         rng: np.random.Generator | int | None = None,
         profile: Profile = "modern",
         settings: Any = None,
+        local: Local | None = None,
         x_scale: str | Sequence[str] = "linear",
     ) -> None:
         """Begin a search; the arguments are those of `chea`. Raises ValueError on an unusable one.
@@ -60,7 +61,7 @@ class Search:
         """
         seed = np.random.default_rng(rng).integers(2**32, size=4).tolist()
         scaling = from_bounds(bounds, x_scale)
-        self._begin(SearchState(scaling=scaling, profile=profile, settings=settings, seed=tuple(seed)))
+        self._begin(SearchState(scaling=scaling, profile=profile, settings=settings, local=local, seed=tuple(seed)))
 
     @classmethod
     def resume(cls, state: SearchState) -> Self:
@@ -115,7 +116,7 @@ class Search:
         self._failure = start.failure
         self._reason = None
         rng = np.random.Generator(np.random.PCG64(start.seed))
-        self.record, self._plan = begin(start.profile, start.settings, start.scaling.dim, rng)
+        self.record, self._plan = begin(start.profile, start.settings, start.scaling.dim, rng, local=start.local)
         self._advance(None)
 
     def _advance(self, values: Array | None) -> None:

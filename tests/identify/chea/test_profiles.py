@@ -34,6 +34,30 @@ def test_modern_is_what_one_gets() -> None:
     assert usual.history.tolist() == named.history.tolist()
 
 
+def rastrigin(x: np.ndarray) -> np.ndarray:
+    return 20 + (x**2 - 10 * np.cos(2 * np.pi * x)).sum(axis=1)
+
+
+@pytest.mark.parametrize(("profile", "local"), [("seed", "model"), ("modern", "sqp")])
+def test_either_profile_searches_with_the_local_search_of_the_other(profile: str, local: str) -> None:
+    given = chea(rastrigin, [(-4, 6)] * 2, rng=0, profile=profile, local=local, vectorized=True)
+    assert given.x == pytest.approx([0, 0], abs=1e-3)
+    own = chea(rastrigin, [(-4, 6)] * 2, rng=0, profile=profile, vectorized=True)
+    assert given.history.tolist() != own.history.tolist()
+    cut = chea(rastrigin, [(-4, 6)] * 2, rng=0, profile=profile, local=local, vectorized=True, max_nfev=400)
+    assert chea(rastrigin, resume=cut.state, vectorized=True).history.tolist() == given.history.tolist()
+
+
+def test_the_profiles_own_local_search_named_is_the_usual_search() -> None:
+    usual, named = (chea(rastrigin, [(-4, 6)] * 2, rng=0, local=local, vectorized=True) for local in (None, "model"))
+    assert usual.history.tolist() == named.history.tolist()
+
+
+def test_another_local_search_is_refused() -> None:
+    with pytest.raises(ValueError, match="local is 'powell', expected one of 'model', 'sqp'"):
+        chea(sum, [(0, 1)], local="powell")
+
+
 def test_another_name_is_refused() -> None:
     with pytest.raises(ValueError, match="profile is 'Seed', expected one of 'modern', 'seed'"):
         chea(sum, [(0, 1)], profile="Seed")

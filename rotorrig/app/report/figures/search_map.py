@@ -18,11 +18,16 @@ def search_map(fit: Fit) -> go.Figure | None:
     pairs = [(i, i + 1) for i in range(0, known - 1, 2)] + ([(0, known - 1)] if known % 2 else [])
     figure = make_subplots(rows=1, cols=len(pairs), horizontal_spacing=0.09)
     shown = [SHOWN.get(fit.estimate(name).unit, (fit.estimate(name).unit, 1.0)) for name in fit.unknowns]
+    refined = [fit.estimate(name).value for name in fit.unknowns]
     looks = (
         ("evaluated", trace.points, {"size": 3.5, "color": SHEER[0]}),
         ("best of a cluster", trace.heads, {"size": 7, "color": COLOURS[+1], "symbol": "diamond-open"}),
         ("minimum", [o.theta for o in fit.optima], {"size": 10, "color": COLOURS[-1], "symbol": "cross-open"}),
-        ("refined", [[fit.estimate(name).value for name in fit.unknowns]], {"size": 11, "symbol": "circle-open"}),
+        (
+            "refined",
+            [refined],
+            {"size": 11, "color": "#b3123b", "symbol": "circle-open"},
+        ),
     )
     for column, (i, j) in enumerate(pairs, start=1):
         for name, places, marker in looks:

@@ -29,7 +29,7 @@ class ResidualResult:
     hits: NDArray[np.intp]  # (minimum,) descents that ended there
     calls: int
     stop: StopReason
-    stages: dict[str, Stage]  # what each kind of step did, in the order they began
+    stages: tuple[Stage, ...]  # what each kind of step did, in the order they began
     heads: Array  # (n, dim) best points of the clusters that were searched
     points: Array  # (calls, dim)
 

@@ -19,6 +19,7 @@ Evaluations = Generator[Array, Array, T]
 class Stage(NamedTuple):
     """All steps of one kind."""
 
+    name: str
     steps: int
     calls: int
 
@@ -40,7 +41,7 @@ class Record:
         self.njev = 0  # gradients taken by finite differences; their points are in nfev
         self.nit = 0  # steps of the search: generations, local searches, far searches
         self.stage = ""  # of the latest step
-        self.stages: dict[str, Stage] = {}  # what each kind of step did
+        self._stages: dict[str, Stage] = {}
         self.heads: list[Array] = []  # (dim,) of the clusters that were searched
         self.reduced = 0  # clusters that were not convex, in whose bounds points were gathered again
         self.failures = 0
@@ -91,9 +92,14 @@ class Record:
 
     def tally(self, stage: str, *, steps: int = 0) -> None:
         """Put the calls since the last tally down to a kind of step."""
-        before = self.stages.get(stage, Stage(0, 0))
-        counted = sum(done.calls for done in self.stages.values())
-        self.stages[stage] = Stage(before.steps + steps, before.calls + self.nfev - counted)
+        before = self._stages.get(stage, Stage(stage, 0, 0))
+        counted = sum(done.calls for done in self.stages)
+        self._stages[stage] = Stage(stage, before.steps + steps, before.calls + self.nfev - counted)
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """What each kind of step did, in the order they began."""
+        return tuple(self._stages.values())
 
 
 def _read_only(view: Array) -> Array:

@@ -27,7 +27,7 @@ class CheaResult(OptimizeResult):
     xl: Array  # (n, dim) minima: ends of local searches, each once, best first
     funl: Array  # (n,)
     hits: NDArray[np.intp]  # (n,) how many local searches ended there
-    stages: dict[str, Stage]  # what each kind of step did, in the order they began
+    stages: tuple[Stage, ...]  # what each kind of step did, in the order they began
     heads: Array  # (n, dim) best points of the clusters that were searched
     reduced: int  # clusters that were not convex, in whose bounds points were gathered again
     history: Array  # (m, 2) nfev and best value at every improvement
@@ -53,7 +53,7 @@ def assemble(record: Record, state: SearchState, reason: StopReason) -> CheaResu
         xl=state.scaling.to_parameters(u),
         funl=funl,
         hits=hits,
-        stages=dict(record.stages),
+        stages=record.stages,
         heads=state.scaling.to_parameters(np.array(record.heads).reshape(-1, record.dim)),
         reduced=record.reduced,
         history=np.array(record.history, dtype=np.float64).reshape(-1, 2),

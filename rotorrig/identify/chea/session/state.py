@@ -22,6 +22,7 @@ class SearchState:
     scaling: Scaling
     profile: str
     settings: Any  # None: the profile's own
+    local: str | None = None  # the local search; None: the profile's own
     seed: tuple[int, ...]  # of the search's generator
     values: Array = field(default_factory=lambda: np.empty(0))  # (nfev,) in the order told; +inf where there was none
     checksum: int = 0  # of the points they belong to
