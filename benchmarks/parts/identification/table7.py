@@ -172,15 +172,13 @@ def _run(job: tuple[str, int]) -> Run:
 def random_run(seed: int) -> RandomRun:
     """Draw a truth from the box of eq. (20), search for it, and compare what the data determine."""
     rng = np.random.default_rng([7, seed])
-    u, amount = rng.random(steady().dim), rng.random()
-    model = Amplitudes(steady(), np.ones((len(oracle_response()), 4)))
-    truth = np.array(model.theta(np.append(u, amount)))
+    truth, v = random_truth(rng)
     amplitude = np.abs(steady().receptance.response(*truth))
     amplitudes = Amplitudes(steady(), amplitude)
     optima, calls, *_ = search_amplitudes(amplitudes, objective="f2", rng=rng)
     found = np.array(optima[0].theta)
     ratio = np.abs(steady().receptance.response(*found)) / amplitude
-    sigma = standard_deviations(amplitudes, np.append(u, amount), noise=SAME_RESPONSE)
+    sigma = standard_deviations(amplitudes, v, noise=SAME_RESPONSE)
     known = sigma < EXACT / 3
     return RandomRun(
         calls=calls,
@@ -188,6 +186,13 @@ def random_run(seed: int) -> RandomRun:
         error=_error(found[known], truth[known]) if known.any() else 0.0,
         determined=bool(known.all()),
     )
+
+
+def random_truth(rng: np.random.Generator) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return kxx, kyy, cxx, cyy and u drawn from the box of eq. (20), (5,) in SI, and their place in the unit cube."""
+    v = np.append(rng.random(steady().dim), rng.random())
+    model = Amplitudes(steady(), np.ones((len(oracle_response()), 4)))
+    return np.array(model.theta(v)), v
 
 
 def standard_deviations(amplitudes: Amplitudes, v: NDArray[np.float64], *, noise: float) -> NDArray[np.float64]:
