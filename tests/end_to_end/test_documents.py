@@ -49,7 +49,8 @@ class Outcome:
 
 def runnable(words: list[str]) -> bool:
     needs_nothing = words[1] != "sweep" or {"--simulate", "--dry-run"} & set(words)
-    return not {"--view", "--connect"} & set(words) and bool(needs_nothing)
+    hardware = {"--view", "--connect"} | ({"--proof-test"} if "--simulate" not in words else set())
+    return not hardware & set(words) and bool(needs_nothing)
 
 
 @pytest.fixture(scope="module")

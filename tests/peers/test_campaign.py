@@ -30,14 +30,22 @@ def stopped(verdict: Verdict) -> bool:
     return verdict.status not in (0, None) and not verdict.left and verdict.stop_s is not None
 
 
+def got_stop(verdict: Verdict, *, within: float) -> bool:
+    """The drive got a stop so soon [s] after the last fault, and none before the first."""
+    moments = verdict.faults.values()
+    return verdict.first_stop_s is not None and verdict.first_stop_s + min(moments) - max(moments) <= within
+
+
 def within(seconds: float) -> Wanted:
-    """The drive got a stop so soon after the last fault, and none before the first."""
+    """It was stopped so soon."""
+    return lambda verdict: stopped(verdict) and got_stop(verdict, within=seconds)
 
-    def soon(verdict: Verdict) -> bool:
-        moments = verdict.faults.values()
-        return verdict.first_stop_s is not None and verdict.first_stop_s + min(moments) - max(moments) <= seconds
 
-    return lambda verdict: stopped(verdict) and soon(verdict)
+def obeyed_within(seconds: float) -> Wanted:
+    """Likewise; within its first turn, the rotor gave no pulse by which it could be proven at rest."""
+    return lambda verdict: (
+        got_stop(verdict, within=seconds) and verdict.rpm_at_end == 0.0 and (stopped(verdict) or left(verdict))
+    )
 
 
 def ended_at_rest(verdict: Verdict) -> bool:
@@ -72,8 +80,8 @@ WANTED: dict[str, Wanted] = {
     "wrong pole pairs": lambda verdict: stopped(verdict) and verdict.fastest_rpm < 600.0,
     "wrong pole pairs, dwell": lambda verdict: stopped(verdict) and verdict.fastest_rpm < 600.0,
     "rolling start": lambda verdict: verdict.status not in (0, None) and not verdict.started,
-    "dead probe, 0 V": within(10.0),
-    "dead probe, -19.9 V": within(10.0),
+    "dead probe, 0 V": obeyed_within(10.0),
+    "dead probe, -19.9 V": obeyed_within(10.0),
     "reports 0 and keyphasor": within(5.0),
 }
 

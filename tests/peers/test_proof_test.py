@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -98,8 +99,9 @@ def test_a_sound_rig_is_certified_with_the_times_of_the_true_speed(controller: s
             assert told
             seen = part["slowing_after_s"] - part["decided_after_s"]
             assert slower - told["t"] - LAG <= seen <= slower - told["t"] + 2 * TURN + LAG, name
-    bites = [event for event in peer.events if event["event"] == "watchdog"]
-    assert len(bites) == 2
+    bites = [event["t"] for event in peer.events if event["event"] == "watchdog"]
+    again = [t for before, t in pairwise(bites) if t - before < 2 * WATCHDOG]  # some do, as long as nothing is said
+    assert len(bites) - len(again) == 2
     for name in ("watchdog", "link loss"):
         assert WATCHDOG - 0.5 <= outcome.part(name)["slowing_after_s"] <= WATCHDOG + 2 * TURN + 0.5
 
