@@ -72,7 +72,7 @@ def case(job: tuple[str, int, int]) -> Outcome:
     began = time.perf_counter()
     drawn = draw(_rig(), group.design, rng=np.random.default_rng([seed, i]))
     resampling = Resampling(draws=group.draws) if group.draws else None
-    found = identify(drawn.response, seed=i, resampling=resampling).fits[0]
+    found = identify([drawn.response], seed=i, resampling=resampling).fits[0]
     trials = []
     for key, truth in drawn.truth.items():
         estimate = found.estimate(key)

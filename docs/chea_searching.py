@@ -13,6 +13,8 @@ from rotorrig.identify.chea.steps import descend, farthest
 
 Array = NDArray[np.float64]
 
+CLOSE = 1e-4  # of f: nearer to the minimum, what differences round to shows in the picture
+
 
 def descents() -> Figure:
     """SQP from the best of each cluster, and along the banana's valley."""
@@ -28,13 +30,14 @@ def descents() -> Figure:
         left.rings(MULTIMODAL.place(path[-1:]), radius=5)
     middle = square(figure, 1, BANANA, "along the banana", levels=(1, 10, 100, 700), side=200, step=254)
     right = figure.panel(
-        (580, 34, 200, 200), x=(0, 120), y=(1e-14, 1e4), log=True, title="lowest f of each descent", xlabel="calls"
+        (580, 34, 200, 200), x=(0, 150), y=(CLOSE, 1e4), log=True, title="lowest f of each descent", xlabel="calls"
     )
     for start, colour in zip(((-1.5, -1.0), (-1.2, 1.0), (0.5, -1.5)), COLOURS, strict=False):
         path = _descent(BANANA, np.array(start) / 4 + 0.5)
+        path = path[: 1 + int(np.argmax(BANANA.at(path) < CLOSE))]
         middle.line(*BANANA.place(path).T, colour=colour)
         middle.rings([start], colour=colour, radius=4)
-        right.line(np.arange(len(path)), np.maximum(np.minimum.accumulate(BANANA.at(path)), 1e-16), colour=colour)
+        right.line(np.arange(len(path)), np.maximum(np.minimum.accumulate(BANANA.at(path)), CLOSE), colour=colour)
     middle.crosses([[1, 1]])
     return figure
 

@@ -12,6 +12,7 @@ from docs import (
     config_reference,
     conventions_drawing,
     effect_pictures,
+    plant_page,
     tracking_drawing,
     wiring_drawing,
 )
@@ -47,6 +48,7 @@ def pages() -> dict[str, str]:
         "config.md": config_reference.text(),
         "cli.md": cli_reference.text(),
         "effects.md": effect_pictures.shown((DOCS / "effects.md").read_text(encoding="utf-8")),
+        "plant.md": plant_page.shown((DOCS / "plant.md").read_text(encoding="utf-8")),
     }
 
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from docs.origin import origin
 from docs.svg_plot import COLOURS, INK, Figure
-from rotorrig.identify import Diagnosis, diagnose, joint_fit
+from rotorrig.identify import Diagnosis, base_fit, diagnose
+from rotorrig.identify.base_fit import AssessedFit
 from rotorrig.identify.extended_model import Recording
-from rotorrig.identify.joint_fit import AssessedFit
 from rotorrig.identify.verdict.cross_validation import Prediction, cross_validate
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import read_table
@@ -52,7 +52,7 @@ def measured() -> OrderTrackedResponse:
 
 def models(response: OrderTrackedResponse) -> tuple[Model, Model]:
     """Return the quasi-static and the swept base model."""
-    fits = [joint_fit.fit_base([Recording(response, swept=swept)]) for swept in (False, True)]
+    fits = [base_fit.fit_base([Recording(response, swept=swept)]) for swept in (False, True)]
     still, swept = (cross_validate(fit.problem, fit.polished.p) for fit in fits)
     return (
         Model(name="quasi-static", fit=fits[0], unseen=still),
@@ -95,7 +95,7 @@ def text(both: tuple[Model, Model], found: Diagnosis) -> str:
 
 def _row(model: Model) -> str:
     adequacy, unseen = model.fit.adequacy, model.unseen
-    fit = f"{adequacy.reduced_chi2:.3g} | {adequacy.worst_sigma:.2g} sigma"
+    fit = f"{adequacy.scatter_ratio:.3g} | {adequacy.worst_sigma:.2g} sigma"
     return f"| {model.name} | {fit} | {unseen.error * UM:.3g} um | {unseen.over_floor:.2g} |"
 
 

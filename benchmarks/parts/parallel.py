@@ -33,7 +33,7 @@ def in_parallel(
     """
     others = multiprocessing.active_children()
     spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_begin) as pool:
+    with ProcessPoolExecutor(workers, mp_context=spawn, initializer=begin_worker) as pool:
         try:
             futures = [pool.submit(work, job) for job in jobs]
             for future in as_completed(futures):
@@ -48,7 +48,7 @@ def in_parallel(
             raise
 
 
-def _begin() -> None:
+def begin_worker() -> None:
     """Leave Ctrl-C to the parent, end with it, and use one BLAS thread."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)

@@ -11,14 +11,13 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify import joint_fit
+from rotorrig.identify import base_fit
 from rotorrig.identify.adequacy import ADEQUACY, Adequacy, Misfit
+from rotorrig.identify.base_fit import AssessedFit, config_effects
 from rotorrig.identify.causes import Selection, candidates, select
-from rotorrig.identify.extended_model import Recording
-from rotorrig.identify.joint_fit import AssessedFit
+from rotorrig.identify.extended_model import recordings_of
 from rotorrig.identify.verdict import (
     Cause,
     Gain,
@@ -28,6 +27,7 @@ from rotorrig.identify.verdict import (
     conclude,
     gain,
     hidden_effects,
+    is_worth_naming,
     moving_speed,
     next_run,
     rank_causes,
@@ -36,8 +36,7 @@ from rotorrig.identify.verdict import (
     visible_share,
 )
 from rotorrig.processing import OrderTrackedResponse
-from rotorrig.rig import ConfigError, DataError, Provenance, code_version
-from rotorrig.sims.effects import Effect, find
+from rotorrig.rig import DataError, Provenance, code_version
 
 Progress = Callable[[str, float], None]
 
@@ -54,14 +53,14 @@ class Diagnosis:
     noise_floor: float  # m, median 1-sigma of a 1X component
     chi2: float
     dof: int
-    p: float
+    p: float  # of the adequacy test: that a right model has residuals as large
     worst: tuple[Misfit, ...]  # most serious first; those of the mean position (order 0) last
     residual: NDArray[np.complex128]  # (speed, probe, order) m, measured less model, orders as in the response
     sigmas: NDArray[np.float64]  # (speed, probe, order) the same in standard deviations
     model: str = "swept"  # or "quasi-static": the base took every row for steady motion
     causes: tuple[Cause, ...] = ()  # best first, the chosen ones before all others
     tied: tuple[tuple[str, ...], ...] = ()  # sets of labels the data cannot separate
-    next_run: NextRun | None = None  # the cheapest run that would separate them; None: nothing is tied
+    next_run: NextRun | None = None  # the cheapest to separate them, or why there is none; None: nothing is tied
     gain: Gain | None = None  # what the extended model bought on data no fit saw; None: it was not extended
     hidden: tuple[HiddenEffect, ...] = ()  # effects this data would not show, with the size that would
     character: str = ""  # of the residual, where no known cause explains it
@@ -90,15 +89,16 @@ def diagnose(
     ConfigError if the rig has no [identify] table or an unknown effect, DataError if a recording holds too few rows or
     other probes or orders than the first.
     """
-    _check(responses)
+    if not responses:
+        raise DataError("no response was given, want at least one to diagnose")
     if model == "quasi-static" and (steady := _quasi_static_base(responses, seed=seed, progress=progress)):
         diagnosis = diagnose(responses, holdout=holdout, without=without, seed=seed, progress=progress)
         return _add_moving_speed(diagnosis, *steady)
     with threadpool_limits(1, user_api="blas"):
         progress("base model", 0.0)
-        recordings = _recordings(responses, swept=model == "swept")
+        recordings = recordings_of(responses, swept=model == "swept")
         known = candidates(recordings, without=without)
-        base = joint_fit.fit_base(recordings, _config_effects(responses[0]), seed=seed)
+        base = base_fit.fit_base(recordings, config_effects(responses[0].rig), seed=seed)
         progress("causes", 0.1)
         selection = select(
             base.problem,
@@ -109,10 +109,12 @@ def diagnose(
         )
         extended = base
         if selection.problem is not base.problem:
-            extended = joint_fit.assess_fit(selection.problem, selection.polished)
+            extended = base_fit.assess_fit(selection.problem, selection.polished)
         progress("unseen data", 0.7)
-        unseen = _recordings([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
+        unseen = recordings_of([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
         predictions = gain.predict_unseen(selection, holdout=unseen)
+        if base.adequacy.adequate and not is_worth_naming(selection, predictions):
+            selection, extended = selection.without_causes(), base
         verdict = conclude(
             selection,
             adequate_before=base.adequacy.adequate,
@@ -128,17 +130,6 @@ def diagnose(
     return diagnosis
 
 
-def _recordings(
-    responses: Sequence[OrderTrackedResponse], *, swept: bool, like: OrderTrackedResponse | None = None
-) -> list[Recording]:
-    """Return the recordings of responses; those turn backwards whose rig has not the sense of rotation of `like`.
-
-    That is the first one unless it is given.
-    """
-    sense = (like or responses[0]).rig.rotation
-    return [Recording(r, swept=swept, number=i, backward=r.rig.rotation != sense) for i, r in enumerate(responses)]
-
-
 def _quasi_static_base(
     responses: Sequence[OrderTrackedResponse], *, seed: int, progress: Progress
 ) -> tuple[AssessedFit, Cause] | None:
@@ -146,9 +137,9 @@ def _quasi_static_base(
     progress("steady and moving speed", 0.0)
     with threadpool_limits(1, user_api="blas"):
         still, moving = (
-            joint_fit.fit_base(
-                _recordings(responses, swept=swept),
-                _config_effects(responses[0]),
+            base_fit.fit_base(
+                recordings_of(responses, swept=swept),
+                config_effects(responses[0].rig),
                 seed=seed,
             )
             for swept in (False, True)
@@ -167,35 +158,12 @@ def _add_moving_speed(diagnosis: Diagnosis, still: AssessedFit, cause: Cause) ->
         sentence=sentences.moving(cause, diagnosis.sentence),
         chi2=still.polished.chi2,
         dof=still.polished.dof,
-        p=float(chdtrc(still.polished.dof, still.polished.chi2)),
+        p=adequacy.p,
         worst=_worst(adequacy),
         residual=adequacy.residual,
         sigmas=adequacy.sigmas,
         causes=(cause, *diagnosis.causes),
     )
-
-
-def _check(responses: Sequence[OrderTrackedResponse]) -> None:
-    if not responses:
-        raise DataError("no response was given, want at least one to diagnose")
-    first = responses[0]
-    for number, response in enumerate(responses[1:], start=2):
-        for what in ("probes", "orders"):
-            if (got := getattr(response, what)) != (want := getattr(first, what)):
-                raise DataError(f"response {number}: has the {what} {list(got)}, want those of the first, {list(want)}")
-
-
-def _config_effects(response: OrderTrackedResponse) -> list[tuple[Effect, dict[str, float]]]:
-    """Return the effects that the rig's config brings, with their values. Raises ConfigError on an unknown one."""
-    effects = []
-    for extension in response.rig.effects:
-        try:
-            effect = find(response.rig, extension.label)
-        except ValueError as error:
-            raise ConfigError(f"{response.rig.name}: {error}") from error
-        theta = effect.at_zero | extension.parameters
-        effects.append((effect.fix_grid_searched(theta), theta))
-    return effects
 
 
 def _assemble(
@@ -219,7 +187,7 @@ def _assemble(
         noise_floor=adequacy.noise_floor,
         chi2=base.polished.chi2,
         dof=base.polished.dof,
-        p=float(chdtrc(base.polished.dof, base.polished.chi2)),  # as scipy.stats.chi2.sf, whose import takes 0.5 s
+        p=adequacy.p,
         worst=_worst(adequacy),
         residual=adequacy.residual,
         sigmas=adequacy.sigmas,

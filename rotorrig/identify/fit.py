@@ -1,21 +1,21 @@
-"""Fit the model to a response: a global search over the unknowns, then whitened complex least squares.
+"""Identification of what the config's [identify] table names, from recordings of one rig, whole and in bands of speed.
 
-The search takes the speed as steady and the nameplate as exact. What it finds, all its minima, is where the refinement
-starts; that one knows the moving speed and the nameplate's uncertainty, and frees modulus and density where they are
-sought.
+The model and its noise are those of a diagnosis: base_fit.py.
 """
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.base_model import BASE_MODEL, ObjectiveName, Problem, Reals, SearchName, SearchResult, search
+from rotorrig.identify.base_fit import BaseProblem, SearchOptions, check_rig, config_effects, search_and_refine
+from rotorrig.identify.base_model import ObjectiveName, Reals, SearchName, SearchResult
+from rotorrig.identify.extended_model import ExtendedProblem, Recording, recordings_of
 from rotorrig.identify.identification import Fit, Identification
 from rotorrig.identify.least_squares import Solution
-from rotorrig.identify.measurement import Measurement, measure
 from rotorrig.identify.uncertainty import (
     Identifiability,
     Resampling,
@@ -25,28 +25,16 @@ from rotorrig.identify.uncertainty import (
     with_intervals,
 )
 from rotorrig.processing import OrderTrackedResponse
-from rotorrig.rig import ConfigError, DataError, code_version
-from rotorrig.rig.config import Identify, RigConfig
+from rotorrig.rig import DataError, code_version
 
 WHOLE = "whole sweep"
+SEEN = 0.3  # sine of the least angle between a probe and the other axis: then it looks along this one
 
 Progress = Callable[[str], None]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FitSettings:
-    """Starts and steps of a fit, and what a probe sees."""
-
-    starts: int = 2  # minima of the search that are refined, beside the nameplate, unless an earlier start is good
-    first_steps: int = 12  # of a fit that others only begin from
-    seen: float = 0.3  # sine of the least angle between a probe and the other axis: then it looks along this one
-
-
-FIT = FitSettings()
-
-
 def identify(
-    response: OrderTrackedResponse,
+    responses: Sequence[OrderTrackedResponse],
     *,
     seed: int = 0,
     objective: ObjectiveName = "residual",
@@ -55,189 +43,138 @@ def identify(
     resampling: Resampling | None = None,
     progress: Progress = lambda text: None,
 ) -> Identification:
-    """Identify what the config's [identify] table names, on the whole sweep and on its bands.
+    """Identify what the config's [identify] table names, on the whole of all recordings and on bands of speed.
 
-    `objective` is that of the search: the whitened complex "residual", or the chapter's "f1", "f2" or "f3" on the
-    amplitudes of a single unbalance. `method` is how: by the "vector" of residuals and its derivatives, or by the
-    objective's value alone, "modern" or "seed", the chapter's; by default the config's. With `profile` all intervals
-    are of the profile likelihood, and not only those that the covariance would get wrong; with `resampling` those of
-    the whole sweep are of a bootstrap. A band with too few rows is left out and the first fit's words say so. Raises
-    ConfigError if the rig has no [identify] section, DataError if the whole sweep holds too few rows.
+    `objective` is that of the search, in the first recording: the whitened complex "residual", or the chapter's "f1",
+    "f2" or "f3" on the amplitudes of a single unbalance. `method` is how: by the "vector" of residuals and its
+    derivatives, or by the objective's value alone, "modern" or "seed", the chapter's; by default the config's. With
+    `profile` all intervals are of the profile likelihood, and not only those that the covariance would get wrong; with
+    `resampling` those of the whole are of a bootstrap. A band with too few rows is left out and the first fit's words
+    say so. Recordings turn backwards whose rig has the other sense of rotation than the first's. Raises ConfigError if
+    the rig has no [identify] section or an unknown effect, DataError if a recording holds too few rows or other probes
+    or orders than the first.
     """
-    rig = response.rig
-    known = _check(rig)
+    if not responses:
+        raise DataError("no response was given, want at least one to identify from")
+    rig = responses[0].rig
+    known = check_rig(rig)
     began = time.perf_counter()
-    options = _Options(objective=objective, method=method or known.search, seed=seed, profile=profile)
+    options = SearchOptions(objective=objective, method=method or known.search, seed=seed)
+    fitting = _Fitting(responses=responses, search=options, profile=profile)
     left_out = []
     with threadpool_limits(1, user_api="blas"):  # thousands of small products: threads cost 40 times what they save
         progress(WHOLE)
-        whole = _band(response, WHOLE)
-        searched, best = _search_and_refine(response, whole, options)
-        fits = [_fit(response, whole, whole, options, searched, best)]
+        whole = fitting.band(WHOLE)
+        searched, best = search_and_refine(whole.base, fitting.search)
+        fits = [fitting.fit(whole, whole, searched, best)]
         for name, limits in known.bands.items():
             progress(name)
             try:
-                part = _band(response, name, limits)
-                fits.append(
-                    _fit(response, part, whole, options, *_search_and_refine(response, part, options, near=best.p))
-                )
+                part = fitting.band(name, limits)
+                fits.append(fitting.fit(part, whole, *search_and_refine(part.base, fitting.search, near=best.p)))
             except DataError as error:
                 left_out.append(f"The band '{name}' was left out: {error}.")
         if resampling:
             progress("bootstrap")
-            again = _BandRefit(response, options)
-            fits[0] = with_bootstrap_intervals(fits[0], whole.problem, best, resampling, seed=seed, search=again)
+            again = _Refit(whole.base, fitting.search)
+            fits[0] = with_bootstrap_intervals(fits[0], whole.base.problem, best, resampling, seed=seed, search=again)
     return Identification(
         fits=(replace(fits[0], words=(*fits[0].words, *left_out)), *fits[1:]),
-        effects=(),
+        effects=tuple(effect.label for effect in rig.effects),
+        responses=tuple((r.source.source_hash, len(r.omega)) for r in responses),
         wall_s=time.perf_counter() - began,
-        source=replace(response.source, code_version=code_version()),
+        source=replace(responses[0].source, code_version=code_version()),
     )
-
-
-def _check(rig: RigConfig) -> Identify:
-    if rig.identify is None:
-        raise ConfigError(f"{rig.name}: the config has no [identify] section, want bearings and a disk to identify")
-    for bearing in rig.bearings:
-        if bearing.over_speed:
-            raise ConfigError(
-                f"{rig.name}: bearing '{bearing.name}' is given over speed, want constants to identify by"
-            )
-    return rig.identify
-
-
-def first_fit(response: OrderTrackedResponse, *, seed: int = 0) -> Solution:
-    """Return a fit of the whole sweep alone to begin others from, in the vector of `Parameters`. Raises as `fit`."""
-    _check(response.rig)
-    with threadpool_limits(1, user_api="blas"):
-        return _search_and_refine(
-            response,
-            _band(response, WHOLE),
-            _Options(objective="residual", method="vector", seed=seed, profile=False, steps=FIT.first_steps),
-        )[1]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Options:
-    """Of every band's fit."""
-
-    objective: ObjectiveName  # of the global search
-    method: SearchName
-    seed: int
-    profile: bool
-    steps: int = BASE_MODEL.most_steps  # of the least squares with all unknowns free
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Band:
-    """The rows of one band of speeds and their least-squares problem."""
+    """One band of speeds and its least-squares problem."""
 
     name: str
-    measured: Measurement
-    problem: Problem
-
-
-def _band(response: OrderTrackedResponse, name: str, limits: tuple[float, float] | None = None) -> _Band:
-    measured = measure(response, band=limits)
-    return _Band(name=name, measured=measured, problem=Problem(response, measured))
-
-
-def _search_and_refine(
-    response: OrderTrackedResponse, band: _Band, options: _Options, *, near: Reals | None = None
-) -> tuple[SearchResult, Solution]:
-    """Search a band, and refine what was found and, if given, `near`: the parameters of another band."""
-    space = band.problem.parameters.space
-    searched = search(
-        response, band.measured, space, objective=options.objective, method=options.method, seed=options.seed
-    )
-    return searched, _best(
-        _refine_starts(
-            band.problem, [np.array(o.theta[: len(space)]) for o in searched.optima], near, steps=options.steps
-        )
-    )
+    base: BaseProblem
 
 
 @dataclass(frozen=True)
-class _BandRefit:
+class _Refit:
     """Fits a bootstrap's draw as the measured one was: by the whole search."""
 
-    response: OrderTrackedResponse
-    options: _Options
+    base: BaseProblem
+    search: SearchOptions
 
-    def __call__(self, problem: Problem, start: Reals) -> Solution:
-        band = _Band(name=WHOLE, measured=problem.measured, problem=problem)
-        return _search_and_refine(self.response, band, self.options)[1]
-
-
-def _refine_starts(problem: Problem, optima: list[Reals], near: Reals | None, *, steps: int) -> Iterator[Solution]:
-    """Refine one start after the other: `near`, the search's best minimum, the nameplate, the next minimum.
-
-    Amplitudes of few probes leave valleys in which the search cannot choose; the nameplate is a fair guess there.
-    """
-    if near is not None:
-        yield problem.solve(near)
-    for theta in (*optima[:1], problem.parameters.space.nameplate, *optima[1 : FIT.starts]):
-        yield problem.refine(theta, max_steps=steps)
+    def __call__(self, problem: ExtendedProblem, start: Reals) -> Solution:
+        return search_and_refine(replace(self.base, problem=problem), self.search)[1]
 
 
-def _best(refined: Iterator[Solution]) -> Solution:
-    """Return the first that fits as the noise allows, else the best."""
-    tried = []
-    for candidate in refined:
-        tried.append(candidate)
-        if candidate.chi2 < candidate.dof:
-            break
-    return min(tried, key=lambda polished: polished.chi2)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Fitting:
+    """What the fits of all bands share."""
+
+    responses: Sequence[OrderTrackedResponse]
+    search: SearchOptions
+    profile: bool
+
+    def band(self, name: str, limits: tuple[float, float] | None = None) -> _Band:
+        """Lay out the problem of a band, at 1X. Raises DataError if it has too few rows."""
+        recordings = recordings_of(self.responses, orders=(1,), band=limits)
+        return _Band(name=name, base=BaseProblem.of(recordings, config_effects(self.responses[0].rig)))
+
+    def fit(self, band: _Band, whole: _Band, searched: SearchResult, best: Solution) -> Fit:
+        """Put the results of a band into words and numbers; `whole` predicts the rows outside it too."""
+        problem = band.base.problem
+        space = problem.parameters.base.space
+        able = Identifiability(best, problem.parameters)
+        unseen = unseen_axes(problem.recordings)
+        omega = np.concatenate([r.response.omega[r.rows] for r in problem.recordings])
+        return Fit(
+            name=band.name,
+            band=(float(omega.min()), float(omega.max())),
+            estimates=with_intervals(
+                estimates.estimate_unknowns(best, problem, unseen=unseen),
+                best,
+                problem,
+                unseen=unseen,
+                profile=self.profile,
+            ),
+            nuisances=estimates.estimate_nuisances(best, problem),
+            unknowns=(*space.names, *(amount.name for amount in space.amounts)),
+            optima=searched.optima,
+            trace=searched.trace,
+            objective=self.search.objective,
+            evaluations=searched.evaluations,
+            stop=searched.stop,
+            seed=self.search.seed,
+            chi2=best.chi2,
+            dof=best.dof,
+            prediction=_predict_all(whole.base.problem, best.p),
+            directions=able.directions(),
+            budget=able.budget(),
+            words=(*describe_identifiability(best, problem, able, unseen=unseen), *_caveats(problem)),
+        )
 
 
-def _fit(
-    response: OrderTrackedResponse, band: _Band, whole: _Band, options: _Options, searched: SearchResult, best: Solution
-) -> Fit:
-    """Put the results of a band into words and numbers; `whole` predicts the rows outside it too."""
-    problem = band.problem
-    space = problem.parameters.space
-    able = Identifiability(best, problem.parameters)
-    unseen = unseen_axes(response, band.measured)
-    omega = response.omega[band.measured.rows]
-    prediction = np.full((len(response.omega), len(response.probes)), np.nan + 0j)  # NaN in the slow roll's own rows
-    prediction[whole.measured.rows] = whole.problem.predict(best.p)[:-1]
-    return Fit(
-        name=band.name,
-        band=(float(omega.min()), float(omega.max())),
-        estimates=with_intervals(
-            estimates.estimate_unknowns(best, problem, response.rig, unseen=unseen),
-            best,
-            problem,
-            unseen=unseen,
-            profile=options.profile,
-        ),
-        nuisances=estimates.estimate_nuisances(best, problem),
-        unknowns=(*space.names, *(amount.name for amount in space.amounts)),
-        optima=searched.optima,
-        trace=searched.trace,
-        objective=options.objective,
-        evaluations=searched.evaluations,
-        stop=searched.stop,
-        seed=options.seed,
-        chi2=best.chi2,
-        dof=best.dof,
-        prediction=prediction,
-        directions=able.directions(),
-        budget=able.budget(),
-        words=(*describe_identifiability(best, problem, able, unseen=unseen), *_caveats(problem)),
+def _predict_all(problem: ExtendedProblem, p: Reals) -> NDArray[np.complex128]:
+    """Return 1X as measured, (speed, probe) of all recordings one after the other; NaN in a slow roll's own rows."""
+    return np.concatenate(
+        [
+            recording.in_response(predicted[1])
+            for recording, predicted in zip(problem.recordings, problem.model.predict(p), strict=True)
+        ]
     )
 
 
-def unseen_axes(response: OrderTrackedResponse, measured: Measurement) -> str:
+def unseen_axes(recordings: Sequence[Recording]) -> str:
     """Return "", "x" or "y": the axis no usable probe looks along.
 
     There k and c show through gyroscopic coupling alone. That does restrict a fit, but in several valleys at once:
     with a single x probe kyy came out 18 % wrong at a stated 2 %.
     """
-    angles = [response.rig.probe(name).angle for name in np.array(response.probes)[measured.usable[:-1].any(axis=0)]]
+    first = recordings[0].response
+    used = np.any([recording.measured[1].usable[:-1].any(axis=0) for recording in recordings], axis=0)
+    angles = [first.rig.probe(name).angle for name in np.array(first.probes)[used]]
     seen = {"x": np.abs(np.cos(angles)).max(), "y": np.abs(np.sin(angles)).max()}
-    return "".join(axis for axis, most in seen.items() if most < FIT.seen)
+    return "".join(axis for axis, most in seen.items() if most < SEEN)
 
 
-def _caveats(problem: Problem) -> tuple[str, ...]:
+def _caveats(problem: ExtendedProblem) -> tuple[str, ...]:
     return () if problem.swept else ("The times of the rows are not known: the model takes the speed as steady.",)

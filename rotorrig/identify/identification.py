@@ -79,7 +79,7 @@ class Fit:
     seed: int
     chi2: float  # of the refined fit, whitened complex residual of 1X
     dof: int
-    prediction: NDArray[np.complex128]  # (speed, probe) m, 1X as measured: runout included, every row of the response
+    prediction: NDArray[np.complex128]  # (speed, probe) m, 1X as measured, all responses one after the other
     directions: tuple[Direction, ...] = ()  # what the data and priors determine, least known first
     budget: dict[str, dict[str, float]] = field(default_factory=dict)  # estimate -> "noise".. -> part of variance
     trace: SearchTrace = field(default_factory=SearchTrace)  # of the global search
@@ -92,9 +92,10 @@ class Fit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Identification:
-    """The fits of one response: the whole sweep first, then the config's bands."""
+    """The fits of one or more responses: the whole of them first, then the config's bands."""
 
     fits: tuple[Fit, ...]
     effects: tuple[str, ...]  # extensions of the model in use
+    responses: tuple[tuple[str, int], ...] = ()  # source hash and rows of each response, in the order of the rows
     wall_s: float
     source: Provenance

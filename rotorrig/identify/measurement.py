@@ -1,10 +1,10 @@
-"""Measurement for a fit: the rows of a response's runs, whitened by their covariance.
+"""Measurement for a fit: the rows of a response's runs, whitened by the covariance of the noise found in the data.
 
-The covariance is the noise found in the data plus what calibration leaves of a probe's scale factor over its range
-(`prior.probe_linearity` of the reading): a model may not be called wrong for that.
+What calibration leaves of a probe's scale factor over its range is no noise: it is the same in all rows, and a nuisance
+of the fit (`prior.probe_linearity`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +26,19 @@ class Measurement:
     sigma: NDArray[np.float64]  # (row + 1, probe) m, of re or im
     whiten: NDArray[np.float64]  # (row + 1, 2 probe, 2 probe) 1/m, of (re z_1, im z_1, ...)
     usable: NDArray[np.bool_]  # (row + 1, probe)
+    compensated: bool = False  # z lacks the vectors of a slow roll that nobody kept; its last row is zero by definition
 
     @property
     def size(self) -> int:
         """Number of real values measured."""
         return 2 * int(self.usable.sum())
+
+    def as_stated(self, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Return a model's vectors or their derivatives, (row + 1, ...), as the table states them.
+
+        Where it was compensated those of the slow roll, last, are subtracted from all; else they are left alone.
+        """
+        return z - z[-1:] if self.compensated else z
 
     def sigmas(self, residual: NDArray[np.complex128]) -> NDArray[np.float64]:
         """Return residuals in standard deviations, as independent values.
@@ -38,9 +46,18 @@ class Measurement:
         (row + 1, probe) become (row + 1, 2 probe), and columns of them (row + 1, probe, column) become
         (row + 1, 2 probe, column).
         """
-        columns = residual.reshape(*self.usable.shape, -1)
+        columns = self.as_stated(residual).reshape(*self.usable.shape, -1)
         pairs = _as_pairs(np.where(self.usable[..., None], columns, 0).swapaxes(1, 2)).swapaxes(1, 2)
         return (self.whiten @ pairs).reshape(len(columns), -1, *residual.shape[2:])
+
+    def where_usable(self, sigmas: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return residuals in standard deviations (row + 1, 2 probe) with NaN where nothing was measured."""
+        return np.where(np.repeat(self.usable, 2, axis=1), sigmas, np.nan)
+
+    def louder(self, factor: NDArray[np.float64]) -> "Measurement":
+        """Return the same with the variance of every row but the slow roll's times `factor` (row,)."""
+        by = np.sqrt(np.append(factor, 1.0))
+        return replace(self, sigma=self.sigma * by[:, None], whiten=self.whiten / by[:, None, None])
 
     def noise(self, rng: np.random.Generator) -> NDArray[np.complex128]:
         """Draw errors (row + 1, probe) [m] of the covariance; none of what is not usable."""
@@ -66,10 +83,10 @@ def measure(
     n = response.orders.index(order)
     z = np.concatenate([response.z[rows, :, n], response.slow_roll[None, :, n]])
     usable = np.concatenate([response.usable[rows], np.ones((1, z.shape[1]), dtype=bool)]) & np.isfinite(z)
-    noise = np.concatenate([response.covariance[rows, n], response.slow_roll_covariance[None, n]])
-    first = response.orders.index(1.0)  # 1X is the motion a probe's curvature bends, into 2X as well
-    motion = np.concatenate([response.z[rows, :, first], response.slow_roll[None, :, first]])
-    covariance = _with_linearity(noise, motion - np.nan_to_num(response.slow_roll[:, first]), response)
+    compensated = bool(np.isfinite(response.compensation_omega))
+    if compensated:
+        z[-1], usable[-1] = 0, False
+    covariance = np.concatenate([response.covariance[rows, n], response.slow_roll_covariance[None, n]])
     variance = np.diagonal(covariance, axis1=1, axis2=2)
     return Measurement(
         rows=rows,
@@ -77,20 +94,13 @@ def measure(
         sigma=np.sqrt((variance[:, 0::2] + variance[:, 1::2]) / 2),
         whiten=_whitening(covariance, usable),
         usable=usable,
+        compensated=compensated,
     )
 
 
 def _as_pairs(z: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Return complex (..., probe) as real (..., 2 probe): re, im, re, im ..."""
     return np.stack([z.real, z.imag], axis=-1).reshape(*z.shape[:-1], -1)
-
-
-def _with_linearity(
-    noise: NDArray[np.float64], motion: NDArray[np.complex128], response: OrderTrackedResponse
-) -> NDArray[np.float64]:
-    """Add the scale factor's residual error, a share of the synchronous motion, to re and im alike."""
-    share = (response.rig.prior.probe_linearity * np.abs(np.nan_to_num(motion))) ** 2
-    return noise + np.einsum("rp,pq->rpq", np.repeat(share, 2, axis=1), np.eye(2 * share.shape[1]))
 
 
 def _whitening(covariance: NDArray[np.float64], usable: NDArray[np.bool_]) -> NDArray[np.float64]:

@@ -54,7 +54,7 @@ def identification_table(identification: Identification) -> dict[str, Any]:
         }
         for fit in identification.fits
     ]
-    return {"effects": list(identification.effects), "wall_s": identification.wall_s, "fits": fits}
+    return {**_plain(identification, "effects responses wall_s"), "fits": fits}
 
 
 def read_identification(path: Path) -> Identification:
@@ -83,11 +83,13 @@ def read_identification(path: Path) -> Identification:
             )
             for f in table["fits"]
         )
+        source = Provenance(**table["source"])
         return Identification(
             fits=fits,
             effects=tuple(table["effects"]),
+            responses=tuple((str(of), int(rows)) for of, rows in table.get("responses", ())),
             wall_s=float(table["wall_s"]),
-            source=Provenance(**table["source"]),
+            source=source,
         )
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise DataError(

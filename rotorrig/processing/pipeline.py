@@ -66,6 +66,7 @@ def track(
         covariance=covariance,
         usable=usable,
         reasons=reasons,
+        mains=spectrum.mains,
     )
     hum = line_remarks(spectrum.lines, raw, rows)
     remarks = quality.join_remarks(quality.keyphasor_remarks(shaft, rows), unknown, hum)

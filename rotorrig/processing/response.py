@@ -34,8 +34,20 @@ class Run:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MainsHum:
+    """Hum of the mains, or of twice their frequency, as it was followed through a recording."""
+
+    frequency: float  # Hz, nominal: 50, 60, 100 or 120
+    t: NDArray[np.float64]  # (time,) s
+    stray: NDArray[np.float64]  # (time,) rad, by how much its phase is ahead of 2 pi f t
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class OrderTrackedResponse:
-    """Order vectors per speed row, raw; the slow-roll vector stands beside them and is never subtracted here."""
+    """Order vectors per speed row, raw; the slow-roll vector stands beside them and is never subtracted here.
+
+    A table may have come compensated by a vector nobody kept: `compensation_omega` is then the speed of that.
+    """
 
     rig: RigConfig
     probes: tuple[str, ...]
@@ -56,6 +68,12 @@ class OrderTrackedResponse:
     reasons: tuple[tuple[str, ...], ...]  # (speed,) why a probe of the row is not usable: "1x: clipped"
     keyphasor_t: NDArray[np.float64]  # (pulse,) s, the edge of every turn by the smooth shaft angle; empty: unknown
     source: Provenance
+    #: rad/s, of the slow roll whose vector z lacks, as its table was compensated and did not say by what; NaN: z is raw
+    compensation_omega: float = float("nan")
+    #: whether t and keyphasor_t were derived from speeds and a ramp: they give the right speeds, but no beat with the
+    #: mains; False: they are a clock's, or a sum of consecutive revolutions
+    derived_times: bool = False
+    mains: tuple[MainsHum, ...] = ()  # that were found in the waveforms: vectors have them, the covariance has not
     method: Method = "unknown"
     omega_sigma: NDArray[np.float64] = field(default_factory=_unknown)  # (speed,) rad/s, 1 sigma; empty: unknown
     alpha_sigma: NDArray[np.float64] = field(default_factory=_unknown)  # (speed,) rad/s^2, 1 sigma; empty: unknown
@@ -65,6 +83,17 @@ class OrderTrackedResponse:
     slow_roll_remarks: tuple[str, ...] = ()  # what speaks against the slow roll; empty: nothing
     #: (probe, point) m, mean taken out, at equal steps of shaft angle from the keyphasor edge; empty: none
     slow_roll_waveform: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+
+    @property
+    def slow_omega(self) -> float:
+        """Speed of the slow roll that was measured, or of the one that was subtracted [rad/s]; NaN: neither."""
+        return self.slow_roll_omega if np.isfinite(self.slow_roll_omega) else self.compensation_omega
+
+    @property
+    def read(self) -> tuple[str, ...]:
+        """The probes with a usable row: a table may lack some of the config's."""
+        good = np.asarray(self.usable.any(axis=0))
+        return tuple(name for name, some in zip(self.probes, good, strict=True) if some)
 
     def order(self, order: float) -> NDArray[np.complex128]:
         """Return z at one order, (speed, probe)."""

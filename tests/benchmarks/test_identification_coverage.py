@@ -27,7 +27,7 @@ def test_a_case_is_that_of_its_seed_and_its_noise_is_as_told(rig_config: RigConf
     first, again = drawn(rig_config, QUICK), drawn(rig_config, QUICK)
     np.testing.assert_array_equal(first.response.z, again.response.z)
     assert first.truth == again.truth
-    found = identify(first.response).fits[0]
+    found = identify([first.response]).fits[0]
     assert found.chi2 / found.dof == pytest.approx(1.0, abs=4 * np.sqrt(2 / found.dof))
 
 

@@ -16,8 +16,6 @@ LINES = re.compile(r'(?<= )d="([MLZ\d. -]*)"')
 PLACES = re.compile(r'(?<= )(?:d|x|y|cx|cy)="[^"]*"')  # of what is no line: words, boxes, dots
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 HAIR = 0.11  # px: a last digit, where another machine's linear algebra rounds otherwise
-UNSEEN = 0.5  # px, a third of a line's width: for a descent by differences, which makes more of such a digit
-DESCENTS = {"chea-sqp.svg"}
 THERE = sorted(path.name for path in IMAGES.iterdir())
 
 
@@ -31,11 +29,7 @@ def test_every_picture_has_a_script_and_every_script_its_pictures() -> None:
 
 
 def test_the_pictures_drawn_in_seconds_are_those_of_the_code() -> None:
-    stale = [
-        name
-        for name, text in drawn().items()
-        if not same(text, (IMAGES / name).read_text(encoding="utf-8"), within=UNSEEN if name in DESCENTS else HAIR)
-    ]
+    stale = [name for name, text in drawn().items() if not same(text, (IMAGES / name).read_text(encoding="utf-8"))]
     assert stale == [], "run `make docs`"
 
 
@@ -76,11 +70,11 @@ def test_a_line_is_the_same_wherever_its_corners_are(other: str) -> None:
     assert same('<path d="M0 0L5 0L10 0"/>', f'<path d="{other}"/>')
 
 
-def same(one: str, other: str, *, within: float = HAIR) -> bool:
-    """Return whether two SVGs are the same but for places less than `within` [px] apart."""
-    if form(one) != form(other) or not close(coordinates(one), coordinates(other), within):
+def same(one: str, other: str) -> bool:
+    """Return whether two SVGs are the same but for places less than a hair apart."""
+    if form(one) != form(other) or not close(coordinates(one), coordinates(other)):
         return False
-    return all(as_near(*lines, within) for lines in zip(LINES.findall(one), LINES.findall(other), strict=True))
+    return all(as_near(*lines) for lines in zip(LINES.findall(one), LINES.findall(other), strict=True))
 
 
 def form(svg: str) -> str:
@@ -93,14 +87,14 @@ def coordinates(svg: str) -> list[float]:
     return [float(number) for place in PLACES.findall(LINES.sub("", svg)) for number in NUMBER.findall(place)]
 
 
-def close(one: Sequence[float], other: Sequence[float], within: float) -> bool:
-    return len(one) == len(other) and all(abs(a - b) < within for a, b in zip(one, other, strict=True))
+def close(one: Sequence[float], other: Sequence[float]) -> bool:
+    return len(one) == len(other) and all(abs(a - b) < HAIR for a, b in zip(one, other, strict=True))
 
 
-def as_near(one: str, other: str, within: float) -> bool:
+def as_near(one: str, other: str) -> bool:
     """Return whether every corner of each line lies on the other line."""
     return one == other or all(
-        max(apart(corners(a), corners(b)), apart(corners(b), corners(a))) < within
+        max(apart(corners(a), corners(b)), apart(corners(b), corners(a))) < HAIR
         for a, b in zip(one.split("M")[1:], other.split("M")[1:], strict=True)
     )
 

@@ -191,7 +191,7 @@ def test_the_report_of_the_measured_run_up_begins_as_quoted(folder: Path, outcom
 def test_the_mapping_shown_reads_a_table(tmp_path: Path, rig_config: RigConfig) -> None:
     (mapping,) = (text for text in blocks("docs/your-data.md", "toml") if "[[vectors]]" in text)
     (tmp_path / "mapping.toml").write_text(mapping)
-    rows = [f"{1000 + 10 * k},{10 + k},30" for k in range(9)]
+    rows = [f"{1000 + 10 * k},{10 + k + 7 * k * k % 5 / 10},{30 + 3 * k * k % 4 / 10}" for k in range(9)]  # with noise
     (tmp_path / "table.csv").write_text("\n".join(["rpm,amp,phase", *rows]))
     response = read_table(tmp_path / "table.csv", tmp_path / "mapping.toml", rig_config)
     assert response.z[0, 0, 0] == pytest.approx(10e-6 * np.exp(-1j * np.pi / 6))
@@ -240,7 +240,7 @@ def test_the_tutorial_finds_what_was_hidden_and_needs_it(folder: Path, outcomes:
     assert (found["verdict"], again["verdict"]) == ("named", "adequate")
     assert any(f"{found['causes'][0]['label']} " in text and "in the model" in text for text in quoted)
     gain = found["gain"]  # differs from sweep to sweep: the page's was 13 times, others 16 and 22
-    assert gain["heldout_after"] < min(gain["heldout_before"] / 10, 1.5 * gain["noise_floor"])
+    assert gain["heldout_after"] < min(gain["heldout_before"] / 5, 2 * gain["noise_floor"])
 
 
 def test_what_the_tutorial_hides_can_be_swept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

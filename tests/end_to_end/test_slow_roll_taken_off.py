@@ -50,7 +50,6 @@ def test_what_was_taken_off_is_named_with_its_share(bent: OrderTrackedResponse) 
     """A vector at 600 rpm, which has response to unbalance in it besides, taken off once too often."""
     found = judged(replace(bent, z=bent.z - bent.slow_roll))
     assert found.verdict is Verdict.NAMED
-    first, *_ = found.causes
-    assert first.effect == "slow_roll_subtracted"
-    assert first.theta["share"] == pytest.approx(1.0, abs=0.005)
-    assert set(chosen(found)) <= {"slow_roll_subtracted", "bow"}
+    causes = {cause.effect: cause for cause in found.causes if cause.chosen}
+    assert causes["slow_roll_subtracted"].theta["share"] == pytest.approx(1.0, abs=0.005)
+    assert set(causes) == {"slow_roll_subtracted", "bow"}  # the shaft is bent, too

@@ -64,6 +64,7 @@ ramp = "30 rpm/s"
 name = "with mass"
 direction = "up"
 value = "b"
+ramp = "30 rpm/s"
 revolutions = 8
 trial = [{ disk = "disk", amount = "12 g mm", angle = "90 deg" }]
 [slow_roll]

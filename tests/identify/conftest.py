@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from tests.identify.matched import sought
+from tests.identify.problems import problem_of
 from tests.identify.swept import C, K, swept_response
 
 
@@ -38,8 +37,9 @@ def healthy(rig: RigConfig) -> OrderTrackedResponse:
 
 @pytest.fixture(scope="session")
 def hidden(short: OrderTrackedResponse) -> NDArray[np.float64]:
-    """What base_model.Problem calls the unknowns of every recording here, but for its own settling: (parameter,)."""
-    return Problem(short, measure(short)).start(np.array([*K, *C]))
+    """The base's unknowns of every recording here, but for what a fit settles by itself: (parameter,)."""
+    problem = problem_of(short)
+    return problem.begin(np.array([*K, *C]))[: len(problem.parameters.base)]
 
 
 @pytest.fixture

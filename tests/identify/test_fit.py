@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.adequacy.residual_tests import assess
-from rotorrig.identify.adequacy.settings import ADEQUACY
+from rotorrig.identify.base_fit import fit_base
+from rotorrig.identify.extended_model.tracked_recording import recordings_of
 from rotorrig.identify.fit import WHOLE, identify
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.measurement import measure
@@ -22,7 +23,7 @@ from tests.conftest import BLIND_SEED
 
 @pytest.fixture(scope="module")
 def found(blind_response: OrderTrackedResponse) -> Identification:
-    return identify(blind_response, seed=0)
+    return identify([blind_response], seed=0)
 
 
 def test_the_plants_hidden_values_are_found_within_their_uncertainty(
@@ -45,21 +46,18 @@ def test_the_whole_sweep_comes_first_and_the_configs_bands_follow(found: Identif
     assert high <= 2140 * math.pi / 30
 
 
-def test_a_healthy_rig_is_adequate(found: Identification, blind_response: OrderTrackedResponse) -> None:
-    (whole, _) = found.fits
-    adequacy = assess(blind_response, {1: whole.prediction}, reduced_chi2=whole.chi2 / whole.dof)
+def test_a_healthy_rig_is_adequate(blind_response: OrderTrackedResponse) -> None:
+    adequacy = fit_base(recordings_of([blind_response])).adequacy
     assert adequacy.adequate
-    assert adequacy.reduced_chi2 <= ADEQUACY.global_limit
-    assert adequacy.worst_sigma <= ADEQUACY.focused_limit
+    assert adequacy.worst_sigma <= adequacy.limit
 
 
 def test_a_model_without_the_moving_speed_is_called_wrong(blind_response: OrderTrackedResponse) -> None:
     untimed = replace(blind_response, keyphasor_t=np.empty(0))
-    found = identify(untimed)
+    found = identify([untimed])
     whole = found.fits[0]
-    adequacy = assess(untimed, {1: whole.prediction}, reduced_chi2=whole.chi2 / whole.dof)
+    adequacy = assess(untimed, {1: whole.prediction})
     assert not adequacy.adequate
-    assert adequacy.reduced_chi2 > ADEQUACY.global_limit
     assert any("steady" in words for words in whole.words)
 
 
@@ -72,11 +70,11 @@ def test_a_vector_added_in_a_narrow_band_is_located(
     odd = up & (rpm > 1400) & (rpm < 1600)
     z[odd, 2, blind_response.orders.index(2.0)] += 10e-6
     whole = found.fits[0]
-    adequacy = assess(replace(blind_response, z=z), {1: whole.prediction}, reduced_chi2=whole.chi2 / whole.dof)
+    adequacy = assess(replace(blind_response, z=z), {1: whole.prediction})
     worst = adequacy.misfits[0]
     assert not adequacy.adequate
     assert (worst.run, worst.probe, worst.order) == ("up", "2x", 2.0)
-    assert worst.sigma > ADEQUACY.focused_limit
+    assert worst.sigma > adequacy.limit
     assert 1300 < worst.speed_from * 30 / math.pi < 1450
     assert 1550 < worst.speed_to * 30 / math.pi < 1700
     assert worst.residual == pytest.approx(10e-6, rel=0.3)
@@ -88,7 +86,7 @@ def test_one_probe_alone_leaves_the_other_direction_undetermined(blind_response:
     sought = blind_response.rig.identify
     assert sought is not None
     rig = blind_response.rig.model_copy(update={"identify": sought.model_copy(update={"bands": {}})})
-    alone = identify(replace(blind_response, rig=rig, usable=usable)).fits[0]
+    alone = identify([replace(blind_response, rig=rig, usable=usable)]).fits[0]
     assert alone.estimate("kxx").determined
     assert not alone.estimate("cyy").determined
     assert math.isinf(alone.estimate("cyy").sigma)
@@ -100,7 +98,7 @@ def test_a_band_the_data_do_not_reach_is_left_out_and_said(blind_response: Order
     sought = blind_response.rig.identify
     assert sought is not None
     beyond = sought.model_copy(update={"bands": {"overspeed": (1000.0, 2000.0)}})
-    found = identify(replace(blind_response, rig=blind_response.rig.model_copy(update={"identify": beyond})))
+    found = identify([replace(blind_response, rig=blind_response.rig.model_copy(update={"identify": beyond}))])
     assert [f.name for f in found.fits] == [WHOLE]
     assert any("The band 'overspeed' was left out: " in words for words in found.fits[0].words)
 
@@ -108,7 +106,7 @@ def test_a_band_the_data_do_not_reach_is_left_out_and_said(blind_response: Order
 def test_an_objective_on_amplitudes_refuses_runs_with_trial_masses_alone(blind_response: OrderTrackedResponse) -> None:
     runs = tuple(replace(run, trial_unbalance={"disk": 12e-6 + 0j}) for run in blind_response.runs)
     with pytest.raises(DataError, match="every run carries a trial mass, want one without"):
-        identify(replace(blind_response, runs=runs), objective="f2")
+        identify([replace(blind_response, runs=runs)], objective="f2")
 
 
 def test_too_few_rows_are_refused(blind_response: OrderTrackedResponse) -> None:
@@ -119,4 +117,4 @@ def test_too_few_rows_are_refused(blind_response: OrderTrackedResponse) -> None:
 def test_a_rig_without_an_identify_table_is_refused(blind_response: OrderTrackedResponse) -> None:
     rig = blind_response.rig.model_copy(update={"identify": None})
     with pytest.raises(ConfigError, match=r"no \[identify\] section"):
-        identify(replace(blind_response, rig=rig))
+        identify([replace(blind_response, rig=rig)])

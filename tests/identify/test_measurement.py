@@ -48,21 +48,15 @@ def test_a_masked_vector_has_no_weight(blind_response: OrderTrackedResponse) -> 
     assert measured.size == 2 * (measured.usable.size - 1)
 
 
-def test_the_scale_factors_linearity_widens_large_readings_only(blind_response: OrderTrackedResponse) -> None:
+def test_louder_rows_have_so_much_more_variance_and_the_slow_roll_stays(blind_response: OrderTrackedResponse) -> None:
     measured = measure(blind_response)
-    order = blind_response.orders.index(1.0)
-    noise = np.einsum("rii->ri", blind_response.covariance[measured.rows, order])[:, :2].mean(axis=1)
-    amplitude = np.abs(blind_response.compensated()[measured.rows, 0])
-    share = blind_response.rig.prior.probe_linearity * amplitude
-    np.testing.assert_allclose(measured.sigma[:-1, 0] ** 2, noise + share**2, rtol=1e-9)
-
-
-def test_at_2x_the_share_is_of_the_synchronous_motion(blind_response: OrderTrackedResponse) -> None:
-    measured = measure(blind_response, order=2.0)
-    second = blind_response.orders.index(2.0)
-    noise = np.einsum("rii->ri", blind_response.covariance[measured.rows, second])[:, :2].mean(axis=1)
-    share = blind_response.rig.prior.probe_linearity * np.abs(blind_response.compensated(1.0)[measured.rows, 0])
-    np.testing.assert_allclose(measured.sigma[:-1, 0] ** 2, noise + share**2, rtol=1e-9)
+    factor = np.linspace(1.0, 4.0, len(measured.rows))
+    louder = measured.louder(factor)
+    off = np.full(measured.z.shape, 1e-7 + 2e-7j)
+    ratio = measured.sigmas(off)[:-1] / louder.sigmas(off)[:-1]
+    np.testing.assert_allclose(ratio**2, np.broadcast_to(factor[:, None], ratio.shape), rtol=1e-9)
+    np.testing.assert_array_equal(measured.sigmas(off)[-1], louder.sigmas(off)[-1])
+    np.testing.assert_allclose(louder.sigma[:-1] ** 2, measured.sigma[:-1] ** 2 * factor[:, None])
 
 
 MASS = {"disk": 12e-6j}
@@ -82,3 +76,18 @@ def test_each_row_has_the_mass_of_its_run_and_the_slow_roll_that_of_its_own(heal
 def test_a_rig_without_trial_masses_has_none(healthy: OrderTrackedResponse) -> None:
     bare = replace(healthy, runs=tuple(replace(run, trial_unbalance={}) for run in healthy.runs))
     assert trial_unbalance(bare, np.arange(3)) == {}
+
+
+def test_of_a_compensated_table_every_row_counts_less_the_slow_roll_and_that_not_at_all(
+    blind_response: OrderTrackedResponse, rng: np.random.Generator
+) -> None:
+    nothing = np.full_like(blind_response.slow_roll, np.nan)
+    measured = measure(replace(blind_response, slow_roll=nothing, slow_roll_omega=np.nan, compensation_omega=50.0))
+    raw = rng.standard_normal(measured.z.shape) + 1j * rng.standard_normal(measured.z.shape)
+    np.testing.assert_allclose(measured.as_stated(raw)[:-1], raw[:-1] - raw[-1])
+    np.testing.assert_allclose(measured.sigmas(raw), measured.sigmas(measured.as_stated(raw)))
+    np.testing.assert_allclose(measured.sigmas(raw + 1e-3), measured.sigmas(raw), rtol=1e-6, atol=1e-6)
+    assert not measured.usable[-1].any()
+    assert (measured.sigmas(raw)[-1] == 0).all()
+    kept = measure(blind_response)
+    assert kept.as_stated(raw) is raw

@@ -99,4 +99,4 @@ def test_no_more_segments_are_kept_than_the_noise_needs(short: Path, monkeypatch
         covariance, "_average", lambda f, spectra, *rest: kept.append(len(spectra)) or average(f, spectra, *rest)
     )
     track(read_recording(short))
-    assert kept == [11]  # of 22, every other
+    assert set(kept) == {11}  # of 22, every other

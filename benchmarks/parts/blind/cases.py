@@ -1,46 +1,49 @@
 """The cases of the blind benchmark: which rig, with what hidden in it, measured how.
 
-A case is a design, the faults it hides and a seed. The seed draws the rig within its tolerances, and the sizes of the
-faults from the range that each of them states. All of it goes into a sealed file before the first sweep; what is handed
-on is the tracked responses and nothing else.
+A case is a design, what it hides and a seed. The seed draws the rig within its tolerances, and the sizes of faults from
+the range that each of them states. Hidden are one fault or two, one that no effect models (an outsider), a dimension
+that is not the nameplate's (a deviant), or nothing but what every rig has (healthy). Two cases of three are of
+configs/rk4.toml, the third of a rig of its own (rigs/drawn.py).
 
 Designs: P1 has one plane of two probes, slow roll, speed-up and coast-down through the first critical speed; P2 has
-two planes, and a second recording of the same rig with a known trial mass. "fast" is P1 swept three times as fast: a
-third of the rows, for tests.
+two planes, and a second recording of the same rig with a known trial mass. Two are for tests, and swept three times as
+fast, which leaves a third of the rows: "fast" is P1 of the RK4, "day" has two planes of a drawn rig and one recording.
+
+Seeds 0 to 99 are for development. Those of an examination begin at 1000 times its number: nobody has run them.
 """
 
 import hashlib
-import json
-import math
+import zlib
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from benchmarks.parts.blind.names import ANSWERS
-from benchmarks.parts.blind.run import record
-from rotorrig.acquisition import RawRecording
-from rotorrig.acquisition.files import read_recording, write_recording
-from rotorrig.processing import OrderTrackedResponse, track
+from benchmarks.parts.blind.rigs.deviants import DEVIANTS, Deviation, put_together
+from benchmarks.parts.blind.rigs.drawn import RK4, draw_rig
+from benchmarks.parts.blind.rigs.fault_sizes import fault_of
 from rotorrig.rig.config import RigConfig, load
 from rotorrig.rig.config.description import from_si
-from rotorrig.sims.plant import FaultSpec, draw, seal
-from rotorrig.sims.plant.draw import draw_fault
+from rotorrig.sims.plant import FaultSpec
 from rotorrig.sims.plant.faults.base import fault_names
+from rotorrig.sims.plant.truth import Geometry
 
-CONFIG = Path(__file__).parents[3] / "configs/rk4.toml"
-TRIAL = {"disk": (12e-6, math.pi / 2)}  # kg m, rad from the keyphasor mark in the sense of rotation
 FIRST_PLANE = ("1x", "1y")
 HURRY = 3.0
 HEALTHY = "healthy"
+DEVELOPMENT = 100  # seeds that may be looked at
+EXAMINATION = 1000  # first seed of an examination, times its number
+OF_THE_BEARING = {"cross_stiffness", "skew_stiffness"}  # faults that are none where all coefficients are sought
 
-Design = Literal["P1", "P2", "fast"]
+Design = Literal["P1", "P2", "fast", "day"]
 DESIGNS: tuple[Design, ...] = ("P1", "P2")
-RUNS: Mapping[Design, int] = {"P1": 1, "P2": 2, "fast": 1}  # recordings of the rig
-Kind = Literal["healthy", "single", "pair", "outsider"]
+RUNS: Mapping[Design, int] = {"P1": 1, "P2": 2, "fast": 1, "day": 1}  # recordings of the rig
+PLANES: Mapping[Design, int] = {"P1": 1, "P2": 2, "fast": 1, "day": 2}  # of probes
+HURRIED: tuple[Design, ...] = ("fast", "day")
+Kind = Literal["healthy", "single", "pair", "outsider", "deviant"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,17 +51,21 @@ class Case:
     """One simulated rig and how it is measured."""
 
     design: Design
-    faults: tuple[str, ...] = ()  # none: healthy
+    faults: tuple[str, ...] = ()
+    deviant: str = ""  # which dimension is not the nameplate's; without it and without faults: healthy
     seed: int
+    again: int = 0  # times it was drawn before and its sweep tripped
 
     @property
     def name(self) -> str:
-        """What its file is called: "bow-3"."""
-        return f"{'+'.join(self.faults) or HEALTHY}-{self.seed}"
+        """What it is called: "bow-3"."""
+        return f"{'+'.join(self.faults) or self.deviant or HEALTHY}-{self.seed}"
 
     @property
     def kind(self) -> Kind:
         """What is asked of the diagnosis."""
+        if self.deviant:
+            return "deviant"
         if not self.faults:
             return "healthy"
         if not ANSWERS.keys() >= set(self.faults):
@@ -68,30 +75,73 @@ class Case:
     @property
     def plant_seed(self) -> int:
         """The seed of the rig, of every case another one; 40 bits keep it apart from seeds that were tuned on."""
-        return int.from_bytes(hashlib.sha256(f"{self.design} {self.name}".encode()).digest()[:5]) | 1 << 39
+        drawn = f"{self.design} {self.name}" + (f" again {self.again}" if self.again else "")
+        return int.from_bytes(hashlib.sha256(drawn.encode()).digest()[:5]) | 1 << 39
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether the rig is one of its own: in every third case of a fault."""
+        if self.design in HURRIED:
+            return self.design == "day"
+        hidden = f"{'+'.join(self.faults)}{self.deviant}"
+        return (self.seed + zlib.crc32(hidden.encode())) % 3 == 0
 
     @property
     def rig(self) -> RigConfig:
         """The nameplate."""
-        return nameplate(self.design)
+        if not self.is_drawn:
+            return nameplate(self.design)
+        all_sought = False if OF_THE_BEARING & set(self.faults) else None
+        rig = draw_rig(self.plant_seed, planes=PLANES[self.design], cross_coupled=all_sought)
+        return _hurry(rig) if self.design in HURRIED else rig
+
+    @property
+    def geometry(self) -> tuple[Geometry, tuple[Deviation, ...]]:
+        """How the rig was put together, and where that is not what the nameplate says; "fast" as it says."""
+        return (Geometry(), ()) if self.design == "fast" else put_together(self.rig, self.deviant, seed=self.plant_seed)
 
 
-def cases(
-    design: Design, *, seeds: int, healthy: int, pairs: int, effects: Collection[str] = (), first: int = 0
-) -> Iterator[Case]:
-    """Yield `seeds` cases of every fault, then so many healthy ones and pairs; of `effects` alone if any are given."""
-    wanted = set(effects) or {*modelled(), *outsiders(), HEALTHY}
-    for fault in (*modelled(), *outsiders()):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Extent:
+    """Numbers of cases of one design."""
+
+    seeds: int  # of every modelled fault
+    healthy: int = 0
+    outsiders: int = 0  # in all
+    pairs: int = 0
+    deviants: int = 0  # in all
+
+
+EXTENTS: Mapping[Design, Extent] = {
+    "P2": Extent(seeds=10, healthy=400, outsiders=40, pairs=40, deviants=40),
+    "P1": Extent(seeds=5, healthy=100),
+}
+
+
+def cases(design: Design, extent: Extent, *, hidden: Collection[str] = (), first: int = 0) -> Iterator[Case]:
+    """Yield the cases of a design, seeds from `first` on; of what is `hidden` alone if any are given."""
+    wanted = set(hidden) or {*modelled(), *outsiders(), *DEVIANTS, HEALTHY}
+    for fault in modelled():
         if fault in wanted:
-            for seed in range(first, first + seeds):
-                yield Case(design=design, faults=(fault,), seed=seed)
+            yield from (Case(design=design, faults=(fault,), seed=first + i) for i in range(extent.seeds))
+    strange = [name for name in outsiders() if name in wanted]
+    for i in range(extent.outsiders if strange else 0):
+        yield Case(design=design, faults=(strange[i % len(strange)],), seed=first + i // len(strange))
+    wrong = [name for name in DEVIANTS if name in wanted]
+    for i in range(extent.deviants if wrong else 0):
+        yield Case(design=design, deviant=wrong[i % len(wrong)], seed=first + i // len(wrong))
     if HEALTHY in wanted:
-        for seed in range(first, first + healthy):
-            yield Case(design=design, seed=seed)
+        yield from (Case(design=design, seed=first + i) for i in range(extent.healthy))
     known = [fault for fault in modelled() if fault in wanted]
-    for seed in range(first, first + pairs if len(known) > 1 else first):
+    for seed in range(first, first + extent.pairs if len(known) > 1 else first):
         one, other = np.random.default_rng([seed, DESIGNS.index(design)]).choice(len(known), 2, replace=False)
         yield Case(design=design, faults=(known[one], known[other]), seed=seed)
+
+
+def shuffle(wanted: Collection[Case], *, attempt: int) -> list[Case]:
+    """Return the cases in the random order of that attempt: as far as a run comes, it is a fair sample."""
+    ordered = list(wanted)
+    return [ordered[i] for i in np.random.default_rng([attempt, zlib.crc32(b"order")]).permutation(len(ordered))]
 
 
 def modelled() -> tuple[str, ...]:
@@ -106,60 +156,30 @@ def outsiders() -> tuple[str, ...]:
 
 def sizes(case: Case) -> tuple[FaultSpec, ...]:
     """Draw the parameters of the faults of a case."""
-    return tuple(draw_fault(case.rig, name, seed=case.plant_seed, runs=RUNS[case.design]) for name in case.faults)
+    rig, runs = case.rig, RUNS[case.design]
+    return tuple(fault_of(rig, name, seed=case.plant_seed, runs=runs) for name in case.faults)
 
 
-def measure(
-    case: Case, *, sealed: Path, folder: Path, faults: tuple[FaultSpec, ...] | None = None
-) -> list[OrderTrackedResponse]:
-    """Seal the truth of a case into a file, sweep its rig and return the tracked responses; `faults` as drawn if None.
-
-    Recordings go through files in `folder`. A response names neither its seed nor its case.
-    """
-    rig, seed = case.rig, case.plant_seed
-    hidden = sizes(case) if faults is None else faults
-    seal(draw(rig, seed=seed, faults=hidden), sealed)
-    responses = [_tracked(record(rig, seed=seed, faults=hidden), folder / "run 1.mcap")]
-    if case.design == "P2":
-        again = record(rig, seed=seed, faults=hidden, trial=TRIAL, run=1)
-        responses.append(_with_trial(_tracked(again, folder / "run 2.mcap")))
-    return responses
-
-
-def files(case: Case, folder: Path) -> tuple[Path, Path]:
-    """Return where the diagnosis of a case and its sealed truth are kept."""
-    place = folder / case.design
-    return place / f"{case.name}.json", place / f"{case.name}.sealed.json"
-
-
-def write_whole(path: Path, table: Mapping[str, Any]) -> None:
-    """Write a JSON file that is there whole or not at all."""
-    part = path.with_suffix(".part")
-    part.write_text(json.dumps(table), encoding="utf-8")
-    part.replace(path)
+def draw_again(case: Case) -> Case:
+    """Return the case that takes the place of one whose sweep tripped: another rig, other sizes."""
+    return replace(case, again=case.again + 1)
 
 
 @cache
 def nameplate(design: Design) -> RigConfig:
-    """Return the config of a design: configs/rk4.toml, without the second plane for all but P2."""
-    rig = load(CONFIG)
+    """Return the RK4 of a design: configs/rk4.toml, without the second plane for all but P2."""
+    rig = load(RK4)
     if design == "P2":
         return rig
     table = rig.model_dump(mode="json")
     table["probes"] = [probe for probe in table["probes"] if probe["name"] in FIRST_PLANE]
-    if design == "fast":
-        plan = table["plans"]["default"]
-        plan["ramp"] *= HURRY
-        plan["slow_roll_time"] *= 0.6
-    return from_si(table, where="configs/rk4.toml with one plane")
+    one = from_si(table, where="configs/rk4.toml with one plane")
+    return _hurry(one) if design in HURRIED else one
 
 
-def _tracked(recording: RawRecording, path: Path) -> OrderTrackedResponse:
-    write_recording(path, recording)
-    response = track(read_recording(path))
-    return replace(response, source=replace(response.source, source=path.stem))
-
-
-def _with_trial(response: OrderTrackedResponse) -> OrderTrackedResponse:
-    known = {disk: amount * complex(math.cos(angle), math.sin(angle)) for disk, (amount, angle) in TRIAL.items()}
-    return replace(response, runs=tuple(replace(run, trial_unbalance=known) for run in response.runs))
+def _hurry(rig: RigConfig) -> RigConfig:
+    """Return the rig with a plan that is through in a third of the time."""
+    table = rig.model_dump(mode="json")
+    table["plans"]["default"]["ramp"] *= HURRY
+    table["plans"]["default"]["slow_roll_time"] *= 0.6
+    return from_si(table, where=f"{rig.name}, swept fast")

@@ -3,7 +3,7 @@
 The *analyst's* effect at the size that was hidden is predicted without noise, on the rows and with the noise of a
 healthy rig of the same design, and the prediction is fitted again: by the base model alone, with all its nuisances, and
 by the base model with each rival. What misfit is left, weighted, is lam; it decides which cases are fair to ask for and
-is no part of any diagnosis. Computed once a case and kept beside it; of two faults for each alone, and the lesser kept.
+is no part of any diagnosis. Of two faults it is computed for each alone, and the lesser counts.
 
 Rivals are the candidates of a diagnosis but the right answers, and but the same cause at another place along the
 shaft. Their scores say by how much each could lower the misfit; those that could come below `ENOUGH` are fitted in
@@ -11,31 +11,30 @@ full, the most promising first, those without a first order last, until one is t
 `ENOUGH` the nearest is does not matter, and is not found out.
 """
 
-import json
 import math
-import traceback
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, TypedDict
+from typing import TypedDict
 
 import numpy as np
 
-from benchmarks.parts.blind.cases import Case, Design, files, write_whole
-from benchmarks.parts.blind.measured import measured
+from benchmarks.parts.blind.cases import Case, Design
+from benchmarks.parts.blind.measured import measure, measured
 from benchmarks.parts.blind.names import Answer, answer
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.causes import background, candidates
+from rotorrig.identify.causes import candidates
 from rotorrig.identify.causes.score_test import Score, curved_scores, scores
-from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording
+from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording, nuisance_effects
 from rotorrig.identify.verdict import VERDICT
 from rotorrig.identify.verdict.separability import fit_from_starts, separability
 from rotorrig.identify.verdict.verdict import is_another_cause
+from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects import Effect, find
-from rotorrig.sims.plant import Truth, expected_estimates, unseal
+from rotorrig.sims.plant import Truth, expected_estimates
 
 TEMPLATE_SEED = -1  # of the healthy case whose rows and noise are used; no case of the benchmark has it
 ENOUGH = (
@@ -55,35 +54,16 @@ class Lam(TypedDict):
     rival: str
 
 
-def lam_file(case: Case, folder: Path) -> Path:
-    """Return where lam of a case is kept."""
-    return folder / case.design / f"{case.name}.lam.json"
-
-
-def lam_of(case: Case, folder: Path) -> Lam | None:
-    """Return "lam", "rival_lam" and the "rival" of a case; None if they were not computed, or could not be."""
-    path = lam_file(case, folder)
-    found: Lam | None = json.loads(path.read_text(encoding="utf-8"))["found"] if path.exists() else None
-    return found
-
-
-def asked(case: Case) -> bool:
+def is_asked(case: Case) -> bool:
     """Return whether lam is asked for: of a case whose faults are all modelled by effects."""
     return case.kind in ("single", "pair")
 
 
-def compute(job: tuple[Case, Path]) -> None:
-    """Compute and keep lam of a case; what goes wrong is written down instead."""
-    case, folder = job
-    table: dict[str, Any]
-    try:
-        truth = unseal(files(case, folder)[1])
-        recordings = template(case.design, folder)
-        each = [lam(case.rig, truth, answer(case.rig, truth, fault), recordings) for fault in truth.faults]
-        table = {"found": _lesser(each)}
-    except Exception:  # the case then counts in no rate that asks for lam
-        table = {"found": None, "error": traceback.format_exc()}
-    write_whole(lam_file(case, folder), table)
+def lam_of(case: Case, truth: Truth, folder: Path, *, enough: float = ENOUGH) -> Lam:
+    """Return lam of what a case hides; healthy recordings of the RK4 are kept in `folder`."""
+    recordings = template(case.design, folder) if not case.is_drawn else _of_the_rig(case)
+    rig = case.rig
+    return _lesser([lam(rig, truth, answer(rig, truth, fault), recordings, enough=enough) for fault in truth.faults])
 
 
 def _lesser(each: Sequence[Lam]) -> Lam:
@@ -99,7 +79,7 @@ def lam(
 
     A rival is not followed beyond `enough`.
     """
-    slight = background(rig)
+    slight = nuisance_effects(recordings)
     problem = ExtendedProblem(ExtendedModel(recordings, (*slight, find(rig, hidden.exact))))
     p = _vector(problem, expected_estimates(rig, truth), hidden)
     seen = [r.instead(z) for r, z in zip(recordings, problem.model.predict(p), strict=True)]
@@ -165,8 +145,15 @@ def _vector(problem: ExtendedProblem, sought: dict[str, float], hidden: Answer) 
 
 @cache
 def template(design: Design, folder: Path) -> tuple[Recording, ...]:
-    """Return the recordings of a healthy rig of a design, kept in `folder`."""
+    """Return the recordings of a healthy RK4 of a design, kept in `folder`."""
+    return _numbered(measured(Case(design=design, seed=TEMPLATE_SEED), folder).responses)
+
+
+def _of_the_rig(case: Case) -> tuple[Recording, ...]:
+    """Return recordings of the rig of a case without its faults."""
     with TemporaryDirectory() as scratch:
-        case = Case(design=design, seed=TEMPLATE_SEED)
-        responses = measured(case, folder, sealed=Path(scratch) / "sealed.json")
-        return tuple(Recording(response, number=i) for i, response in enumerate(responses))
+        return _numbered(measure(case, sealed=Path(scratch) / "sealed.json", folder=Path(scratch), faults=()))
+
+
+def _numbered(responses: Sequence[OrderTrackedResponse]) -> tuple[Recording, ...]:
+    return tuple(Recording(response, number=i) for i, response in enumerate(responses))

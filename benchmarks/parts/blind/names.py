@@ -2,7 +2,8 @@
 
 Faults and effects were written apart and count differently: angles from the shaft's zero or from the keyphasor's edge,
 a force or a stiffness, a place anywhere or on a scan. This table is the only place that knows both. A fault that does
-not stand in it is an outsider, for which the right answer is that no known cause explains it.
+not stand in it is an outsider, for which the right answer is that no known cause explains it. A dimension that is not
+the nameplate's is a finding of its own: the right answer is that dimension, off by as much as it is.
 """
 
 import cmath
@@ -10,11 +11,13 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from benchmarks.parts.blind.rigs.deviants import Deviation
 from rotorrig.acquisition.sweep.plans import SETTLING_RAMP
 from rotorrig.rig.config import RigConfig, RunUpCoastDown
 from rotorrig.sims.effects import catalogue, find
 from rotorrig.sims.effects.crack import MOUTHS, Crack
-from rotorrig.sims.effects.places import STEP, probe_planes
+from rotorrig.sims.effects.places import MOST_STEPS, STEP, probe_planes
+from rotorrig.sims.effects.rub import Rub
 from rotorrig.sims.effects.stiffness_over_speed import StiffnessOverSpeed
 from rotorrig.sims.effects.unbalance_plane import UnbalancePlane
 from rotorrig.sims.plant import FaultSpec, Truth
@@ -34,6 +37,8 @@ class Answer:
     theta: Mapping[str, float]  # its parameters, SI; approximate where the two do not mean the same
     same: tuple[str, ...] = ()  # those of them that do, so that an interval may be asked to hold them
     disturbed: tuple[str, ...] = ()  # estimates of the base that the fault itself changes
+    asked: bool = True  # has to be named; else it may be
+    interval: bool = False  # right only if the 95 % interval holds it: a place that is off has to be off by that much
 
 
 OUTSIDER = Answer(labels=(), theta={})
@@ -46,6 +51,13 @@ def answer(rig: RigConfig, truth: Truth, hidden: FaultSpec) -> Answer:
     return ANSWERS[hidden.name](rig, truth, load_fault(hidden.name).PARAMETERS | hidden.parameters)
 
 
+def departure(deviation: Deviation) -> Answer:
+    """Return the right answer for a dimension that the nameplate has wrongly: that one, off by that much."""
+    label = f"{deviation.kind}, {deviation.part}" if deviation.part else deviation.kind
+    theta = {"off": deviation.value}
+    return Answer(labels=(label,), exact=label, theta=theta, same=("off",), asked=deviation.asked, interval=True)
+
+
 def effect_of(label: str) -> str:
     """Return the effect's name.
 
@@ -56,11 +68,11 @@ def effect_of(label: str) -> str:
 
 
 def _plain(label: str, names: Mapping[str, str], *, same: bool = True) -> Callable[[RigConfig, Truth, Values], Answer]:
-    """Return a rule for an effect at one place whose parameters are the fault's by other names."""
+    """Return a rule for an effect whose parameters are the fault's by other names; of a disk, at the fault's own."""
 
     def rule(rig: RigConfig, truth: Truth, values: Values) -> Answer:
         theta = {own: values[theirs] for own, theirs in names.items()}
-        return _one(label, theta, same=tuple(theta) if same else ())
+        return _one(_on_disk(rig, label, values), theta, same=tuple(theta) if same else ())
 
     return rule
 
@@ -72,15 +84,16 @@ def _turning(
 
     def rule(rig: RigConfig, truth: Truth, values: Values) -> Answer:
         theta = _phasor(name, values[amount], order * (values[angle] + truth.keyphasor_offset))
-        return _one(label, theta, same=tuple(theta))
+        return _one(_on_disk(rig, label, values), theta, same=tuple(theta))
 
     return rule
 
 
 def _bow(rig: RigConfig, truth: Truth, values: Values) -> Answer:
-    """Take a bow of either shape for right; the hidden one is even."""
+    """Take a bow of either shape for right; the hidden one is of neither, but as high in its middle."""
     theta = _phasor("bow", values["amount"], values["angle"] + truth.keyphasor_offset)
-    return Answer(labels=("bow, even", "bow"), exact="bow, even", theta=theta, same=tuple(theta))
+    pushed = (each.label for each in catalogue(rig) if each.name == "bow")
+    return Answer(labels=tuple({"bow, even": 0, **dict.fromkeys(pushed)}), exact="bow, even", theta=theta)
 
 
 def _coupling(rig: RigConfig, truth: Truth, values: Values) -> Answer:
@@ -90,7 +103,7 @@ def _coupling(rig: RigConfig, truth: Truth, values: Values) -> Answer:
     twice = _phasor("force 2X", values["stiffness_variation"] * values["offset"], turn)
     diameter = 2 * (values["stiff_diameter"] + truth.keyphasor_offset)
     stiffness = _phasor("stiffness", values["stiffness_variation"], diameter)
-    return _one("coupling", once | twice | stiffness, same=tuple(once | stiffness))
+    return _one("coupling", once | twice | stiffness, same=())  # whose mean stiffness the effect has no word for
 
 
 def _friction(rig: RigConfig, truth: Truth, values: Values) -> Answer:
@@ -109,11 +122,13 @@ def _crack(rig: RigConfig, truth: Truth, values: Values) -> Answer:
         "mouth": (values["angle"] + truth.keyphasor_offset + half) % math.tau - half,
         "place": values["position"],
     }
-    return _one("crack", theta, same=tuple(theta))
+    return _one("crack", theta, same=())  # which opens by another law there
 
 
 def _cross_talk(rig: RigConfig, truth: Truth, values: Values) -> Answer:
-    return _one(f"cross_talk, {_plane(rig, values['probe'])}", {"leak": values["share"]}, same=("leak",))
+    return _one(
+        f"cross_talk, {_plane(rig, values['probe'])}", {"leak": values["share"]}, same=()
+    )  # it depends on the gaps
 
 
 def _line_hum(rig: RigConfig, truth: Truth, values: Values) -> Answer:
@@ -132,7 +147,7 @@ def _pedestal(rig: RigConfig, truth: Truth, values: Values) -> Answer:
         "omega": omega,
         "damping ratio": values["damping_ratio"],
     }
-    return _one("pedestal, x", theta, same=tuple(theta), disturbed=("kyy", "cyy"))
+    return _one("pedestal, x", theta, same=("omega",), disturbed=("kyy", "cyy"))  # it rocks, too
 
 
 def _probe_angle(rig: RigConfig, truth: Truth, values: Values) -> Answer:
@@ -143,26 +158,36 @@ def _probe_gain(rig: RigConfig, truth: Truth, values: Values) -> Answer:
     return _one(f"probe_gain, probe {_probe(rig, values)}", {"error": values["gain"]}, same=("error",))
 
 
+def _rub(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Name the ring at the place of the library that is nearest; sizes mean the same at the ring alone."""
+    known = {each.label: each for each in catalogue(rig) if isinstance(each, Rub)}
+    places = {label: each.places.get(each.place) or rig.disk(each.place).position for label, each in known.items()}
+    theta = {"gap": values["gap"], "stiffness": values["stiffness"], "friction": values["friction"]}
+    return _one(min(places, key=lambda label: abs(places[label] - values["position"])), theta, same=())
+
+
 def _runout(rig: RigConfig, truth: Truth, values: Values) -> Answer:
-    """Take both parts of the track for right; the larger is the one once per turn."""
+    """Take both parts of the track for right; the larger is the one once per turn, a dent and spots left out."""
     label = f"runout, {_plane(rig, values['probe'])}"
     theta = _phasor("runout", values["eccentricity"], values["angle"] + truth.keyphasor_offset)
-    return Answer(labels=(label, f"{label}, twice per turn"), exact=label, theta=theta, same=tuple(theta))
+    return Answer(labels=(label, f"{label}, twice per turn"), exact=label, theta=theta)
 
 
 def _soft_left_bearing(rig: RigConfig, truth: Truth, values: Values) -> Answer:
     """Count the seat's compliance in parts of the bearing's own."""
     sought = {name for group in rig.identify.bearings for name in group} if rig.identify else set()
     stiffest = max(b.constant("kxx") for b in rig.bearings if b.name not in sought)
-    return _one("soft_left_bearing", {"softness": values["compliance"] * stiffest}, same=("softness",))
+    return _one("soft_left_bearing", {"softness": values["compliance"] * stiffest}, same=())  # it damps, too
 
 
 def _stiffness_over_speed(rig: RigConfig, truth: Truth, values: Values) -> Answer:
-    """Go from one reference to the other: both grow with the square of the speed."""
+    """Take by how much it has grown at the effect's reference; the hidden one grows by a cube root."""
     label = "stiffness_over_speed"
     effect = find(rig, label)
     assert isinstance(effect, StiffnessOverSpeed)
-    return _one(label, {"growth": values["gain"] * (effect.reference / values["reference"]) ** 2}, same=("growth",))
+    ratio = effect.reference / values["reference"]
+    grown = ((1.0 + ratio**2) ** (1 / 3) - 1.0) / (2.0 ** (1 / 3) - 1.0)
+    return _one(label, {"growth": values["gain"] * grown}, same=())
 
 
 def _unbalance_plane(rig: RigConfig, truth: Truth, values: Values) -> Answer:
@@ -180,7 +205,7 @@ def _unbalance_step(rig: RigConfig, truth: Truth, values: Values) -> Answer:
     time = between_recordings(number)
     if number == values["run"]:
         time = number * ONE_RECORDING + max(_passed(rig.plans["default"], values["speed"]), values["time"])
-    return _one("unbalance_step", step | {"time": time}, same=tuple(step))
+    return _one(_on_disk(rig, "unbalance_step", values), step | {"time": time}, same=tuple(step))
 
 
 def _passed(plan: RunUpCoastDown, speed: float) -> float:
@@ -196,29 +221,27 @@ def _passed(plan: RunUpCoastDown, speed: float) -> float:
 Rule = Callable[[RigConfig, Truth, Values], Answer]
 ANSWERS: Mapping[str, Rule] = {
     "bow": _bow,
-    "clearance": _plain("clearance", {"gap": "gap"}),
+    "clearance": _plain("clearance", {"gap": "gap"}, same=False),  # between two balls there is more of it
     "couple": _turning("couple", "skew", "skew", "angle"),
     "coupling": _coupling,
     "crack": _crack,
     "cross_stiffness": _plain("cross_stiffness", {"k": "stiffness"}),
     "cross_talk": _cross_talk,
-    "cubic_spring": _plain("cubic_spring", {"k3": "k3"}),
-    "delay": _plain("delay", {"delay": "time"}),
+    "cubic_spring": _plain("cubic_spring", {"k3": "k3"}, same=False),  # of small motion there
+    "delay": _plain("delay", {"delay": "time"}),  # of low frequency there: within 1e-3 below 60 Hz
     "disk_inertia": _plain("disk_inertia", {"polar": "polar", "transverse": "transverse"}),
-    "drag": _plain("drag", {"c2": "coefficient"}),
+    "drag": _plain("drag", {"c2": "coefficient"}, same=False),  # at one speed there, and past oil that turns
     "friction": _friction,
-    "hysteresis": _plain("hysteresis", {"eta": "loss_factor"}, same=False),  # causal there: k grows too
-    "internal_damping": _plain("internal_damping", {"beta": "time"}, same=False),  # over and above the material's own
+    "hysteresis": _plain("hysteresis", {"eta": "loss_factor"}, same=False),  # at one amplitude and frequency there
+    "internal_damping": _plain("internal_damping", {"beta": "time"}, same=False),  # at one frequency there
     "line_hum": _line_hum,
     "pedestal": _pedestal,
     "probe_angle": _probe_angle,
     "probe_gain": _probe_gain,
-    "rub": _plain(
-        "rub, at disk", {"gap": "gap", "stiffness": "stiffness", "friction": "friction"}, same=False
-    ),  # beside the disk there, at it here
+    "rub": _rub,
     "runout": _runout,
     "shaft_asymmetry": _turning("shaft_asymmetry", "asymmetry", "asymmetry", "stiff_plane", order=2),
-    "skew_stiffness": _plain("skew_stiffness", {"k": "stiffness"}),
+    "skew_stiffness": _plain("skew_stiffness", {"k": "stiffness"}, same=False),  # at one speed there
     "soft_left_bearing": _soft_left_bearing,
     "stiffness_over_speed": _stiffness_over_speed,
     "unbalance_plane": _unbalance_plane,
@@ -239,6 +262,13 @@ def _probe(rig: RigConfig, values: Values) -> str:
     return rig.probes[round(values["probe"])].name
 
 
+def _on_disk(rig: RigConfig, label: str, values: Values) -> str:
+    """Return a label with the name of the disk that a fault is on, where the rig has several."""
+    if "disk" not in values or len(rig.disks) == 1:
+        return label
+    return f"{label}, {rig.disks[round(values['disk'])].name}"
+
+
 def _plane(rig: RigConfig, probe: float) -> str:
     """Return the plane in which a probe of that number is."""
     sought = rig.probes[round(probe)]
@@ -246,7 +276,8 @@ def _plane(rig: RigConfig, probe: float) -> str:
 
 
 def _nearest(rig: RigConfig, position: float) -> list[UnbalancePlane]:
-    """Return the unbalances on a scan whose place is no more than a step away, nearest first."""
+    """Return the unbalances on a grid whose place is no more than a step away, nearest first; one at least."""
+    step = max(STEP, rig.shaft.length / MOST_STEPS)
     places = [effect for effect in catalogue(rig) if isinstance(effect, UnbalancePlane)]
-    near = [effect for effect in places if abs(effect.position - position) <= STEP]
-    return sorted(near, key=lambda effect: abs(effect.position - position))
+    nearest, *others = sorted(places, key=lambda effect: abs(effect.position - position))
+    return [nearest, *(effect for effect in others if abs(effect.position - position) <= step)]

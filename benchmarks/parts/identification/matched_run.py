@@ -37,6 +37,7 @@ LOOKS = (
 BIN = 0.5  # Hz
 WHITE = 3.6e-18  # m^2/Hz two-sided: 1.5 mV rms in the 5 kHz of a probe of 7.874 mV/um
 FORCE = 5e-7  # N^2/Hz two-sided, x and y of an identified bearing
+CURVED_AT = 300e-6  # m, where a probe's scale is off by its linearity
 EXTRA_MODES = 14  # more than the fit's own reduced model keeps
 
 
@@ -46,7 +47,7 @@ class Design:
 
     ramp: float = 90 / RPM  # rad/s^2
     noise: float = 1.0  # factor on the standard deviations
-    linearity: float = 0.003  # of the reading: drawn as the fit takes it, anew for every row, probe and part
+    linearity: float = 0.003  # of the reading: drawn as the fit takes it, for every probe
     fastest: float = FASTEST
     c: tuple[float, float] = (5.0, 40.0)  # N s/m, log-uniform
     c_lowest: float = 1.0  # N s/m: the bound of the search
@@ -82,7 +83,8 @@ def draw(rig: RigConfig, design: Design, *, rng: np.random.Generator) -> Case:
     z = np.concatenate([swept, probe_response(model, SLOW_ROLL, unbalance=amount)])
     probes, prior = len(rig.probes), rig.prior
     z = (1 + prior.probe_gain * rng.standard_normal(probes)) * z
-    z += design.linearity * np.abs(z - z[-1]) * _complex_normal(z.shape, rng)
+    motion = z - z[-1]  # read a scale that is bent: r + b r^3, b a share of `linearity` at CURVED_AT
+    z += 0.75 * design.linearity * rng.standard_normal(probes) * np.abs(motion / CURVED_AT) ** 2 * motion
     z += prior.runout * _complex_normal(probes, rng)
     spectrum = _spectrum(model, group, design)
     z += _drawn(_covariance(spectrum, rows), rng)

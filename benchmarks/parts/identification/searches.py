@@ -149,13 +149,13 @@ def least_of_many(
     for start in _starts(amplitudes, starts, rng):
         v = start if objective == "f1" else _least_squares(amplitudes.log_ratios, start, calls=_BRIEF).v
         if all(np.abs(v - end.start).max() > _SAME for end in ends):
-            ends.append(_descended(amplitudes, objective, v, calls=_BRIEF))
-    best = _descended(amplitudes, objective, nearby)
+            ends.append(_follow(amplitudes, objective, v, calls=_BRIEF))
+    best = _follow(amplitudes, objective, nearby)
     for v in _lowest_apart(ends):
-        best = min(best, _descended(amplitudes, objective, v), key=_value)
+        best = min(best, _follow(amplitudes, objective, v), key=_value)
     for _ in range(_SCATTERED):
         v = np.clip(best.v + _SCATTER * rng.standard_normal(len(best.v)), 0.0, 1.0)
-        best = min(best, _descended(amplitudes, objective, v), key=_value)
+        best = min(best, _follow(amplitudes, objective, v), key=_value)
     return best.value
 
 
@@ -186,7 +186,7 @@ def _starts(amplitudes: Amplitudes, count: int, rng: np.random.Generator) -> Ite
         yield np.append(u, amplitudes.amount(u))
 
 
-def _descended(amplitudes: Amplitudes, objective: ObjectiveName, v: Real, *, calls: int = _DESCENT) -> _Descent:
+def _follow(amplitudes: Amplitudes, objective: ObjectiveName, v: Real, *, calls: int = _DESCENT) -> _Descent:
     fun = amplitudes.vector(objective)
     if objective == "f1":
         return _least_squares(fun, v, calls=calls)

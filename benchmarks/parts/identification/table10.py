@@ -32,10 +32,12 @@ from benchmarks.parts.identification.cramer_rao import amplitude_root, bounds
 from benchmarks.parts.identification.table8 import HALF
 from benchmarks.parts.tables import markdown
 from rotorrig.identify import identify, measurement
-from rotorrig.identify.base_model import ObjectiveName, Parameters, Problem, Space
+from rotorrig.identify.base_fit import BaseProblem
+from rotorrig.identify.base_model import ObjectiveName, Space
 from rotorrig.identify.base_model.global_search import search_amplitudes
 from rotorrig.identify.base_model.objectives import Amplitudes
 from rotorrig.identify.base_model.steady_forward import Steady
+from rotorrig.identify.extended_model import ExtendedParameters, recordings_of
 from rotorrig.identify.measurement import Measurement
 from rotorrig.processing import OrderTrackedResponse, Tracking, track
 from rotorrig.rig.config import RPM, RigConfig, load
@@ -109,7 +111,9 @@ def rig() -> RigConfig:
 
 def simulated(seed: int) -> OrderTrackedResponse:
     """Return what the pipeline makes of the plant of that seed: the rows of the run-up next to SPEEDS."""
-    response = track(record(rig(), seed=seed, noise=Noise(bearing_force=FLUCTUATION)), Tracking(orders=(1.0,)))
+    response = track(
+        record(rig(), seed=seed, noise=Noise(bearing_force=FLUCTUATION), unmodelled=False), Tracking(orders=(1.0,))
+    )
     (up,) = (i for i, run in enumerate(response.runs) if run.name == "up")
     rows = np.flatnonzero(response.run == up)
     rows = rows[np.abs(response.omega[rows, None] - SPEEDS).argmin(axis=0)]
@@ -123,7 +127,7 @@ def simulated(seed: int) -> OrderTrackedResponse:
 
 def _fitted(response: OrderTrackedResponse) -> tuple[Real, int, float]:
     began = time.perf_counter()
-    found = identify(response).fits[0]
+    found = identify([response]).fits[0]
     theta = np.array([found.estimate(name).value for name in NAMES])
     return theta, found.evaluations, time.perf_counter() - began
 
@@ -155,9 +159,9 @@ def _clear(vector: NDArray[np.complex128], measured: Measurement) -> NDArray[np.
 
 def _bounds(response: OrderTrackedResponse, measured: Measurement, truth: Real) -> dict[str, Real]:
     """Return the bounds in %, at the true coefficients and the unbalance and run-out these lead to."""
-    problem = Problem(response, measured)
-    p = problem.start(truth[:-1])
-    z, root = problem.predict(p), problem.jacobian(p)
+    problem = BaseProblem.of(recordings_of([response], orders=(1,))).problem
+    p = problem.begin(truth[:-1])
+    z, root = problem.model.predict(p)[0][1], problem.jacobian(p)
     of_amplitudes = amplitude_root(root, measured, z, used=_clear(z[:-1] - z[-1], measured))
     return {
         **_two_bounds("vectors", root, p, problem.parameters, phase=True),
@@ -165,16 +169,18 @@ def _bounds(response: OrderTrackedResponse, measured: Measurement, truth: Real) 
     }
 
 
-def _two_bounds(name: str, root: Real, p: Real, names: Parameters, *, phase: bool) -> dict[str, Real]:
+def _two_bounds(name: str, root: Real, p: Real, names: ExtendedParameters, *, phase: bool) -> dict[str, Real]:
     """Return the bounds with the nuisances within their priors, and with the nameplate known exactly, without any.
 
     Amplitudes less a slow roll know neither `phase` nor run-out.
     """
-    u = complex(*p[names.unbalance])
-    amount_and_phase = root[:, names.unbalance] @ np.array([[u.real, -u.imag], [u.imag, u.real]])
-    sought = np.column_stack([root[:, names.sought], amount_and_phase[:, : 1 + phase]])
-    runout = root[:, names.runout][:, : None if phase else 0]
-    nuisances = np.column_stack([root[:, names.nameplate], root[:, names.gain], root[:, names.angle], runout])
+    base = names.base
+    u = complex(*p[base.unbalance])
+    amount_and_phase = root[:, base.unbalance] @ np.array([[u.real, -u.imag], [u.imag, u.real]])
+    sought = np.column_stack([root[:, base.sought], amount_and_phase[:, : 1 + phase]])
+    others = np.setdiff1d(np.arange(len(names)), np.r_[base.sought, base.unbalance, base.runout])
+    runout = root[:, base.runout][:, : None if phase else 0]
+    nuisances = np.column_stack([root[:, others], runout])
     data = slice(0, len(root) - len(names.priors))
     return {
         name: 100 * bounds(np.column_stack([sought, nuisances]))[: len(NAMES)],

@@ -1,5 +1,6 @@
 """Kept results: one JSON line a run, in the repository; the newest line of a run counts."""
 
+import hashlib
 import json
 import math
 import subprocess
@@ -14,12 +15,19 @@ from benchmarks.parts.soak.judge import Verdict
 
 FOLDER = Path(__file__).parent / "results"
 GUARDIAN_PERCENTILE = 0.99
+#: what stops a rotor: drivers, guardian, engine, files, and what the operator meets; a sweep loads no identification
+TESTED = (
+    *(f"rotorrig/rig/{name}" for name in ("connect.py", "control", "interlock", "motor", "probes", "serial_port.py")),
+    *(f"rotorrig/acquisition/{name}" for name in ("files", "recording.py", "sweep")),
+    *(f"rotorrig/app/{name}" for name in ("cli.py", "commands/sweep.py", "commands/stop.py", "terminal")),
+)
 
 
 def code() -> str:
-    """Return what the code under test is: the tree of rotorrig/ in git, and whether it was changed since."""
-    tree = _git("rev-parse", "--short", "HEAD:rotorrig")
-    return tree + (".dirty" if _git("status", "--porcelain", "-uno", "--", "rotorrig") else "")
+    """Return what the code under test is: a hash of its files in git, and whether they were changed since."""
+    trees = _git("rev-parse", *(f"HEAD:{path}" for path in TESTED))
+    dirty = ".dirty" if _git("status", "--porcelain", "-uno", "--", *TESTED) else ""
+    return hashlib.sha256(trees.encode()).hexdigest()[:7] + dirty
 
 
 def keep(verdict: Verdict, *, version: str, folder: Path = FOLDER) -> None:

@@ -15,7 +15,8 @@ from types import TracebackType
 from typing import Any, Self
 
 from rotorrig.acquisition.files import block_message
-from rotorrig.acquisition.files.container import Contents, DiskFull, FileKind, FileWriter, Stored, read_file
+from rotorrig.acquisition.files.container import Contents, FileKind, Stored, read_file
+from rotorrig.acquisition.files.file_writer import DiskFull, FileWriter
 from rotorrig.acquisition.files.mcap_records import Place
 from rotorrig.acquisition.files.part_file import part_path, refuse_existing
 from rotorrig.acquisition.files.schemas import message_type

@@ -16,17 +16,10 @@ from rotorrig.acquisition.proof_test.protections import PROTECTIONS
 from rotorrig.acquisition.proof_test.stage import AlteredDaq, Stage, WatchedControl
 from rotorrig.acquisition.proof_test.trial import FINISHED, Trial
 from rotorrig.acquisition.proof_test.turns import TurnRecord
-from rotorrig.acquisition.recording import Event, MotorSample
-from rotorrig.acquisition.sweep import (
-    Operator,
-    Ramp,
-    Step,
-    SweepInterrupted,
-    run_sweep,
-)
+from rotorrig.acquisition.recording import Event
+from rotorrig.acquisition.sweep import NoRecording, Operator, Ramp, Step, SweepInterrupted, run_sweep
 from rotorrig.rig import Clock, Interlock, NotAtRest, RigError, code_version
 from rotorrig.rig.config import RigConfig
-from rotorrig.rig.probes import Block
 
 ENDINGS = ("stop", "abort", "emergency", "trip")  # kinds of the events that end a sweep
 NO_ENDING = Event(t_ns=0, kind="abort", text="it did not begin")
@@ -37,26 +30,14 @@ Report = Callable[[str, int], object]  # the protection whose part begins, and i
 
 
 @dataclass
-class EventLog:
+class EventLog(NoRecording):
     """Writer of a part: its events are kept, its samples are not."""
 
     events: list[Event] = field(default_factory=list)
 
-    def write_block(self, block: Block) -> None:
-        """Leave it."""
-
     def write_event(self, event: Event) -> None:
         """Keep it."""
         self.events.append(event)
-
-    def write_motor(self, sample: MotorSample) -> None:
-        """Leave it."""
-
-    def flush(self) -> None:
-        """Do nothing."""
-
-    def close(self) -> None:
-        """Do nothing."""
 
     @property
     def ending(self) -> Event:

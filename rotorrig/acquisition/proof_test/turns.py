@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition.proof_test.motion import ProbeMotion
+from rotorrig.acquisition.proof_test.last_motion import LastMotion
 from rotorrig.rig.config import RigConfig
 from rotorrig.rig.probes import Block, DaqInfo, KeyphasorSpeed
 
@@ -24,7 +24,7 @@ class TurnRecord:
 
     def __init__(self, rig: RigConfig, info: DaqInfo) -> None:
         self._keyphasor, self._rate = KeyphasorSpeed(rig, info), info.sample_rate
-        self._motion = ProbeMotion(rig, info)
+        self._motion = LastMotion(rig, info)
         self._ends: list[float] = []  # s; NaN: samples are missing here
         self._next_sample = 0
         self._steady = math.nan  # s, a turn of the rotor before it was disturbed

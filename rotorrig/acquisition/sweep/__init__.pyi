@@ -21,6 +21,7 @@ from .steps import Ramp as Ramp
 from .steps import Rest as Rest
 from .steps import Step as Step
 from .steps import Trial as Trial
+from .stop_only import NoRecording as NoRecording
 from .stop_only import bring_to_rest as bring_to_rest
 from .stop_only import stop_unseen as stop_unseen
 from .timeline import COAST_SECONDS as COAST_SECONDS
@@ -36,6 +37,7 @@ __all__ = [
     "Coast",
     "Dwell",
     "Mark",
+    "NoRecording",
     "Operator",
     "Provoke",
     "Ramp",

@@ -94,7 +94,7 @@ def _run_case(rig: RigConfig, case: Case, folder: Path, rate: float) -> tuple[Id
         write_response(folder / "response.mcap", response)
         bars.update(task, completed=1.0)
         task = bars.add_task("identifying (CHEA)", total=None, note="")
-        identification = identify(response, seed=case.seed, progress=lambda text: bars.update(task, note=text))
+        identification = identify([response], seed=case.seed, progress=lambda text: bars.update(task, note=text))
         write_identification(folder / "fit.json", identification)
         bars.update(task, total=1.0, completed=1.0, note="")
     diagnosis = diagnose.diagnose_responses([response], seed=case.seed)

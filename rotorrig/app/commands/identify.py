@@ -1,4 +1,6 @@
-"""`rotor identify`: fit a response with a progress bar."""
+"""`rotor identify`: fit responses of one rig with a progress bar."""
+
+from collections.abc import Sequence
 
 from rich.progress import Progress
 
@@ -9,8 +11,8 @@ from rotorrig.identify.uncertainty import Resampling
 from rotorrig.processing import OrderTrackedResponse
 
 
-def identify_response(
-    response: OrderTrackedResponse,
+def identify_responses(
+    responses: Sequence[OrderTrackedResponse],
     *,
     objective: ObjectiveName = "residual",
     method: SearchName | None = None,
@@ -19,7 +21,7 @@ def identify_response(
     workers: int = 1,
     seed: int = 0,
 ) -> Identification:
-    """Fit a response, with `draws` of a bootstrap. Ctrl-C ends the bootstrap and keeps the draws done.
+    """Fit responses of one rig, with `draws` of a bootstrap. Ctrl-C ends the bootstrap and keeps the draws done.
 
     Raises DataError, ConfigError.
     """
@@ -27,7 +29,7 @@ def identify_response(
         task = bars.add_task("identifying", total=None, note="")
         resampling = _resampling(bars, draws, workers) if draws else None
         identification = identify(
-            response,
+            responses,
             objective=objective,
             method=method,
             profile=profile,

@@ -1,10 +1,12 @@
 """`rotor import`: waveforms and Bode tables of other programs to run.mcap and response.mcap."""
 
+import math
 from pathlib import Path
 
 from rotorrig.acquisition import RawRecording
+from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
-from rotorrig.rig.config import RigConfig, read_toml
+from rotorrig.rig.config import RPM, RigConfig, read_toml
 
 #: first bytes -> what the file is, whatever it is called
 _BEGINNINGS = {b"TDSm": "tdms", b"RIFF": "wav", b"RF64": "wav", b"BW64": "wav", b"    -1\n": "uff", b"    -1\r": "uff"}
@@ -46,7 +48,25 @@ def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
     response = read_table(file, mapping, rig)
     write_response(out, response)
     counted = [(len(response.omega), "row"), (len(response.probes), "probe"), (len(response.runs), "run")]
-    return f"{out}: " + ", ".join(f"{n} {noun}{'s' * (n != 1)}" for n, noun in counted)
+    summary = f"{out}: " + ", ".join(f"{n} {noun}{'s' * (n != 1)}" for n, noun in counted)
+    notes = [_describe_times(response), _describe_compensation(response)]
+    notes += dict.fromkeys(word for row in response.remarks for word in row)
+    return "\n".join([summary, *(f"Note: {note}" for note in notes if note)])
+
+
+def _describe_times(response: OrderTrackedResponse) -> str:
+    if len(response.keyphasor_t) == 0:
+        return "no times are known: the model takes the speed of every row as steady"
+    return (
+        "times were derived from the speeds, and the model follows the moving speed" if response.derived_times else ""
+    )
+
+
+def _describe_compensation(response: OrderTrackedResponse) -> str:
+    if not math.isfinite(response.compensation_omega):
+        return ""
+    rpm = response.compensation_omega * RPM
+    return f"the vectors stay compensated, and the model subtracts its own response at {rpm:.0f} rpm likewise"
 
 
 def _waveforms(file: Path, mapping: Path | None, rig: RigConfig, out: Path, *, overwrite: bool) -> str:

@@ -1,11 +1,12 @@
-"""The part of a diagnosis that is about one response."""
+"""The part of a diagnosis, or of an identification, that is about one response."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify import Diagnosis, Fit
+from rotorrig.identify import Diagnosis, Fit, Identification
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
 
@@ -14,7 +15,7 @@ Vectors = NDArray[np.complex128]
 
 def part_of(diagnosis: Diagnosis, response: OrderTrackedResponse) -> Diagnosis:
     """Return the diagnosis with its residuals cut to the rows of `response`. Raises DataError if it is of another."""
-    mine = _rows_of(diagnosis, response)
+    mine = _rows_of(diagnosis.responses, response, what="diagnosis")
     if diagnosis.sigmas[mine].shape != response.z.shape:
         raise DataError(
             f"diagnosis: residual is (speed, probe, order) = {diagnosis.sigmas[mine].shape}, the response has "
@@ -29,17 +30,31 @@ def part_of(diagnosis: Diagnosis, response: OrderTrackedResponse) -> Diagnosis:
     )
 
 
-def _rows_of(diagnosis: Diagnosis, response: OrderTrackedResponse) -> slice:
-    if not diagnosis.responses:
+def fits_of(identification: Identification, response: OrderTrackedResponse) -> Identification:
+    """Return the identification with its predictions cut to the rows of `response`. Raises DataError likewise."""
+    only = ((identification.source.source_hash, len(response.omega)),)  # of an older file
+    mine = _rows_of(identification.responses or only, response, what="fit")
+    fits = tuple(replace(fit, prediction=fit.prediction[mine]) for fit in identification.fits)
+    for fit in fits:
+        if fit.prediction.shape != response.z.shape[:2]:
+            raise DataError(
+                f"fit '{fit.name}': predicts (speed, probe) = {fit.prediction.shape}, the response has "
+                f"{response.z.shape[:2]}; want the fit of this very response"
+            )
+    return replace(identification, fits=fits)
+
+
+def _rows_of(responses: Sequence[tuple[str, int]], response: OrderTrackedResponse, *, what: str) -> slice:
+    if not responses:  # of an older file: of one response
         return slice(None)
     first = 0
-    for source, rows in diagnosis.responses:
+    for source, rows in responses:
         if source == response.source.source_hash:
             return slice(first, first + rows)
         first += rows
     raise DataError(
-        f"diagnosis: is of {', '.join(source for source, _ in diagnosis.responses)}, the response is of "
-        f"{response.source.source_hash} ({response.source.source}); want the diagnosis of this very response"
+        f"{what}: is of {', '.join(source for source, _ in responses)}, the response is of "
+        f"{response.source.source_hash} ({response.source.source}); want the {what} of this very response"
     )
 
 

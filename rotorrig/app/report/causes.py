@@ -81,4 +81,5 @@ _LEGEND = (
 
 def _next(diagnosis: Diagnosis) -> str:
     sentence = next_run_sentence(diagnosis)
-    return f"Next run: {sentence}" if sentence else ""
+    planned = diagnosis.next_run is not None and diagnosis.next_run.planned
+    return f"Next run: {sentence}" if planned else sentence

@@ -15,7 +15,7 @@ from string import Template
 
 from plotly.offline import get_plotlyjs
 
-from rotorrig.app.plot_data import part_of
+from rotorrig.app.plot_data import fits_of, part_of
 from rotorrig.app.report.causes import causes_section, undetectable_section
 from rotorrig.app.report.html import Section
 from rotorrig.app.report.identified import identified_section
@@ -29,7 +29,7 @@ from rotorrig.app.report.tracking import tracking_section
 from rotorrig.app.report.verdict import banner
 from rotorrig.identify import Diagnosis, Identification
 from rotorrig.processing import OrderTrackedResponse
-from rotorrig.rig import DataError, write_whole_text
+from rotorrig.rig import write_whole_text
 
 
 def write_report(
@@ -45,7 +45,7 @@ def write_report(
     `truth` maps names of estimates to the simulated rig's own values in SI, for a column beside the estimates.
     Raises DataError if fit or diagnosis belong to another run, or the file cannot be written.
     """
-    _check(response, identification)
+    identification = fits_of(identification, response) if identification else None
     diagnosis = part_of(diagnosis, response) if diagnosis else None
     verdict = banner(identification, diagnosis)
     parts = (
@@ -64,16 +64,6 @@ def write_report(
         conventions_section(response),
     )
     write_whole_text(path, _page(response, verdict, [part for part in parts if part]))
-
-
-def _check(response: OrderTrackedResponse, identification: Identification | None) -> None:
-    rows = response.z.shape[:2]
-    for fit in identification.fits if identification else ():
-        if fit.prediction.shape != rows:
-            raise DataError(
-                f"fit '{fit.name}': predicts (speed, probe) = {fit.prediction.shape}, the response has {rows}; "
-                "want the fit of this response"
-            )
 
 
 def _page(response: OrderTrackedResponse, verdict: Section, sections: Sequence[Section]) -> str:

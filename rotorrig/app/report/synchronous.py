@@ -54,6 +54,9 @@ def synchronous_section(
 
 def compensation(response: OrderTrackedResponse) -> str:
     """Return whether plots and tables are slow-roll compensated."""
+    if np.isfinite(response.compensation_omega):
+        rpm = response.compensation_omega * RPM
+        return f"The table came slow-roll compensated, by a vector at {rpm:.0f} rpm that it does not tell."
     if not slow_roll_known(response):
         return "No slow roll was measured: the vectors are raw, runout and bow included."
     rpm = response.slow_roll_omega * RPM

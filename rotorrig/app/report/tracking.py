@@ -98,6 +98,9 @@ def _runs(response: OrderTrackedResponse) -> str:
 def _slow_roll(response: OrderTrackedResponse) -> str:
     """Return the slow-roll vectors and the doubts about them."""
     orders = [n for n, order in enumerate(response.orders) if order and np.isfinite(response.slow_roll[:, n]).any()]
+    if not orders and np.isfinite(response.compensation_omega):
+        rpm = response.compensation_omega * RPM
+        return paragraph(f"Every vector lacks that of a slow roll at {rpm:.0f} rpm, which the table does not tell.")
     if not orders:
         return paragraph("No slow roll: every vector includes runout and bow.")
     sigma = np.sqrt(np.maximum(np.diagonal(response.slow_roll_covariance, axis1=1, axis2=2), 0.0))  # (order, 2 probe)

@@ -59,7 +59,7 @@ def _evidence(diagnosis: Diagnosis) -> list[str]:
     if math.isfinite(diagnosis.noise_floor):
         evidence.append(f"noise floor {diagnosis.noise_floor * UM:.2g} µm")
     if math.isfinite(diagnosis.false_alarm_rate):
-        evidence.append(f"false-alarm rate at most {100 * diagnosis.false_alarm_rate:.2g} %")
+        evidence.append(f"tested at {100 * diagnosis.false_alarm_rate:.2g} %")
     return evidence
 
 
@@ -79,5 +79,7 @@ def _worst(diagnosis: Diagnosis) -> list[str]:
 
 
 def _next(diagnosis: Diagnosis) -> list[str]:
+    if diagnosis.next_run is None:
+        return []
     words = next_run_sentence(diagnosis)
-    return [f"Next: {words}"] if words else []
+    return [f"Next: {words}" if diagnosis.next_run.planned else words]

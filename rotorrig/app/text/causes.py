@@ -53,7 +53,7 @@ def tie_sentences(diagnosis: Diagnosis) -> list[str]:
 
 
 def next_run_sentence(diagnosis: Diagnosis) -> str:
-    """Return the run that would separate tied causes; empty if none is proposed."""
+    """Return the run that would separate tied causes, or why there is none; empty if nothing is tied."""
     run = diagnosis.next_run
     if run is None or not math.isfinite(run.lam):
         return run.words if run else ""

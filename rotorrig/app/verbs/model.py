@@ -10,9 +10,13 @@ from rotorrig.app.terminal import err, out, tell, working
 from rotorrig.app.verbs.arguments import OUT, AsJson, Force, Response, Seed, load_config
 from rotorrig.app.verbs.output_guard import Output
 
+Responses = Annotated[
+    list[Path], typer.Argument(metavar="RESPONSE...", help="response.mcap files of one rig", show_default=False)
+]
+
 
 def identify(
-    response: Response,
+    responses: Responses,
     out_file: Annotated[Path, OUT, Output(kind="fit")],
     objective: Annotated[
         Literal["residual", "f1", "f2", "f3"],
@@ -34,15 +38,14 @@ def identify(
     as_json: AsJson = False,
     seed: Seed = 0,
 ) -> None:
-    """Fit bearing stiffness, damping and unbalance to a response."""
-    from rotorrig.app.commands import identify
+    """Fit bearing stiffness, damping and unbalance to one or more responses of a rig."""
+    from rotorrig.app.commands import diagnose, identify
     from rotorrig.app.terminal import tables
     from rotorrig.app.text import search_line, stages_text
     from rotorrig.identify import identification_table, write_identification
-    from rotorrig.processing.files import read_response
 
-    measured = read_response(response)
-    identification = identify.identify_response(
+    measured = diagnose.read_responses(responses)
+    identification = identify.identify_responses(
         measured, objective=objective, method=search, profile=profile, draws=bootstrap, workers=workers, seed=seed
     )
     write_identification(out_file, identification)
@@ -55,19 +58,12 @@ def identify(
     out.print(stages_text(identification.fits[0]), highlight=False)
     for words in identification.fits[0].words:
         out.print(words, highlight=False)
-    if measured.rig.effects:
-        labels = "; ".join(effect.label for effect in measured.rig.effects)
-        out.print(
-            f"The config's effects ({labels}) are not in this fit; rotor diagnose includes them.", highlight=False
-        )
     number = len(identification.fits)
     out.print(f"{out_file}: {number} fit{'s' * (number != 1)} in {identification.wall_s:.1f} s")
 
 
 def diagnose(
-    responses: Annotated[
-        list[Path], typer.Argument(metavar="RESPONSE...", help="response.mcap files of one rig", show_default=False)
-    ],
+    responses: Responses,
     out_file: Annotated[Path, OUT, Output(kind="diagnosis")],
     holdout: Annotated[Path | None, typer.Option(help="response to validate on; no fit uses it")] = None,
     config: Annotated[

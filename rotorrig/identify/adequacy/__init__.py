@@ -7,7 +7,9 @@ from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.adequacy.residual_tests import (
     Adequacy,
     assess,
+    assess_all,
 )
+from rotorrig.identify.adequacy.row_scatter import excess_scatter
 from rotorrig.identify.adequacy.settings import ADEQUACY
 
 __all__ = [
@@ -15,4 +17,6 @@ __all__ = [
     "Adequacy",
     "Misfit",
     "assess",
+    "assess_all",
+    "excess_scatter",
 ]

@@ -1,26 +1,31 @@
 """Tests of the residual for adequacy: global, and focused on stretches of speed.
 
-Two tests on the residual of the refined fit. The global one looks at chi2 per degree of freedom of 1X; the focused one
-at stretches of `ADEQUACY.stretch` neighbouring rows of one run, probe and order, and takes the worst: it sees an effect
-that is loud in a narrow band of speeds and lost in the average. Orders other than 1X have no source in the linear model
-but runout, which their slow-roll vector gives.
+Both hold a residual against its own scatter from row to row: noise is independent there, what a model lacks is not.
+The global one divides the mean square of all 1X residuals by that of the differences of neighbours, the ratio of von
+Neumann (Annals of Mathematical Statistics 12 (1941) 367), whose variance is one over their number. The focused one does
+so for stretches of `ADEQUACY.stretch` neighbouring rows of one run, probe and order, as a ratio F to the scatter of
+their run, which counts as known from `ADEQUACY.neighbours` stretches on either side, since it is not the same all
+through a run: it sees an effect that is loud in a narrow band of speeds and lost in the average. Orders other than 1X
+have no source in the linear model but runout, which their slow-roll vector gives.
 
-The sigmas are of single rows and neighbouring residuals are correlated (a scale-factor error is the same in all of
-them), so chi2 tables do not give the false-alarm rate. The thresholds come from simulated healthy rigs instead,
-nameplate errors included: benchmarks/healthy.py, figures in docs/adequacy.md.
+p is the probability that a right model has one of them as large, the number of stretches looked at paid for (Sidak,
+Journal of the American Statistical Association 62 (1967) 626). Right within `ADEQUACY.negligible` of a row's noise: no
+rig is its model to the last digit. How often healthy simulated rigs fail: benchmarks/healthy.py, docs/adequacy.md.
 
 How the mean position moves (0X, mean_position.py) is described by the same stretches, and decides nothing: no effect
 says what it should be, so a model that explains everything else would be called wrong for it.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import fdtrc, fdtri, ndtr
 
 from rotorrig.identify.adequacy.mean_position import MEAN, departures
 from rotorrig.identify.adequacy.misfit import Misfit, Stretch, describe_misfit
+from rotorrig.identify.adequacy.row_scatter import excess_scatter, row_variance
 from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.identify.measurement import measure
 from rotorrig.processing import OrderTrackedResponse
@@ -33,35 +38,105 @@ class Adequacy:
     """The outcome of both tests and the maps behind them."""
 
     adequate: bool
-    reduced_chi2: float
+    p: float  # that a right model has residuals as large
+    scatter_ratio: float  # of 1X over its scatter from row to row: 1 where nothing but noise is left
     worst_sigma: float
-    misfits: tuple[Misfit, ...]  # stretches beyond the focused limit, or the worst one if none is
+    limit: float  # sigma rms of a stretch from which it is loud
+    misfits: tuple[Misfit, ...]  # stretches beyond the limit, or the worst one if none is
     centreline: tuple[Misfit, ...] = ()  # of every run the loudest stretch beyond it of the mean position
     residual: NDArray[np.complex128]  # (speed, probe, order) m; NaN where nothing is predicted
     sigmas: NDArray[np.float64]  # (speed, probe, order) |residual| in standard deviations of a component, over sqrt 2
     noise_floor: float  # m
 
 
-def assess(response: OrderTrackedResponse, prediction: Predicted, *, reduced_chi2: float) -> Adequacy:
-    """Test a fit against a response by its `prediction` and its chi2 per degree of freedom at 1X."""
+def assess(response: OrderTrackedResponse, prediction: Predicted, *, used: float = 0.0) -> Adequacy:
+    """Test a fit against a response by its `prediction`; `used`: how many of its 1X values the fit could follow."""
     residual, sigmas = residual_maps(response, prediction)
-    every = sorted(_stretches(response, sigmas), key=lambda s: -s.sigma)
-    stretches = [s for s in every if response.orders[s.order] != MEAN]
+    every = list(_stretches(response, sigmas))
+    stretches = sorted((s for s in every if response.orders[s.order] != MEAN), key=lambda s: -s.sigma)
+    limit = focused_limit(len(stretches))
     worst = stretches[0].sigma if stretches else float("nan")
-    loud = _merge([s for s in stretches if s.sigma > ADEQUACY.focused_limit]) or stretches[:1]
+    loud = _merge([s for s in stretches if s.sigma > limit]) or stretches[:1]
     moves = _loudest_of_runs(
-        [s for s in every if response.orders[s.order] == MEAN and s.sigma > ADEQUACY.focused_limit]
+        [s for s in every if response.orders[s.order] == MEAN and s.sigma > ADEQUACY.position_limit]
     )
+    ratio, sigma = _global_ratio(response, prediction[1], used)
+    p = _combine([_probability_of_ratio(ratio, sigma), _probability_of_worst(worst, len(stretches))])
     return Adequacy(
-        adequate=bool(reduced_chi2 <= ADEQUACY.global_limit and worst <= ADEQUACY.focused_limit),
-        reduced_chi2=reduced_chi2,
+        adequate=p >= ADEQUACY.false_alarm_rate,
+        p=p,
+        scatter_ratio=ratio,
         worst_sigma=worst,
-        misfits=tuple(describe_misfit(response, prediction, residual, _tight(s, sigmas)) for s in loud),
-        centreline=tuple(describe_misfit(response, prediction, residual, _tight(s, sigmas)) for s in moves),
+        limit=limit,
+        misfits=tuple(describe_misfit(response, prediction, residual, _tight(s, sigmas, limit)) for s in loud),
+        centreline=tuple(
+            describe_misfit(response, prediction, residual, _tight(s, sigmas, ADEQUACY.position_limit)) for s in moves
+        ),
         residual=residual,
         sigmas=sigmas,
         noise_floor=float(np.median(measure(response).sigma[:-1])),
     )
+
+
+def assess_all(tests: Sequence[Adequacy]) -> Adequacy:
+    """Return the outcome for several responses fitted together; the maps have the rows of one after the other."""
+    worst = max(tests, key=lambda a: a.worst_sigma)
+    p = _combine([test.p for test in tests])
+    return replace(
+        worst,
+        adequate=p >= ADEQUACY.false_alarm_rate,
+        p=p,
+        scatter_ratio=max(test.scatter_ratio for test in tests),
+        misfits=tuple(sorted((m for test in tests for m in test.misfits), key=lambda m: -m.sigma)),
+        centreline=tuple(sorted((m for test in tests for m in test.centreline), key=lambda m: -m.sigma)),
+        residual=np.concatenate([test.residual for test in tests]),
+        sigmas=np.concatenate([test.sigmas for test in tests]),
+    )
+
+
+def focused_limit(stretches: int) -> float:
+    """Return the rms of a stretch [sigma] that the worst of so many exceeds by chance at the false-alarm rate."""
+    single = 1 - (1 - ADEQUACY.false_alarm_rate / 2) ** (1 / max(stretches, 1))
+    freedom, of_scatter = _freedom()
+    return float(np.sqrt((1 + ADEQUACY.negligible**2) * fdtri(freedom, of_scatter, 1 - single)))
+
+
+def _probability_of_worst(worst: float, stretches: int) -> float:
+    """Return the probability that the worst of so many is as loud."""
+    if not stretches:
+        return 1.0
+    single = fdtrc(*_freedom(), worst**2 / (1 + ADEQUACY.negligible**2))
+    return float(-np.expm1(stretches * np.log1p(-min(single, 1 - 1e-16))))
+
+
+def _freedom() -> tuple[float, float]:
+    """Return degrees of freedom of a stretch and of the scatter about it: a difference has two thirds of a value's."""
+    values = 2 * ADEQUACY.stretch
+    return values, values * (1 + 2 * ADEQUACY.neighbours) * 2 / 3
+
+
+def _global_ratio(response: OrderTrackedResponse, model: NDArray[np.complex128], used: float) -> tuple[float, float]:
+    """Return von Neumann's ratio of all 1X residuals, and its standard deviation for noise of any level."""
+    measured = measure(response)
+    off = np.where(measured.usable[:-1], measured.z[:-1] - model[measured.rows], 0)
+    white = measured.where_usable(measured.sigmas(np.concatenate([off, np.zeros_like(off[:1])])))[:-1]
+    scatter = row_variance(white, response.run[measured.rows])
+    known = white[np.isfinite(white)]
+    square = float(np.sum(known**2))
+    if not scatter > 0 or not square > 0:
+        return 1.0, 1.0
+    values = square**2 / (float(np.sum(known**4)) / 3)  # as many as are alike in their noise
+    return square / max(len(known) - used, 1.0) / scatter, 1 / np.sqrt(values)
+
+
+def _probability_of_ratio(ratio: float, sigma: float) -> float:
+    """Return the probability that a ratio of that standard deviation is as large."""
+    return float(ndtr(-(ratio - 1 - ADEQUACY.negligible**2) / sigma))
+
+
+def _combine(each: Sequence[float]) -> float:
+    """Return the probability that the smallest of so many independent ones is as small."""
+    return float(-np.expm1(len(each) * np.log1p(-min(min(each), 1 - 1e-16))))
 
 
 def residual_maps(
@@ -83,9 +158,13 @@ def residual_maps(
             model = prediction[int(order)][measured.rows]
         else:
             model = np.broadcast_to(np.nan_to_num(response.slow_roll[:, n]), measured.z[:-1].shape)
-        off = np.where(measured.usable[:-1], measured.z[:-1] - model, np.nan)
+        usable = measured.usable[:-1]
+        off = np.where(usable, measured.z[:-1] - model, np.nan)
+        own = np.where(usable, off, 0) / np.where(usable, measured.sigma[:-1], 1)
+        own[~usable] = np.nan
+        louder = excess_scatter(np.concatenate([own.real, own.imag], axis=1), response.run[measured.rows])
         residual[measured.rows, :, n] = off
-        sigmas[measured.rows, :, n] = np.abs(off) / (np.sqrt(2) * measured.sigma[:-1])
+        sigmas[measured.rows, :, n] = np.abs(own) / np.sqrt(2 * louder)[:, None]
     return residual, sigmas
 
 
@@ -127,7 +206,7 @@ def _loudest_of_runs(stretches: list[Stretch]) -> list[Stretch]:
     return list(loudest.values())
 
 
-def _tight(s: Stretch, sigmas: NDArray[np.float64]) -> Stretch:
+def _tight(s: Stretch, sigmas: NDArray[np.float64], limit: float) -> Stretch:
     """Return the stretch from its first loud row to its last: a stretch is coarser than its cause."""
-    odd = s.rows[sigmas[s.rows, s.probe, s.order] > ADEQUACY.focused_limit]
+    odd = s.rows[sigmas[s.rows, s.probe, s.order] > limit]
     return replace(s, rows=np.arange(odd[0], odd[-1] + 1)) if len(odd) else s

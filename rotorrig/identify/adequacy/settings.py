@@ -1,4 +1,4 @@
-"""Tuning of the adequacy tests; the limits are those of benchmarks/healthy.py, figures in docs/adequacy.md."""
+"""Tuning of the adequacy tests; how often healthy rigs fail them: benchmarks/healthy.py, docs/adequacy.md."""
 
 from dataclasses import dataclass
 
@@ -8,9 +8,10 @@ class AdequacySettings:
     """Limits of both tests, and how a misfit is described."""
 
     stretch: int = 8  # neighbouring rows tested together: an effect that is loud in a narrow band is seen
-    global_limit: float = 1.0  # chi2 per degree of freedom of 1X
-    focused_limit: float = 2.5  # rms sigma of the worst stretch
-    false_alarm_rate: float = 0.03  # 95 % bound from no alarm in 100 simulated healthy rigs
+    neighbours: int = 1  # stretches on either side that tell its noise
+    false_alarm_rate: float = 0.01  # of both tests together
+    negligible: float = 0.25  # of a row's noise: a misfit that is let pass, as no rig is its model to the digit
+    position_limit: float = 2.5  # rms sigma of a stretch of the mean position from which it is told: mean_position.py
     alike: float = 0.35  # of the residual: two runs that differ by less are wrong in the same way
     one_sided: float = 0.8  # of the residual's square, from which it is called forward or backward
     least_rows: int = 3  # of the other run, for a comparison with it

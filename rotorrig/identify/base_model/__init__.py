@@ -4,7 +4,6 @@ from rotorrig.identify.base_model.black_box import SearchName
 from rotorrig.identify.base_model.global_search import SearchResult, search
 from rotorrig.identify.base_model.objectives import ObjectiveName
 from rotorrig.identify.base_model.parameters import Parameters, Reals
-from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.base_model.settings import BASE_MODEL, BaseModelSettings
 from rotorrig.identify.base_model.structure import StructuralModel
 from rotorrig.identify.base_model.unknowns import Space, Unknown
@@ -14,7 +13,6 @@ __all__ = [
     "BaseModelSettings",
     "ObjectiveName",
     "Parameters",
-    "Problem",
     "Reals",
     "SearchName",
     "SearchResult",

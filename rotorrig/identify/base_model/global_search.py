@@ -104,7 +104,7 @@ def search_amplitudes(
     minima, calls = Minima(amplitudes.dim, tolerance=settings.same_point), found.calls
     for u in found.u:
         v = np.append(u, amplitudes.amount(u))
-        v, cost, more = _value(amplitudes, v, objective) if solved else _followed(amplitudes, v, objective)
+        v, cost, more = _value(amplitudes, v, objective) if solved else _follow(amplitudes, v, objective)
         minima.add(v, cost)
         calls += 1 + more
     optima = [Optimum(theta=amplitudes.theta(v), cost=float(cost)) for v, cost, _ in zip(*minima.sorted(), strict=True)]
@@ -122,7 +122,7 @@ def _value(amplitudes: Amplitudes, v: Real, objective: ObjectiveName) -> tuple[R
     return v, float(r @ r if objective == "f1" else np.abs(r).sum()), 1
 
 
-def _followed(amplitudes: Amplitudes, v: Real, objective: ObjectiveName) -> tuple[Real, float, int]:
+def _follow(amplitudes: Amplitudes, v: Real, objective: ObjectiveName) -> tuple[Real, float, int]:
     """Return the minimum of the objective next to `v`, its value, and the calls that took."""
     fun = amplitudes.vector(objective)
     if objective != "f1":

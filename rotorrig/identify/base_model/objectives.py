@@ -67,10 +67,10 @@ class Amplitudes:
         amplitude = np.abs(measured.z[chosen] - np.nan_to_num(measured.z[-1]))
         weak = amplitude < BASE_MODEL.faint * np.sqrt(2) * measured.sigma[chosen]  # its logarithm would be noise
         amplitude[weak | ~measured.usable[chosen]] = np.nan
-        compensated = bool(np.isfinite(response.slow_roll_omega))
+        compensated = bool(np.isfinite(response.slow_omega))
         omega = response.omega[measured.rows[chosen]]
         if compensated:
-            omega = np.append(omega, response.slow_roll_omega)
+            omega = np.append(omega, response.slow_omega)
         steady = Steady.of(response.rig, omega, space, planes=space.planes, probes=response.probes)
         return cls(steady, amplitude, slow_roll=compensated)
 

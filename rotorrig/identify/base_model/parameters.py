@@ -1,9 +1,9 @@
 """Parameters of a refined fit, in order, and the priors of what the nameplate cannot know exactly.
 
 The unknowns of the [identify] table (unknowns.py, in working coordinates) and the unbalance vectors are what is sought.
-Modulus, disk mass, the other bearings, probe gain and angle are nuisances with the config's priors, and each probe has
-its runout. Freed only later, each of them would be "discovered" in healthy data: +1 % on E alone is a false alarm
-every time.
+Modulus, disk mass, the other bearings, where the parts are, how thick the shaft is, what hubs and bearings add to its
+stiffness, probe gain and angle are nuisances with the config's priors, and each probe has its runout. Freed only later,
+each of them would be "discovered" in healthy data: +1 % on E alone is a false alarm every time.
 """
 
 import numpy as np
@@ -27,9 +27,15 @@ class Parameters:
         self.others = tuple(b.name for b in rig.bearings if b.name not in sought and not b.rigid)
         self._given = tuple(name for name in ("E", "disk mass") if name not in self.space.also)
         nameplate = (*self._given, *(f"bearing {name} {axis}" for name in self.others for axis in "xy"))
+        disks, bearings = ([part.name for part in parts] for parts in (rig.disks, rig.bearings))
+        movable = [*(f"disk {d}" for d in disks), *(f"bearing {b}" for b in bearings), *(f"probe {n}" for n in probes)]
         blocks = (
             self.space.names,
             nameplate,
+            [f"position {part}" for part in movable],
+            ["diameter"],
+            [f"hub {d}" for d in disks],
+            [f"tilt {b}" for b in bearings],
             [f"gain {name}" for name in probes],
             [f"angle {name}" for name in probes],
             [f"{unbalance.name} {part}" for unbalance in self.space.amounts for part in ("re", "im")],
@@ -38,19 +44,32 @@ class Parameters:
         self.names = tuple(name for block in blocks for name in block)
         ends = np.cumsum([len(block) for block in blocks])
         starts = [0, *ends[:-1]]
-        self.sought, self.nameplate, self.gain, self.angle, self.unbalance, self.runout = (
-            slice(int(a), int(b)) for a, b in zip(starts, ends, strict=True)
-        )
-        self.structural = slice(0, self.nameplate.stop)  # what the response depends on nonlinearly
-        self.linear = slice(self.unbalance.start, self.runout.stop)
+        (
+            self.sought,
+            self.nameplate,
+            self.positions,
+            self.diameter,
+            self.hubs,
+            self.tilts,
+            self.gain,
+            self.angle,
+            self.unbalance,
+            self.runout,
+        ) = (slice(int(a), int(b)) for a, b in zip(starts, ends, strict=True))
+        self.structural = slice(0, self.tilts.stop)  # what the response depends on nonlinearly
         prior = rig.prior
         given = {"E": prior.youngs_modulus, "disk mass": prior.disk_mass}
         self.prior_sigma = np.full(len(self.names), np.inf)  # infinite for what is sought
         self.prior_sigma[self.nameplate] = [given.get(name, prior.bearing) for name in nameplate]
+        self.prior_sigma[self.positions] = prior.position
+        self.prior_sigma[self.diameter] = prior.diameter
+        self.prior_sigma[self.hubs] = prior.hub
+        self.prior_sigma[self.tilts] = [rig.tilt_prior(name) for name in bearings]
         self.prior_sigma[self.gain] = prior.probe_gain
         self.prior_sigma[self.angle] = prior.probe_angle
         self.prior_sigma[self.runout] = prior.runout
         self.priors = np.flatnonzero(np.isfinite(self.prior_sigma))
+        self.position_ranges: Reals = np.full(len(movable), np.inf)  # m either way, as far as a model can move them
 
     def __len__(self) -> int:
         """Return the number of parameters."""
@@ -62,6 +81,12 @@ class Parameters:
         low, high = np.full(len(self), -np.inf), np.full(len(self), np.inf)
         low[self.sought], high[self.sought] = self.space.working_bounds.T
         low[self.nameplate], high[self.nameplate] = -BASE_MODEL.nameplate_range, BASE_MODEL.nameplate_range
+        reach = np.minimum(BASE_MODEL.furthest * self.prior_sigma[self.positions], self.position_ranges)
+        low[self.positions], high[self.positions] = -reach, reach
+        reach = np.minimum(BASE_MODEL.furthest * self.prior_sigma[self.diameter], BASE_MODEL.nameplate_range)
+        low[self.diameter], high[self.diameter] = -reach, reach
+        low[self.hubs], high[self.hubs] = 0.0, BASE_MODEL.stiffest_hub
+        low[self.tilts], high[self.tilts] = 0.0, BASE_MODEL.furthest * self.prior_sigma[self.tilts]
         return low, high
 
     def values(self, p: Reals) -> Reals:
@@ -80,6 +105,10 @@ class Parameters:
             density=float(self.space.shaft_factor("density", values)),
             disk_mass=given["disk mass"],
             others=tuple(1 + p[self.nameplate][len(given) :]),
+            positions=tuple(p[self.positions]),
+            diameter=float(p[self.diameter][0]),
+            hubs=tuple(p[self.hubs]),
+            tilts=tuple(p[self.tilts]),
         )
 
     def structure_derivatives(self, p: Reals) -> list[Structure]:
@@ -93,7 +122,8 @@ class Parameters:
             factors[name] = self.space.shaft_factor(name, change)
         for i, name in enumerate(self._given):
             factors[name][sought + i] = 1.0
-        others = np.eye(count)[:, sought + len(self._given) :]
+        own = np.eye(count)
+        others = own[:, sought + len(self._given) : self.nameplate.stop]
         return [
             Structure(
                 K=K[i],
@@ -102,6 +132,10 @@ class Parameters:
                 density=factors["density"][i],
                 disk_mass=factors["disk mass"][i],
                 others=tuple(others[i]),
+                positions=tuple(own[i, self.positions]),
+                diameter=float(own[i, self.diameter][0]),
+                hubs=tuple(own[i, self.hubs]),
+                tilts=tuple(own[i, self.tilts]),
             )
             for i in range(count)
         ]
@@ -110,13 +144,3 @@ class Parameters:
         """Return the unbalance sought on every plane [kg m]."""
         parts = p[self.unbalance].reshape(-1, 2)
         return {plane: complex(*part) for plane, part in zip(self.space.planes, parts, strict=True)}
-
-    def prior_residual(self, p: Reals) -> Reals:
-        """Return the nuisances in units of their priors' sigmas."""
-        return p[self.priors] / self.prior_sigma[self.priors]
-
-    def prior_jacobian(self) -> Reals:
-        """Return d prior_residual / d p."""
-        rows = np.zeros((len(self.priors), len(self)))
-        rows[np.arange(len(rows)), self.priors] = 1 / self.prior_sigma[self.priors]
-        return rows

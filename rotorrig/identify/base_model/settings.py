@@ -9,9 +9,12 @@ class BaseModelSettings:
 
     # the models
     modes: int = 6  # beside the static shapes: 3e-10 of the peak from the full model on the RK4, twice as fast as ten
+    span_modes: int = 5  # in either plane, where the nameplate may be off: 2e-5 of the peak, all of it off by 3 sigmas
     element: float = 0.05  # m: 2e-5 of the peak from a mesh of 20 mm on configs/rk4.toml, made in half the time
 
     # bounds
+    furthest: float = 8.0  # prior sigmas, of positions, diameter and tilt stiffness
+    stiffest_hub: float = 0.89  # of the shaft's flexibility, that a hub may take away
     nameplate_range: float = 0.3  # relative, of nuisances: beyond that the nameplate is not of this rig
     free_range: float = 3.0  # modulus and density from a third to three times the nameplate's: any metal
     at_bound: float = 0.01  # in working coordinates: an unknown that ends so near a bound is at it

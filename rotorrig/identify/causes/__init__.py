@@ -1,7 +1,7 @@
 """Search for the causes of a misfit: candidates, score test, fits of single candidates, stepwise selection."""
 
 from rotorrig.identify.causes.candidate_fit import Candidate, plausible
-from rotorrig.identify.causes.candidates import background, candidates
+from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.causes.selection_step import SelectionStep
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.causes.stepwise_selection import Selection, is_significant, select
@@ -11,7 +11,6 @@ __all__ = [
     "Candidate",
     "Selection",
     "SelectionStep",
-    "background",
     "candidates",
     "is_significant",
     "plausible",

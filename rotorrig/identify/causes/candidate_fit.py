@@ -10,7 +10,7 @@ import numpy as np
 
 from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.causes.pinned_nuisances import nuisances_biased, pinned_nuisances
+from rotorrig.identify.causes.pinned_nuisances import nuisances_biased
 from rotorrig.identify.causes.score_test import Score, relocate
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
@@ -128,7 +128,7 @@ def _fit_first(
         return _refine(problem, score.begin, worth=worth)
     at_zero = np.array([q.at_zero / q.size for q in score.effect.parameters])
     if plain is not None:
-        start, pinned = np.append(plain.p, at_zero), pinned_nuisances(problem)
+        start, pinned = np.append(plain.p, at_zero), problem.parameters.pinned
         near = problem.solve(start, fixed=pinned, tolerance=SELECTION.roughly * plain.chi2, max_steps=SELECTION.steps)
         fit = _refine(problem, near.p, worth=worth)
         if fit.stop in (Stop.CONVERGED, Stop.GIVEN_UP) or not worth(polished.chi2, score.lam):
@@ -145,7 +145,7 @@ def _refine(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Solution
     if nuisances_biased(problem, start):
         near = problem.solve(
             start,
-            fixed=pinned_nuisances(problem),
+            fixed=problem.parameters.pinned,
             tolerance=SELECTION.pinned_settled,
             max_steps=SELECTION.steps,
             worth=worth,

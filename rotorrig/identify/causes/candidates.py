@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.measurement import SLOW_ROLL
-from rotorrig.rig.config import RigConfig
-from rotorrig.sims.effects import Effect, InternalDamping, Stretch, UnbalanceStep, catalogue
+from rotorrig.sims.effects import Effect, Stretch, UnbalanceStep, catalogue
 from rotorrig.sims.rotor.model import ONE_RECORDING, between_recordings
 
 
@@ -20,6 +19,8 @@ def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()
     Force laws are left out where a recording is of a rotor turning backwards: they are solved forwards alone.
     """
     lawful = not any(recording.backward for recording in recordings)
+    if all(np.isfinite(recording.response.compensation_omega) for recording in recordings):
+        without = {*without, "slow_roll_subtracted"}  # the base model has it
     effects: list[Effect] = []
     for effect in catalogue(recordings[0].response.rig):
         if effect.name in without or ("force laws" in effect.acts_on and not lawful):
@@ -38,15 +39,6 @@ def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()
         else:
             effects.append(able)
     return effects
-
-
-def background(rig: RigConfig) -> list[Effect]:
-    """Return the nuisance effects of every rig, with priors: internal damping of the shaft."""
-    return [
-        replace(effect, parameters=tuple(replace(q, prior=rig.prior.rotating_damping) for q in effect.parameters))
-        for effect in catalogue(rig)
-        if isinstance(effect, InternalDamping)
-    ]
 
 
 def _with_grid(effect: UnbalanceStep, recordings: Sequence[Recording]) -> UnbalanceStep:

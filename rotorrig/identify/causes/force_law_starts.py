@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.causes.pinned_nuisances import pinned_nuisances
 from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
@@ -31,7 +30,7 @@ def score_force_laws(
     at their priors, and what a full step with all of them promises beyond. Of one that was given up it is the first
     part alone.
     """
-    pinned = pinned_nuisances(problem)
+    pinned = problem.parameters.pinned
     looks = [
         look for effect in candidates if effect.needs_starts and (look := _look(problem, plain.p, effect)) is not None
     ]

@@ -17,22 +17,9 @@ def nuisances_biased(problem: ExtendedProblem, p: Reals) -> bool:
     return bool(np.abs(problem.parameters.prior_residual(p)).max(initial=0.0) > SELECTION.biased)
 
 
-def pinned_nuisances(problem: ExtendedProblem) -> dict[int, float]:
-    """Return the nuisances that are not solved for anyway, at their priors: parameter -> value."""
-    names = problem.parameters
-    at_priors = names.start(np.zeros(0))
-    return {int(i): float(at_priors[i]) for i in names.priors if i not in names.linear_nuisances}
-
-
 def fit_with_pinned_nuisances(problem: ExtendedProblem, p: Reals) -> Solution:
     """Fit `problem` from `p` with its nuisances pinned at their priors."""
-    pinned = pinned_nuisances(problem)
-    return problem.solve(
-        _at_priors(p, pinned), fixed=pinned, tolerance=SELECTION.pinned_settled, max_steps=SELECTION.steps
-    )
-
-
-def _at_priors(p: Reals, pinned: dict[int, float]) -> Reals:
-    out = p.copy()
-    out[list(pinned)] = list(pinned.values())
-    return out
+    pinned = problem.parameters.pinned
+    start = p.copy()
+    start[list(pinned)] = list(pinned.values())
+    return problem.solve(start, fixed=pinned, tolerance=SELECTION.pinned_settled, max_steps=SELECTION.steps)

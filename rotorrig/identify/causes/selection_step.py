@@ -69,7 +69,8 @@ def try_candidates(
 def _excess(problem: ExtendedProblem, polished: Solution) -> float:
     """Return by how much chi2 of 1X is more than adequate, priors included; negative where it is less."""
     r = problem.residual(polished.p, orders=(1,))
-    return float(r @ r) - ADEQUACY.global_limit * sum(recording.measured[1].size for recording in problem.recordings)
+    size = sum(recording.measured[1].size for recording in problem.recordings)
+    return float(r @ r) - (1 + ADEQUACY.negligible**2) * size
 
 
 def _fit_all(

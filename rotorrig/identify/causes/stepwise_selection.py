@@ -34,6 +34,10 @@ class Selection:
     problem: ExtendedProblem
     polished: Solution
 
+    def without_causes(self) -> "Selection":
+        """Return the same with none of them kept."""
+        return replace(self, problem=self.start, polished=self.base)
+
 
 def select(
     problem: ExtendedProblem,

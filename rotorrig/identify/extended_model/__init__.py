@@ -6,16 +6,21 @@ Motion, measuring chain, Jacobian.
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_loads
 from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
 from rotorrig.identify.extended_model.model import ExtendedModel
-from rotorrig.identify.extended_model.parameters import CURVED_AT
+from rotorrig.identify.extended_model.nuisance_effects import nuisance_effects
+from rotorrig.identify.extended_model.parameters import ExtendedParameters
+from rotorrig.identify.extended_model.probe_curve import CURVED_AT
 from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.extended_model.tracked_recording import Recording, recordings_of
 
 __all__ = [
     "CURVED_AT",
     "ExtendedModel",
+    "ExtendedParameters",
     "ExtendedProblem",
     "MarkEdge",
     "Moving",
     "Recording",
     "halved_loads",
+    "nuisance_effects",
+    "recordings_of",
 ]

@@ -6,8 +6,9 @@ from numpy.typing import NDArray
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts
 from rotorrig.identify.extended_model.force_law_jacobian import LawColumns, under_laws
+from rotorrig.identify.extended_model.mains_hum import FREQUENCIES
 from rotorrig.identify.extended_model.model import ExtendedModel
-from rotorrig.identify.extended_model.parameters import MAINS, bends
+from rotorrig.identify.extended_model.probe_curve import POWERS, bend
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.sims.effects import Effect
@@ -221,22 +222,19 @@ def _by_runout(model: ExtendedModel, free: Index, order: int, found: Complex) ->
 def _by_hum(model: ExtendedModel, recording: Recording, p: Reals, free: Index, order: int, found: Complex) -> None:
     part = model.parameters.hums
     gain = model.probes.figures(p)[0]
-    own = part.start + 2 * len(MAINS) * recording.number
-    for i in free[(free >= own) & (free < own + 2 * len(MAINS))]:
+    own = part.start + 2 * len(FREQUENCIES) * recording.number
+    for i in free[(free >= own) & (free < own + 2 * len(FREQUENCIES))]:
         frequency, imaginary = divmod(int(i) - own, 2)
         leak = recording.hum[order][:, frequency] * (1j if imaginary else 1)
         found[..., np.searchsorted(free, i)] = leak[:, None] * gain
 
 
 def _by_curvature(model: ExtendedModel, first: Complex, free: Index, order: int, found: Complex) -> None:
-    names = model.parameters
-    for part, unit in ((names.odd, (1.0, 0.0)), (names.even, (0.0, 1.0))):
-        if not np.any((free >= part.start) & (free < part.stop)):
-            continue
-        d = bends(first, order, odd=unit[0], even=unit[1])
-        for i in free[(free >= part.start) & (free < part.stop)]:
-            k = int(i) - part.start
-            found[:, k, np.searchsorted(free, i)] = d[:, k]
+    part, probes = model.parameters.curves, first.shape[1]
+    bent = {power: bend(first, order, power) for power in POWERS}
+    for i in free[(free >= part.start) & (free < part.stop)]:
+        power, probe = divmod(int(i) - part.start, probes)
+        found[:, probe, np.searchsorted(free, i)] = bent[POWERS[power]][:, probe]
 
 
 def _through_effects(

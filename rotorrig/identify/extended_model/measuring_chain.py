@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.extended_model.parameters import MAINS, ExtendedParameters, bends
+from rotorrig.identify.extended_model.mains_hum import FREQUENCIES
+from rotorrig.identify.extended_model.parameters import ExtendedParameters
+from rotorrig.identify.extended_model.probe_curve import POWERS, bend
 from rotorrig.identify.extended_model.tracked_recording import Recording
 
 Complex = NDArray[np.complex128]
@@ -41,7 +43,8 @@ class ProbeSide:
 
     def bent(self, p: Reals, first: Complex, order: int) -> Complex:
         """Return what the curvature of the probes' scale adds to an order, of 1X vectors `first`."""
-        return bends(first, order, odd=p[self._parameters.odd], even=p[self._parameters.even])
+        shares = p[self._parameters.curves].reshape(len(POWERS), -1)
+        return np.sum([own * bend(first, order, power) for power, own in zip(POWERS, shares, strict=True)], axis=0)
 
     def hum(self, recording: Recording, p: Reals, order: int) -> Complex:
         """Return what the mains leave in the vectors of every probe, by its gain as a motion, (row + 1, probe)."""
@@ -49,7 +52,7 @@ class ProbeSide:
 
     def common_hum(self, recording: Recording, p: Reals, order: int) -> Complex:
         """Return what a probe without a gain error shows of the mains, (row + 1, 1)."""
-        own = p[self._parameters.hums].reshape(-1, len(MAINS), 2)[recording.number]
+        own = p[self._parameters.hums].reshape(-1, len(FREQUENCIES), 2)[recording.number]
         return (recording.hum[order] @ (own[:, 0] + 1j * own[:, 1]))[:, None]
 
     def through_effects(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:

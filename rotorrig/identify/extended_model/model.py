@@ -13,8 +13,8 @@ from rotorrig.identify.base_model import Reals, StructuralModel
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts, halved_loads
 from rotorrig.identify.extended_model.measuring_chain import ProbeSide
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
-from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
-from rotorrig.identify.extended_model.tracked_recording import ORDERS, Recording
+from rotorrig.identify.extended_model.settings import EXTENDED_MODEL, ORDERS
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.extended_model.unit_responses import UnitResponses
 from rotorrig.sims.effects import Effect, Theta
 from rotorrig.sims.rotor.model import Direction, Load, RotorModel, finite_difference, unbalance_pattern
@@ -24,6 +24,8 @@ Index = NDArray[np.intp]
 
 Models = dict[tuple[tuple[str, float], ...], StructuralModel]
 Recent = dict[Hashable, RotorModel]
+
+WITHIN = 0.99  # of how far a model can move a part: differences are taken there
 
 
 class ExtendedModel:
@@ -63,6 +65,8 @@ class ExtendedModel:
         self.models = {} if models is None else models
         self._recent = {} if recent is None else recent
         self._structure = self._with_places({name: z for effect in effects for name, z in effect.places.items()})
+        furthest = [self._structure.position_range(part) for part in self._structure.movable]
+        base.position_ranges = WITHIN * np.array(furthest)
 
     def on(self, recordings: Sequence[Recording]) -> "ExtendedModel":
         """Return the same model of other recordings or rows."""
@@ -89,7 +93,12 @@ class ExtendedModel:
         if key not in self.models:
             first, base = self.recordings[0], self.parameters.base
             self.models[key] = StructuralModel(
-                first.rig, first.response.probes, groups=base.space.groups, others=base.others, places=places
+                first.rig,
+                first.response.probes,
+                groups=base.space.groups,
+                others=base.others,
+                places=places,
+                adjustable=True,
             )
         return self.models[key]
 
@@ -105,7 +114,7 @@ class ExtendedModel:
         """Return vectors as they should have been measured, per recording: order -> (row + 1, probe) [m]."""
         moving = self.moving(p)
         return [
-            self.probes.seen(recording, p, self.motions(recording, p, moving, orders=orders))
+            recording.as_stated(self.probes.seen(recording, p, self.motions(recording, p, moving, orders=orders)))
             for recording in self.recordings
         ]
 

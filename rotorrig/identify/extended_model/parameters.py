@@ -1,8 +1,7 @@
 """The unknowns of a diagnosis: those of the base model, a few more nuisances, and those of effects in their sizes.
 
 The nuisances more than a fit of one recording at 1X has: runout at higher orders, the angle of the keyphasor's mark,
-which a known trial mass shows, a little hum of the mains in every recording, and the curvature of a probe's scale: for
-a motion r, in units of `CURVED_AT`, it reads r (1 + even r + odd r^2).
+which a known trial mass shows, a little hum of the mains in every recording, and the curvature of a probe's scale.
 """
 
 from collections.abc import Sequence
@@ -11,15 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Parameters, Reals
+from rotorrig.identify.extended_model.mains_hum import hum_names
+from rotorrig.identify.extended_model.probe_curve import curve_names
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects import Effect
 
 Complex = NDArray[np.complex128]
 
-MAINS = (50.0, 60.0)  # Hz
 KEYPHASOR = "keyphasor angle"  # rad, of the mark: the angle that trial masses are given from
-CURVED_AT = 300e-6  # m, 0-peak: where the curvature of a probe's scale factor is told
+EXACT = 1e-12  # standard deviation of what a config takes for exact, in SI or as a ratio
 
 
 class ExtendedParameters:
@@ -39,10 +39,10 @@ class ExtendedParameters:
         self.effects = tuple(effects)
         self._own = [p for effect in effects for p in effect.parameters]
         runouts = [f"runout {n}X {name} {part}" for n in orders if n > 1 for name in probes for part in ("re", "im")]
-        hums = [f"hum {f:.0f} Hz {i + 1} {part}" for i in range(recordings) for f in MAINS for part in ("re", "im")]
+        hums = hum_names(recordings)
         own = [f"{effect.label}: {p.name}" for effect in effects for p in effect.parameters]
-        bends = [f"curvature {name} {kind}" for kind in ("odd", "even") for name in probes]
-        self.names = (*self.base.names, *runouts, KEYPHASOR, *hums, *bends, *own)
+        curves = curve_names(probes)
+        self.names = (*self.base.names, *runouts, KEYPHASOR, *hums, *curves, *own)
         count, per_order = len(self.base), 2 * len(probes)
         self.runouts = {1: self.base.runout}
         for n in orders:
@@ -51,23 +51,23 @@ class ExtendedParameters:
                 count += per_order
         self.keyphasor = count
         self.hums = slice(count + 1, count + 1 + len(hums))
-        self.odd = slice(self.hums.stop, self.hums.stop + len(probes))
-        self.even = slice(self.odd.stop, self.odd.stop + len(probes))
-        count = self.even.stop
+        self.curves = slice(self.hums.stop, self.hums.stop + len(curves))
+        count = self.curves.stop
         self.theta: list[slice] = []
         for effect in effects:
             self.theta.append(slice(count, count + len(effect.parameters)))
             count += len(effect.parameters)
-        self.prior_sigma = np.concatenate(
+        sigmas = np.concatenate(
             [
                 self.base.prior_sigma,
                 np.full(len(runouts), rig.prior.runout),
                 [rig.prior.keyphasor_angle],
                 np.full(len(hums), rig.prior.line_hum),
-                np.full(len(bends), rig.prior.probe_linearity),
+                np.full(len(curves), rig.prior.probe_linearity),
                 [q.prior / q.size for q in self._own],
             ]
         )
+        self.prior_sigma = np.maximum(sigmas, EXACT)
         self.priors = np.flatnonzero(np.isfinite(self.prior_sigma))
         self._nothing = np.zeros(len(self.names))
         self._nothing[self.own] = [q.at_zero / q.size for q in self._own]
@@ -81,6 +81,11 @@ class ExtendedParameters:
         """Those that vectors are linear in, runout and hum: solved for in every step, they need no finding."""
         parts = (*self.runouts.values(), self.hums)
         return {i for part in parts for i in range(part.start, part.stop)}
+
+    @property
+    def pinned(self) -> dict[int, float]:
+        """The nuisances that are not solved for in every step, at their priors: parameter -> value."""
+        return {int(i): float(self._nothing[i]) for i in self.priors if i not in self.linear_nuisances}
 
     @property
     def own(self) -> slice:
@@ -128,13 +133,3 @@ class ExtendedParameters:
         rows = np.zeros((len(self.priors), len(self)))
         rows[np.arange(len(rows)), self.priors] = 1 / self.prior_sigma[self.priors]
         return rows
-
-
-def bends(first: Complex, order: int, *, odd: Reals | float, even: Reals | float) -> Complex:
-    """Return the n-th order of r (even r + odd r^2), r = Re(first e^{j theta}) in units of CURVED_AT, in metres."""
-    r = first / CURVED_AT
-    if order == 1:
-        return CURVED_AT * 0.75 * odd * np.abs(r) ** 2 * r
-    if order == 2:
-        return CURVED_AT * 0.5 * even * r**2
-    return CURVED_AT * 0.25 * odd * r**3 if order == 3 else np.zeros_like(first)

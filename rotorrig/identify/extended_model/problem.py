@@ -1,8 +1,8 @@
-"""The least-squares problem of one or more recordings of a rig, its model extended by effects.
+"""The least-squares problem of one or more recordings of a rig, its model extended by effects or not.
 
-What polish.Problem is for one recording at 1X, with the same unknowns first. Columns by the rotor's own parameters are
-exact; so are those by an effect's matrices and by loads that are linear, others are differences. Under a force law the
-motion is not linear in anything: its columns come from the march, force_law_jacobian.py.
+Every fit is one of these: an identification, the base of a diagnosis, a candidate cause. Columns by the rotor's own
+parameters are exact; so are those by an effect's matrices and by loads that are linear, others are differences. Under a
+force law the motion is not linear in anything: its columns come from the march, force_law_jacobian.py.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,10 +10,11 @@ from functools import partial
 
 import numpy as np
 
-from rotorrig.identify.base_model import Reals
+from rotorrig.identify.base_model import BASE_MODEL, Reals
 from rotorrig.identify.extended_model.jacobian import columns
-from rotorrig.identify.extended_model.model import ExtendedModel
-from rotorrig.identify.extended_model.tracked_recording import ORDERS, Recording
+from rotorrig.identify.extended_model.model import Complex, ExtendedModel
+from rotorrig.identify.extended_model.settings import ORDERS
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.least_squares import LEAST_SQUARES, NONE_FIXED, Index, Solution, Stop, Worth, always, solve
 from rotorrig.sims.effects import Effect
 
@@ -32,9 +33,18 @@ class ExtendedProblem:
         """Return the same problem of other recordings or rows."""
         return ExtendedProblem(self.model.on(recordings))
 
+    def of(self, vectors: Sequence[Mapping[int, Complex]]) -> "ExtendedProblem":
+        """Return the same problem of other vectors per recording, order -> (row + 1, probe) [m], with their noise."""
+        return self.on([r.instead(z) for r, z in zip(self.recordings, vectors, strict=True)])
+
     def extended(self, effects: Sequence[Effect]) -> "ExtendedProblem":
         """Return the problem of the same recordings with these effects instead."""
         return ExtendedProblem(self.model.extended(effects))
+
+    @property
+    def swept(self) -> bool:
+        """Whether the moving speed is in the model of every recording."""
+        return all(recording.swept for recording in self.recordings)
 
     @property
     def curved(self) -> bool:
@@ -51,6 +61,38 @@ class ExtendedProblem:
         """Number of real figures measured, and of priors."""
         return sum(m.size for r in self.recordings for m in r.measured.values()) + len(self.parameters.priors)
 
+    def begin(self, values: Reals, own: Reals | None = None) -> Reals:
+        """Return a full vector from the base's unknowns in SI, what is linear at its best.
+
+        Effects are at nothing, or at `own`, all their unknowns in sizes.
+        """
+        names = self.parameters
+        p = names.start(np.zeros(0))
+        space = names.base.space
+        p[names.base.sought] = np.clip(space.to_working(values), *space.working_bounds.T)
+        if own is not None:
+            p[names.own] = own
+        return self.solve_linear(p, np.arange(len(p)))
+
+    def refine(self, values: Reals, own: Reals | None = None, *, max_steps: int = BASE_MODEL.most_steps) -> Solution:
+        """Refine from `begin`: first as if the nameplate and the probes were exact, then with all free.
+
+        Far from the minimum a nuisance would take what the unknowns have not reached yet, and find back only slowly.
+        """
+        near = self.solve(
+            self.begin(values, own),
+            fixed=self.parameters.pinned,
+            tolerance=BASE_MODEL.near,
+            max_steps=BASE_MODEL.most_steps,
+            damped=True,
+        )
+        return self.solve(near.p, max_steps=max_steps, damped=True)
+
+    def at_bound(self, p: Reals, i: int) -> bool:
+        """Say whether unknown number `i` of the base ended within a per cent of its bound."""
+        bounds = self.parameters.base.space.working_bounds[i]
+        return bool(np.abs(bounds - p[i]).min() < BASE_MODEL.at_bound)
+
     def solve(
         self,
         start: Reals,
@@ -59,15 +101,19 @@ class ExtendedProblem:
         tolerance: float = LEAST_SQUARES.tolerance,
         max_steps: int = LEAST_SQUARES.steps,
         worth: Worth = always,
+        damped: bool = False,
     ) -> Solution:
         """Refine by least squares within the bounds, the parameters in `fixed` held: least_squares.solve.
 
+        `damped` is for starts far off, where full steps of a wrong model run to the bounds; force laws want it anyway.
         Responses above 1X are first those of the rotor at the start; where it matters, from then on exact, or under
         force laws once more those of the rotor at the end.
         """
         fixed = {**self.parameters.frozen, **fixed}
         laws = self.model.hold_above(start)
-        refine = partial(solve, self, fixed=fixed, tolerance=tolerance, max_steps=max_steps, worth=worth, damped=laws)
+        refine = partial(
+            solve, self, fixed=fixed, tolerance=tolerance, max_steps=max_steps, worth=worth, damped=damped or laws
+        )
         found = refine(start)
         if (laws or self.model.units.seen) and not self.model.units.exact and found.stop is not Stop.GIVEN_UP:
             before = self.residual(found.p)
@@ -93,9 +139,14 @@ class ExtendedProblem:
         return np.concatenate([data, self.parameters.prior_jacobian()[:, free]])
 
     def solve_linear(self, p: Reals, free: Index) -> Reals:
-        """Return `p` with unbalance, runout, hum and the amounts of linear effects among `free` at their best."""
+        """Return `p` with unbalance, runout, hum and the amounts of linear effects among `free` at their best.
+
+        Raises LinAlgError where the motion is beyond bounds, as of an unstable rotor.
+        """
         linear = np.intersect1d(free, self.model.linear())
         J = self.jacobian(p, linear)
+        if not np.isfinite(J).all():
+            raise np.linalg.LinAlgError("the motion is beyond bounds")
         out = p.copy()
         low, high = self.bounds
         out[linear] -= np.linalg.lstsq(J, self.residual(p), rcond=None)[0]

@@ -24,4 +24,5 @@ class ExtendedModelSettings:
     recent: int = 4  # the next question is often about the same one
 
 
+ORDERS = (1, 2, 3)  # that a model may predict, where they were tracked
 EXTENDED_MODEL = ExtendedModelSettings()

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.extended_model.parameters import MAINS
-from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
+from rotorrig.identify.extended_model.mains_hum import hum_leaks
+from rotorrig.identify.extended_model.settings import EXTENDED_MODEL, ORDERS
 from rotorrig.identify.measurement import Measurement, measure, trial_unbalance
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.effects import ReadingContext, leak
+from rotorrig.sims.effects import ReadingContext
 from rotorrig.sims.rotor.model import (
     Direction,
     Load,
@@ -38,8 +38,6 @@ from rotorrig.sims.rotor.swept import Timeline, swept_columns, swept_derivatives
 
 Complex = NDArray[np.complex128]
 
-ORDERS = (1, 2, 3)  # that a model may predict, where they were tracked
-
 
 class Recording:
     """The rows of one response. Those of the slow roll, one vector per probe and order, come last."""
@@ -52,22 +50,25 @@ class Recording:
         number: int = 0,
         backward: bool = False,
         planned: bool = False,
+        orders: Sequence[int] = ORDERS,
+        band: tuple[float, float] | None = None,
     ) -> None:
         """Gather the rows; `swept` False takes the speed as steady, as a table without times does.
 
-        `number` counts the recordings of a diagnosis from 0. `backward`: the rotor turned against the model's sense of
+        `number` counts the recordings of a fit from 0. `backward`: the rotor turned against the model's sense of
         rotation; all vectors here are then told by the model's shaft angle, which falls (see `as_measured`). `planned`:
-        it was not made, so no vector of it is known.
+        it was not made, so no vector of it is known. Other `orders`, and speeds outside `band` [rad/s], are left out.
+        Raises DataError if fewer than five rows are left.
         """
         self.response = response
         self.number = number
         self.backward = backward
         self._reversed: list[tuple[RotorModel, RotorModel]] = []  # the latest rotor, and as it turns backwards
-        self.orders = tuple(order for order in ORDERS if float(order) in response.orders)
+        self.orders = tuple(order for order in orders if float(order) in response.orders)
         told = told_by_falling_angle(response) if backward else response
-        self.measured: dict[int, Measurement] = {n: measure(told, order=float(n)) for n in self.orders}
+        self.measured = {n: measure(told, order=float(n), band=band) for n in self.orders}
         self.rows = self.measured[1].rows
-        slow = response.slow_roll_omega
+        slow = response.slow_omega
         self._omega = response.omega[self.rows]
         # without a slow roll its row is not usable, but a force law has no motion at rest
         self._slow = np.array([slow if np.isfinite(slow) else np.min(self._omega, initial=np.inf)])
@@ -83,7 +84,7 @@ class Recording:
         self.trial = trial_unbalance(told, self.rows)
         views = {order: self._view(order) for order in self.orders}
         self._views = views if planned else _with_slow_roll(views, self.measured)
-        self.hum = {order: self._leaks(order) for order in self.orders}
+        self.hum = hum_leaks(response, self.rows, views)
 
     @property
     def rig(self) -> RigConfig:
@@ -100,9 +101,20 @@ class Recording:
         kept = np.append(keep, True)[:, None]
         return self._with({n: replace(m, usable=m.usable & kept) for n, m in self.measured.items()})
 
+    def first_order(self) -> "Recording":
+        """Return the same recording with nothing usable above 1X."""
+        none = {n: m if n == 1 else replace(m, usable=np.zeros_like(m.usable)) for n, m in self.measured.items()}
+        return self._with(none)
+
     def instead(self, z: Mapping[int, Complex]) -> "Recording":
         """Return the same recording of other vectors (row + 1, probe) [m] per order, with the noise of its own."""
         return self._with({n: replace(m, z=z[n]) for n, m in self.measured.items()})
+
+    def louder(self, factors: Mapping[int, NDArray[np.float64]]) -> "Recording":
+        """Return the same recording with the variance of every row times a factor (row,) per order; itself if all 1."""
+        if all((factor == 1).all() for factor in factors.values()):
+            return self
+        return self._with({n: m.louder(factors[n]) for n, m in self.measured.items()})
 
     def _with(self, measured: dict[int, Measurement]) -> "Recording":
         other = copy.copy(self)
@@ -206,9 +218,19 @@ class Recording:
         by = {order: np.concatenate([moving.by[order], slow.by[order]]) for order in orders}
         return LawDerivatives(np.concatenate([moving.z, slow.z]), by)
 
+    def in_response(self, z: Complex) -> Complex:
+        """Return vectors (row + 1, probe) at the rows of the response, as measured, (speed, probe); NaN elsewhere."""
+        whole = np.full((len(self.response.omega), z.shape[1]), np.nan + 0j)
+        whole[self.rows] = self.as_measured(z[:-1])
+        return whole
+
     def as_measured(self, z: Complex) -> Complex:
         """Return vectors told by the model's shaft angle as told by the measured one, which rises, or back."""
         return z.conj() if self.backward else z
+
+    def as_stated(self, z: Mapping[int, Complex]) -> dict[int, Complex]:
+        """Return vectors, order -> (row + 1, probe), as the table states them: see `Measurement.as_stated`."""
+        return {order: self.measured[order].as_stated(vectors) for order, vectors in z.items()}
 
     def view(self, order: int) -> ReadingContext:
         """Return what a probe-side effect may know."""
@@ -226,17 +248,9 @@ class Recording:
             t=response.t[self.rows],
             revolutions=response.revolutions[self.rows],
             window=response.window,
-            keyphasor_t=response.keyphasor_t,
+            keyphasor_t=np.empty(0) if response.derived_times else response.keyphasor_t,
+            strays={hum.frequency: (hum.t, hum.stray) for hum in response.mains},
         )
-
-    def _leaks(self, order: int) -> Complex:
-        """Return what hum of 1 m at each of the mains' frequencies leaves in the vectors, (row + 1, frequency)."""
-        found = np.zeros((len(self.rows) + 1, len(MAINS)), complex)
-        t = self.response.t[self.rows]
-        if len(self.response.keyphasor_t) > 3 and np.isfinite(t).all():
-            for i, frequency in enumerate(MAINS):
-                found[:-1, i] = leak(self.view(order), np.arange(len(t)), frequency)
-        return found
 
     def _turning(self, model: RotorModel, loads: Sequence[Load]) -> tuple[RotorModel, Sequence[Load]]:
         """Return rotor and loads in the sense in which this recording's turned."""
@@ -268,6 +282,31 @@ class Recording:
         pulses = self.response.keyphasor_t
         first = pulses[0] if len(pulses) else 0.0
         return np.array([load.since <= first for load in loads], dtype=bool)
+
+
+def recordings_of(
+    responses: Sequence[OrderTrackedResponse],
+    *,
+    like: OrderTrackedResponse | None = None,
+    swept: bool = True,
+    orders: Sequence[int] = ORDERS,
+    band: tuple[float, float] | None = None,
+) -> list[Recording]:
+    """Return the recordings of responses; those turn backwards whose rig has not the sense of rotation of `like`.
+
+    That is the first one unless it is given. Raises DataError if one holds too few rows, or other probes or orders than
+    the first.
+    """
+    first = responses[0]
+    for number, response in enumerate(responses[1:], start=2):
+        for what in ("probes", "orders"):
+            if (got := getattr(response, what)) != (want := getattr(first, what)):
+                raise DataError(f"response {number}: has the {what} {list(got)}, want those of the first, {list(want)}")
+    sense = (like or first).rig.rotation
+    return [
+        Recording(r, swept=swept, number=i, backward=r.rig.rotation != sense, orders=orders, band=band)
+        for i, r in enumerate(responses)
+    ]
 
 
 def _with_slow_roll(

@@ -155,7 +155,7 @@ class _Free:
         """Return the free parameters with the linear ones at their best."""
         try:
             return self._problem.solve_linear(self.full(part), self._free)[self._free]
-        except DataError:
+        except (DataError, np.linalg.LinAlgError):
             return part
 
     def _jacobian(self, part: Reals) -> Reals:

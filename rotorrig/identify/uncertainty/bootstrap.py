@@ -16,14 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.base_model import Problem, Reals
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.identification import Estimate, Fit
 from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty.quantities import quantities
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
+Complex = NDArray[np.complex128]
+
 Progress = Callable[[int], None]  # is told how many draws are done
-Refit = Callable[[Problem, Reals], Solution]  # of a drawn problem, given the parameters it was drawn with
+Refit = Callable[[ExtendedProblem, Reals], Solution]  # of a drawn problem, given the parameters it was drawn with
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +61,7 @@ class Bootstrap:
 
 
 def with_bootstrap_intervals(
-    fit: Fit, problem: Problem, best: Solution, resampling: Resampling, *, seed: int, search: Refit
+    fit: Fit, problem: ExtendedProblem, best: Solution, resampling: Resampling, *, seed: int, search: Refit
 ) -> Fit:
     """Return the fit with the intervals of a bootstrap; `search` refits by the whole search, if that is wanted."""
     resampled = bootstrap(
@@ -77,13 +80,13 @@ def with_bootstrap_intervals(
     )
 
 
-def refit_locally(problem: Problem, start: Reals) -> Solution:
+def refit_locally(problem: ExtendedProblem, start: Reals) -> Solution:
     """Refit a draw from the parameters it was drawn with: no other minimum is looked for."""
     return problem.solve(start)
 
 
 def bootstrap(
-    problem: Problem,
+    problem: ExtendedProblem,
     best: Solution,
     *,
     draws: int,
@@ -103,21 +106,26 @@ def bootstrap(
         for i, values in _run_in_processes(job, draws, workers) if workers > 1 else _run_one_by_one(job, draws):
             done[i] = values
             progress(len(done))
-    names = tuple(quantity.name for quantity in quantities(problem.parameters, best.p))
+    names = tuple(quantity.name for quantity in quantities(problem.parameters.base, best.p))
     values = np.reshape([done[i] for i in sorted(done)], (len(done), len(names)))
     return Bootstrap(names=names, draws=values, asked=draws, seed=seed)
 
 
 def simulate_draw(
-    problem: Problem, best: Solution, *, rng: np.random.Generator
-) -> tuple[Reals, NDArray[np.complex128]]:
-    """Return parameters and the 1X vectors (row + 1, probe) [m] they might have given, the slow roll last."""
+    problem: ExtendedProblem, best: Solution, *, rng: np.random.Generator
+) -> tuple[Reals, list[dict[int, Complex]]]:
+    """Return parameters and the vectors they might have given: per recording order -> (row + 1, probe) [m]."""
     parameters = problem.parameters
     p = best.p.copy()
-    p[parameters.priors] = parameters.prior_sigma[parameters.priors] * rng.standard_normal(len(parameters.priors))
+    scatter = parameters.prior_sigma[parameters.priors] * rng.standard_normal(len(parameters.priors))
+    p[parameters.priors] = parameters.start(np.zeros(0))[parameters.priors] + scatter
     p = np.clip(p, *parameters.bounds)
     excess = np.sqrt(max(1.0, best.chi2 / best.dof))
-    return p, problem.predict(p) + excess * problem.measured.noise(rng)
+    drawn = [
+        {order: z + excess * recording.measured[order].noise(rng) for order, z in predicted.items()}
+        for recording, predicted in zip(problem.recordings, problem.model.predict(p), strict=True)
+    ]
+    return p, drawn
 
 
 def _with_bootstrap_interval(estimate: Estimate, bootstrap: Bootstrap) -> Estimate:
@@ -140,7 +148,7 @@ def _words(bootstrap: Bootstrap) -> Iterator[str]:
 class _Job:
     """Task of a worker: called with the number of a draw, it returns the estimates (estimate,)."""
 
-    problem: Problem
+    problem: ExtendedProblem
     best: Solution
     seed: int
     refit: Refit
@@ -150,7 +158,7 @@ class _Job:
         with threadpool_limits(1, user_api="blas"):
             start, z = simulate_draw(self.problem, self.best, rng=rng)
             p = self.refit(self.problem.of(z), start).p
-        return np.array([q.si(q.read(p)) for q in quantities(self.problem.parameters, self.best.p)])
+        return np.array([q.si(q.read(p)) for q in quantities(self.problem.parameters.base, self.best.p)])
 
 
 def _run_one_by_one(job: _Job, draws: int) -> Iterator[tuple[int, Reals]]:

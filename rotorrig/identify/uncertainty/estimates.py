@@ -4,23 +4,25 @@ import math
 
 import numpy as np
 
-from rotorrig.identify.base_model import Problem, Unknown
+from rotorrig.identify.base_model import Unknown
+from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.identification import Estimate
 from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY
-from rotorrig.rig.config import RigConfig
+from rotorrig.rig.config import Unbalance
 
-_NUISANCE_UNITS = {"angle": "rad", "runout": "m"}  # the others are ratios
+_UNITS = {"angle": "rad", "runout": "m", "keyphasor": "rad", "hum": "m", "position": "m", "tilt": "N m/rad"}
 
 
-def estimate_unknowns(best: Solution, problem: Problem, rig: RigConfig, *, unseen: str) -> tuple[Estimate, ...]:
+def estimate_unknowns(best: Solution, problem: ExtendedProblem, *, unseen: str) -> tuple[Estimate, ...]:
     """Return the unknowns of the [identify] table, then amount and phase of the unbalance plane by plane.
 
     `unseen` names the axes no probe looks along: coefficients of these are not determined.
     """
-    space = problem.parameters.space
-    values = problem.parameters.values(best.p)
-    sigma = best.sigma[problem.parameters.sought] * space.slopes(values)
+    names = problem.parameters.base
+    space = names.space
+    values = names.values(best.p)
+    sigma = best.sigma[names.sought] * space.slopes(values)
     estimates = []
     for i, unknown in enumerate(space.unknowns):
         hidden = any(axis in unseen for axis in unknown.axes)
@@ -37,42 +39,54 @@ def estimate_unknowns(best: Solution, problem: Problem, rig: RigConfig, *, unsee
                 bounds=(unknown.low, unknown.high),
             )
         )
+    expected = {disk.name: disk.unbalance for disk in problem.recordings[0].rig.disks}
     for i, plane in enumerate(space.planes):
         estimates += _unbalance(
-            best, problem, rig, plane=plane, amount=space.amounts[i], phase=space.phases[i], first=2 * i
+            best,
+            names.unbalance.start + 2 * i,
+            amount=space.amounts[i],
+            phase=space.phases[i],
+            expected=expected.get(plane),
         )
     return tuple(estimates)
 
 
-def estimate_nuisances(best: Solution, problem: Problem) -> tuple[Estimate, ...]:
+def estimate_nuisances(best: Solution, problem: ExtendedProblem) -> tuple[Estimate, ...]:
     """Return what the nameplate cannot know exactly, as deviations from it."""
     names = problem.parameters
-    skipped = {*range(*names.sought.indices(len(names))), *range(*names.unbalance.indices(len(names)))}
+    sought = (names.base.sought, names.base.unbalance)
+    skipped = {i for part in sought for i in range(part.start, part.stop)}
+    own = [q for effect in names.effects for q in effect.parameters]
+    sizes = np.append(np.ones(names.own.start), [q.size for q in own])
+    units = [*(_unit(name) for name in names.names[: names.own.start]), *(q.unit for q in own)]
     return tuple(
         Estimate(
             name=name,
-            value=float(best.p[i]),
-            sigma=float(best.sigma[i]),
-            unit=_NUISANCE_UNITS.get(name.split()[0], ""),
-            nameplate=0.0,
+            value=float(best.p[i] * sizes[i]),
+            sigma=float(best.sigma[i] * sizes[i]),
+            unit=units[i],
+            nameplate=own[i - names.own.start].at_zero if i >= names.own.start else 0.0,
         )
         for i, name in enumerate(names.names)
         if i not in skipped
     )
 
 
+def _unit(nuisance: str) -> str:
+    """Return the unit of a nuisance; "hub disk" and "hum 50 Hz 1 re" begin with what they are. Others are ratios."""
+    return _UNITS.get(nuisance.split()[0], "")
+
+
 def _unbalance(
-    best: Solution, problem: Problem, rig: RigConfig, *, plane: str, amount: Unknown, phase: str, first: int
+    best: Solution, i: int, *, amount: Unknown, phase: str, expected: Unbalance | None
 ) -> tuple[Estimate, Estimate]:
-    """Return amount and phase of one plane, with sigmas from the 2x2 covariance of its re and im."""
-    i = problem.parameters.unbalance.start + first
+    """Return amount and phase of the plane whose re stands at `i`, with sigmas from the 2x2 covariance of both."""
     u = complex(best.p[i], best.p[i + 1])
     covariance = best.covariance[i : i + 2, i : i + 2]
     along = np.array([u.real, u.imag]) / abs(u)
     radial = math.sqrt(along @ covariance @ along)
     tangential = math.sqrt(max(np.trace(covariance) - radial**2, 0.0))
     determined = bool(max(radial, tangential) < UNCERTAINTY.determined * abs(u))
-    expected = {disk.name: disk.unbalance for disk in rig.disks}.get(plane)
     return (
         Estimate(
             name=amount.name,

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from rotorrig.identify.base_model import Parameters, Reals
+from rotorrig.identify.extended_model import ExtendedParameters
 from rotorrig.identify.identification import Direction
 from rotorrig.identify.least_squares import Solution, inverse_information
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY
@@ -47,14 +48,16 @@ class Weakness:
 class Identifiability:
     """The informations at the optimum of one fit."""
 
-    def __init__(self, best: Solution, parameters: Parameters) -> None:
+    def __init__(self, best: Solution, parameters: ExtendedParameters) -> None:
         """Marginalise what is not sought."""
-        self.coordinates, step = _coordinates(best.p, parameters)
+        base = parameters.base
+        self.coordinates, step = _coordinates(best.p, base)
         excess = np.sqrt(max(1.0, best.chi2 / best.dof))
         whole = best.jacobian @ step
-        other = np.r_[parameters.nameplate, parameters.gain, parameters.angle, parameters.runout]
+        other = np.setdiff1d(np.arange(len(parameters)), np.r_[base.sought, base.unbalance])
         data = slice(0, len(best.jacobian) - len(parameters.priors))
-        self.noise = _marginal(whole[data], best.jacobian[data, parameters.runout]) / excess
+        runout = np.r_[*parameters.runouts.values()]
+        self.noise = _marginal(whole[data], best.jacobian[data][:, runout]) / excess
         self.fitted = _marginal(whole, best.jacobian[:, other]) / excess
         self._budget = dict(zip(self.names, _budget(best.jacobian, step, parameters), strict=True))
 
@@ -196,7 +199,7 @@ def _sparse(vectors: Reals) -> Reals:
     return np.asarray(np.linalg.solve(vectors[:, pivots[: len(vectors)]], vectors), dtype=float)
 
 
-def _budget(jacobian: Reals, step: Reals, parameters: Parameters) -> list[dict[str, float]]:
+def _budget(jacobian: Reals, step: Reals, parameters: ExtendedParameters) -> list[dict[str, float]]:
     """Return per sought quantity the shares of its variance: the estimate is linear in every figure and prior."""
     reading = step.T / np.sum(step**2, axis=0)[:, None]  # of p, its columns are orthogonal
     influence = (reading @ inverse_information(jacobian) @ jacobian.T) ** 2  # (sought, row)
@@ -208,7 +211,18 @@ def _budget(jacobian: Reals, step: Reals, parameters: Parameters) -> list[dict[s
     return [dict(zip(names, map(float, row), strict=True)) for row in shares]
 
 
-_KINDS = {"gain": "probe gain", "angle": "probe angle", "bearing": "other bearings", "runout": "runout"}
+_KINDS = {
+    "gain": "probe gain",
+    "angle": "probe angle",
+    "bearing": "other bearings",
+    "position": "positions",
+    "hub": "hubs",
+    "tilt": "tilt stiffness",
+    "runout": "runout",
+    "hum": "line hum",
+    "curvature": "probe linearity",
+    "internal_damping:": "internal damping",
+}
 
 
 def _kind(nuisance: str) -> str:

@@ -3,25 +3,27 @@
 import math
 from collections.abc import Collection, Iterator
 
-from rotorrig.identify.base_model import Problem, Reals
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty.identifiability import Coordinate, Identifiability, Weakness
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
 
 def describe_identifiability(
-    best: Solution, problem: Problem, able: Identifiability, *, unseen: str
+    best: Solution, problem: ExtendedProblem, able: Identifiability, *, unseen: str
 ) -> tuple[str, ...]:
     """Return sentences on parameters at a bound, undetermined, tied, or limited by the nameplate's tolerances.
 
     `unseen` names the axes no probe looks along.
     """
-    unknowns = problem.parameters.space.unknowns
+    base = problem.parameters.base
+    unknowns = base.space.unknowns
     settled = {u.name for u in unknowns if any(axis in unseen for axis in u.axes)}
     sentences = [_unseen(axis, [u.name for u in unknowns if axis in u.axes]) for axis in unseen]
     for i, unknown in enumerate(unknowns):
         if problem.at_bound(best.p, i):
-            value = problem.parameters.values(best.p)[i]
+            value = base.values(best.p)[i]
             settled.add(unknown.name)
             sentences.append(
                 f"{unknown.name} ran into its bound of {value:.3g} {unknown.unit}: this data does not give it."

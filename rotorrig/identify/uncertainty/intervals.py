@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rotorrig.identify.base_model import Problem
+from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.identification import Estimate
 from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty.profile_likelihood import profile_interval
@@ -19,14 +19,14 @@ from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
 
 def with_intervals(
-    estimates: Iterable[Estimate], best: Solution, problem: Problem, *, unseen: str = "", profile: bool = False
+    estimates: Iterable[Estimate], best: Solution, problem: ExtendedProblem, *, unseen: str = "", profile: bool = False
 ) -> tuple[Estimate, ...]:
     """Return the estimates of a fit with their intervals; with `profile` all of these are of the profile likelihood.
 
     `unseen` names the axes no probe looks along: the coefficients of these have several valleys and get no interval.
     If the covariance is not to be trusted for one quantity, it is not for those correlated with it: all are profiled.
     """
-    sought = quantities(problem.parameters, best.p)
+    sought = quantities(problem.parameters.base, best.p)
     hidden = [isinstance(q, Coefficient) and any(axis in unseen for axis in q.axes) for q in sought]
     profile = profile or any(_wants_profile(best, q) for q, out in zip(sought, hidden, strict=True) if not out)
     with_interval = []

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.identify.base_model import Problem, Reals
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution, inverse_information
 from rotorrig.identify.uncertainty.quantities import Amount, Phase, Quantity
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY
@@ -30,7 +31,7 @@ class End:
 
 
 def profile_interval(
-    problem: Problem, best: Solution, quantity: Quantity, *, rise: float
+    problem: ExtendedProblem, best: Solution, quantity: Quantity, *, rise: float
 ) -> tuple[float, float] | None:
     """Return the least and the largest value [SI] of `quantity` at which the profiled chi2 is `rise` above the optimum.
 
@@ -50,7 +51,7 @@ def profile_interval(
     return quantity.si(low.coordinate), quantity.si(high.coordinate)
 
 
-def find_end(problem: Problem, best: Solution, quantity: Quantity, *, side: int, limit: float) -> End:
+def find_end(problem: ExtendedProblem, best: Solution, quantity: Quantity, *, side: int, limit: float) -> End:
     """Return the largest (`side` +1) or the least (-1) coordinate at which the profiled chi2 is `limit`."""
     rise = limit - best.chi2
     bound = quantity.high if side > 0 else quantity.low
@@ -70,7 +71,7 @@ def find_end(problem: Problem, best: Solution, quantity: Quantity, *, side: int,
 class _Point:
     """A parameter vector, its residual, and its Jacobian once it is asked for."""
 
-    def __init__(self, problem: Problem, quantity: Quantity, p: Reals, *, J: Reals | None = None) -> None:
+    def __init__(self, problem: ExtendedProblem, quantity: Quantity, p: Reals, *, J: Reals | None = None) -> None:
         self.p = p
         self.coordinate = quantity.read(p)
         self.r = problem.residual(p)
@@ -181,7 +182,7 @@ def _step(here: _Point, *, ahead: float) -> tuple[Reals, float]:
         free &= ~out
 
 
-def _may_be_none(problem: Problem, best: Solution, at: slice, limit: float) -> bool:
+def _may_be_none(problem: ExtendedProblem, best: Solution, at: slice, limit: float) -> bool:
     """Say whether chi2 is within the limit without the unbalance whose re and im are at `at`."""
     widest = np.sqrt(np.linalg.eigvalsh(best.covariance[at, at])[-1])
     if np.linalg.norm(best.p[at]) > _SETTINGS.none * widest:

@@ -1,11 +1,12 @@
 """Cross-validation: prediction of what a fit never saw, speeds in blocks or a whole recording."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
 from rotorrig.identify.least_squares import LinearModel, Point, take_step
@@ -22,6 +23,8 @@ class Prediction:
     error: float  # m, root mean square of |measured - model|
     floor: float  # m, the same of what the noise alone would be
     sigmas: float  # root mean square of the error in standard deviations of a component
+    #: (block,) sum of the squared error in standard deviations, all orders, of neighbouring rows together
+    blocks: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
     @property
     def over_floor(self) -> float:
@@ -38,13 +41,15 @@ def cross_validate(problem: ExtendedProblem, p: Reals) -> Prediction:
     """
     J, r = problem.jacobian(p), problem.residual(p)
     steps = 1 if problem.model.moving(p).laws else VERDICT.refit_steps
-    parts = []
+    sums, blocks = [], []
     for shown, hidden in _halves(problem.recordings):
         of_shown = problem.on(shown)
         mask = _usable_mask(of_shown)
         fit = _refit(of_shown, p, mask * r, mask[:, None] * J, steps=steps)
-        parts.append(errors(problem.on(hidden), of_shown.model.predict(fit)))
-    return _pool_errors(parts)
+        of_hidden, vectors = problem.on(hidden), of_shown.model.predict(fit)
+        sums.append(errors(of_hidden, vectors))
+        blocks.append(block_errors(of_hidden, vectors))
+    return _pool_errors(sums, blocks)
 
 
 def _refit(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: int) -> Reals:
@@ -87,7 +92,8 @@ def _usable_mask(problem: ExtendedProblem) -> Reals:
 
 def measure_prediction(problem: ExtendedProblem, p: Reals) -> Prediction:
     """Return how well the model at `p` predicts the recordings of `problem`, nothing fitted."""
-    return _pool_errors([errors(problem, problem.model.predict(p))])
+    vectors = problem.model.predict(p)
+    return _pool_errors([errors(problem, vectors)], [block_errors(problem, vectors)])
 
 
 def errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]]) -> NDArray[np.float64]:
@@ -106,12 +112,31 @@ def errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]]) -
     return total
 
 
-def _pool_errors(parts: Sequence[NDArray[np.float64]]) -> Prediction:
-    """Return the prediction over all parts of `errors`."""
-    square, noise, white, count = np.sum(parts, axis=0)
+def block_errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]]) -> NDArray[np.float64]:
+    """Return sums (block,) of |error|^2 in sigmas at all orders, of a few neighbouring rows each.
+
+    `vectors` are the model's, as of `errors`.
+    """
+    blocks = []
+    for recording, model in zip(problem.recordings, vectors, strict=True):
+        rows = np.zeros(len(recording.rows))
+        for order, measured in recording.measured.items():
+            off = np.where(measured.usable, model[order] - measured.z, 0)
+            rows += np.sum(measured.sigmas(off)[:-1] ** 2, axis=1)
+        together = max(1, min(ADEQUACY.stretch, len(rows) // VERDICT.fewest_blocks))
+        blocks.append(np.add.reduceat(rows, np.arange(0, len(rows), together)))
+    return np.concatenate(blocks)
+
+
+def _pool_errors(sums: Sequence[NDArray[np.float64]], blocks: Sequence[NDArray[np.float64]]) -> Prediction:
+    """Return the prediction over all parts of `errors` and `block_errors`."""
+    square, noise, white, count = np.sum(sums, axis=0)
     count = max(count, 1)
     return Prediction(
-        error=float(np.sqrt(square / count)), floor=float(np.sqrt(noise / count)), sigmas=float(np.sqrt(white / count))
+        error=float(np.sqrt(square / count)),
+        floor=float(np.sqrt(noise / count)),
+        sigmas=float(np.sqrt(white / count)),
+        blocks=np.concatenate(blocks),
     )
 
 

@@ -1,12 +1,14 @@
 """Gain by the extended model: prediction of data no fit saw, and what the base parameters had absorbed."""
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from rotorrig.identify.base_fit import AssessedFit
 from rotorrig.identify.causes import Candidate, Selection, is_significant
 from rotorrig.identify.extended_model import Recording
-from rotorrig.identify.joint_fit import AssessedFit
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict.cross_validation import Prediction, cross_validate, measure_prediction
 from rotorrig.identify.verdict.settings import VERDICT
@@ -48,9 +50,18 @@ class Predictions:
     on: str  # the unseen data, in words
 
     @property
-    def worse(self) -> bool:
-        """True if the extended model predicts clearly worse than the base."""
-        return self.after.error > VERDICT.worse * self.before.error
+    def better(self) -> bool:
+        """True if the extended model predicts better than the base, by more than the standard error of that.
+
+        At all orders, in standard deviations; blocks of neighbouring rows count as independent.
+        """
+        lower = self.before.blocks - self.after.blocks
+        return float(lower.sum()) > float(lower.std(ddof=1)) * math.sqrt(len(lower))
+
+    def one_no_worse(self, labels: Iterable[str]) -> bool:
+        """Say whether the extended model, or one of these causes alone, predicts no worse than the base."""
+        pairs = [(self.before, self.after), *(self.by_label[label] for label in labels if label in self.by_label)]
+        return any(after.blocks.sum() <= before.blocks.sum() for before, after in pairs)
 
 
 def predict_unseen(selection: Selection, *, holdout: Recording | None = None) -> Predictions:

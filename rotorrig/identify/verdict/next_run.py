@@ -4,6 +4,8 @@ Every plan is simulated with the best cause, as it was fitted, and fitted with e
 cheapest that tells all of them from the best is proposed, or the one that comes nearest.
 """
 
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from rotorrig.identify.causes import Candidate, Selection
@@ -12,40 +14,78 @@ from rotorrig.identify.verdict.planned_runs import Plan, plan_recordings, plans
 from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.verdict import tied_candidates
-from rotorrig.rig import DataError
+from rotorrig.rig import ConfigError, DataError
+
+NONE = "none"  # kind of a run that could not be computed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NextRun:
-    """A run that would tell causes apart which the data at hand cannot."""
+    """A run that would tell causes apart which the data at hand cannot, or why none could be computed."""
 
-    kind: str  # "trial mass", "through critical": that of a `Plan`
-    words: str  # what to do, as a sentence
-    lam: float  # expected chi2 between the best cause and the rival that is nearest then
+    kind: str  # "trial mass", "through critical": that of a `Plan`; "none": there is none
+    words: str  # what to do, as a sentence, and what it supposes; or why there is none
+    lam: float  # expected chi2 between the best cause and the rival that is nearest then; NaN: there is none
     separates: tuple[str, ...]  # labels
+
+    @property
+    def planned(self) -> bool:
+        """Whether there is one."""
+        return self.kind != NONE
 
 
 def find_next_run(selection: Selection) -> NextRun | None:
-    """Return the cheapest run that separates the first set of tied causes, or comes nearest; None: nothing is tied."""
+    """Return the cheapest run that separates the first set of tied causes, or comes nearest; None: nothing is tied.
+
+    Causes that are tied never go without: where no plan can be computed, the words say why.
+    """
     groups = tied_candidates(selection)
     if not groups:
         return None
     best, *rivals = groups[0]
-    rated: list[tuple[float, Plan]] = []
-    measured = best.problem.recordings
-    for plan in plans(measured[0].response):
-        if plan.backward and any(recording.backward for recording in measured):
-            continue
-        lam = min(_separability(best, rival, plan) for rival in rivals)
-        rated.append((lam, plan))
-        if lam >= VERDICT.nameable:
-            break
-    if not rated:
-        return None
-    lam, plan = max(rated, key=lambda pair: pair[0])
     labels = tuple(candidate.effect.label for candidate in (best, *rivals))
-    enough = "" if lam >= VERDICT.nameable else " Even that would leave them close."
-    return NextRun(kind=plan.kind, words=plan.words + enough, lam=lam, separates=labels)
+    rated: list[tuple[float, Plan]] = []
+    failed: list[str] = []
+    try:
+        for plan in _open_plans(best):
+            lam, why = _rate(best, rivals, plan)
+            if why:
+                failed.append(f"{plan.kind}: {why}")
+                continue
+            rated.append((lam, plan))
+            if lam >= VERDICT.nameable:
+                break
+    except _FAILURES as error:
+        failed.append(str(error))
+    if not rated:
+        why = "; ".join(dict.fromkeys(failed)) or "every run this rig can make has been made"
+        return NextRun(kind=NONE, words=f"No next run could be computed: {why}.", lam=math.nan, separates=labels)
+    lam, plan = max(rated, key=lambda pair: pair[0])
+    enough = "" if lam >= VERDICT.nameable else "Even that would leave them close."
+    words = " ".join(filter(None, (plan.words, enough, plan.assumed)))
+    return NextRun(kind=plan.kind, words=words, lam=lam, separates=labels)
+
+
+#: what a plan may fail by: no motion, a matrix without an inverse, a number that is none
+_FAILURES = (DataError, ConfigError, ValueError, ArithmeticError)
+
+
+def _open_plans(best: Candidate) -> Iterator[Plan]:
+    """Yield the plans for the recordings of a candidate that were not made yet."""
+    measured = best.problem.recordings
+    with_trial = any(run.trial_unbalance for recording in measured for run in recording.response.runs)
+    for plan in plans(measured[0].response, with_trial=with_trial):
+        if not (plan.backward and any(recording.backward for recording in measured)):
+            yield plan
+
+
+def _rate(best: Candidate, rivals: Sequence[Candidate], plan: Plan) -> tuple[float, str]:
+    """Return lambda of the nearest rival in the recordings of a plan, and why there is none, empty if there is one."""
+    try:
+        lam = min(_separability(best, rival, plan) for rival in rivals)
+    except _FAILURES as error:
+        return math.nan, str(error)
+    return lam, "" if math.isfinite(lam) else "its prediction is not finite"
 
 
 def _separability(best: Candidate, rival: Candidate, plan: Plan) -> float:

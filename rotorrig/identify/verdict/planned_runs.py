@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from rotorrig.identify.extended_model import MarkEdge, Recording
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing import OrderTrackedResponse, Run
-from rotorrig.rig.config import RPM, RigConfig
+from rotorrig.rig import DataError
+from rotorrig.rig.config import RPM, RigConfig, TrialMassRuns
 from rotorrig.sims.effects import Effect
 from rotorrig.sims.rotor.swept import TURN, Timeline
 
@@ -25,9 +26,13 @@ class Plan:
     kind: str
     words: str
     rig: RigConfig
+    probes: tuple[str, ...]  # that read in it
     low: float  # rad/s
     high: float
     ramp: float  # rad/s^2, up and down
+    turns: float  # of a row
+    every: int  # turns from row to row
+    assumed: str  # a sentence on what the recording at hand does not say and the plan supposes; empty: nothing
     trial: dict[str, complex] = field(default_factory=dict)  # of a second recording; empty: there is none with one
     backward: bool = False  # a second recording has the rotor turning the other way
 
@@ -37,18 +42,29 @@ class Plan:
         return (MarkEdge.of_recording(1),) if self.backward else ()
 
 
-def plans(response: OrderTrackedResponse) -> Iterator[Plan]:
+def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None) -> Iterator[Plan]:
     """Yield what one could do next, cheapest first: what takes no tools, then a trial mass, then more probes.
 
-    Of what takes none, turning the other way comes last: not every drive can, and screws may work loose.
+    Of what takes none, turning the other way comes last: not every drive can, and screws may work loose. `with_trial`
+    says whether a trial mass was on in any recording there is; None: see the runs of this one.
     """
-    rig = response.rig
-    low, high = float(response.omega.min()), float(response.omega.max())
-    ramp = float(np.median(np.abs(response.alpha[np.isfinite(response.alpha)]))) or 3.0
-    again = partial(Plan, rig=rig, low=low, high=high, ramp=ramp)
+    rig, manner = response.rig, _manner(response)
+    low, high = _range(response)
+    read = response.read
+    again = partial(
+        Plan,
+        rig=rig,
+        probes=read,
+        low=low,
+        high=high,
+        ramp=manner.ramp,
+        turns=manner.turns,
+        every=manner.every,
+        assumed=manner.assumed,
+    )
     for factor, word in ((1 / 3, "slower"), (3.0, "faster")):
-        words = f"Repeat the sweep {word}, at {factor * ramp * RPM:.0f} rpm/s."
-        yield again(kind="ramp rate", words=words, ramp=factor * ramp)
+        words = f"Repeat the sweep {word}, at {factor * manner.ramp * RPM:.0f} rpm/s."
+        yield again(kind="ramp rate", words=words, ramp=factor * manner.ramp)
     if (top := _fastest(rig, high)) > 1.05 * high:
         words = f"Run up to {top * RPM:.0f} rpm, as far as the limits allow."
         yield again(kind="through critical", words=words, high=top)
@@ -56,14 +72,57 @@ def plans(response: OrderTrackedResponse) -> Iterator[Plan]:
     yield again(kind="reverse rotation", words=words, backward=True)
     disk = rig.identify.unbalance[0] if rig.identify else rig.disks[0].name
     trial = {disk: VERDICT.trial * 1j}
-    if not any(run.trial_unbalance for run in response.runs):
+    if with_trial is None:
+        with_trial = any(run.trial_unbalance for run in response.runs)
+    if not with_trial:
         words = f"Repeat the sweep with a known trial mass of {VERDICT.trial * 1e6:.0f} g mm at 90 deg on '{disk}'."
         yield again(kind="trial mass", words=words, trial=trial)
-    if more := _with_second_plane(rig):
-        words = f"Measure in a second plane, say at {more.probes[-1].position * 1e3:.0f} mm"
-        second = partial(again, kind="second plane", rig=more)
+    if more := _with_second_plane(rig, read):
+        fitted, probes, words = more
+        second = partial(again, kind="second plane", rig=fitted, probes=probes)
         yield second(words=f"{words}.")
         yield second(words=f"{words}, and once more with a known trial mass.", trial=trial)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Manner:
+    """How a planned run is made where nothing else is asked for: as the recording at hand, as far as that is known."""
+
+    ramp: float  # rad/s^2
+    turns: float  # of a row
+    every: int  # turns from row to row
+    assumed: str
+
+
+def _manner(response: OrderTrackedResponse) -> _Manner:
+    """Return ramp and turns of a recording; where it does not say, the plan's of the config, and rows as dense."""
+    assumed = []
+    moving = np.abs(response.alpha[np.isfinite(response.alpha) & (response.alpha != 0)])
+    if len(moving):
+        ramp = float(np.median(moving))
+    else:
+        plans_of_rig = response.rig.plans.values()
+        ramp = next((plan.ramp for plan in plans_of_rig if not isinstance(plan, TrialMassRuns)), VERDICT.ramp)
+        assumed.append(f"a ramp of {ramp * RPM:.3g} rpm/s")
+    known = response.revolutions[np.isfinite(response.revolutions)]
+    if len(known):
+        turns = float(np.median(known))
+        every = math.ceil(turns)  # a filter's window need not be of whole turns
+    else:
+        low, high = _range(response)
+        every = max(1, round((high**2 - low**2) / (2 * ramp) / TURN / len(response.omega)))
+        turns = min(float(every), VERDICT.turns)
+        assumed.append(f"{turns:.0f} turn{'s' * (turns != 1)} to a row")
+    if not np.isfinite(response.slow_roll_omega):
+        assumed.append("no slow roll")
+    words = f"Assumed, as the recording does not say: {', '.join(assumed)}." if assumed else ""
+    return _Manner(ramp=ramp, turns=turns, every=every, assumed=words)
+
+
+def _range(response: OrderTrackedResponse) -> tuple[float, float]:
+    """Return the lowest and the highest speed of a planned sweep [rad/s]; of a table of one speed, from below it."""
+    high = float(response.omega.max())
+    return min(float(response.omega.min()), VERDICT.lowest * high), high
 
 
 def _fastest(rig: RigConfig, high: float) -> float:
@@ -85,23 +144,21 @@ def plan_recordings(response: OrderTrackedResponse, plan: Plan) -> list[Recordin
 
 
 def _response(response: OrderTrackedResponse, plan: Plan, trial: dict[str, complex]) -> OrderTrackedResponse:
-    turns = float(np.median(response.revolutions))
     pulses = _pulses(plan)
-    length = math.ceil(turns)  # a filter's window need not be of whole turns
-    first = np.arange(0, len(pulses) - length, length)
+    first = np.arange(0, len(pulses) - plan.every, plan.every)
     timeline = Timeline(pulses)
-    t = np.interp(first + length / 2, np.arange(len(pulses)), pulses)
+    t = np.interp(first + plan.every / 2, np.arange(len(pulses)), pulses)
     omega = timeline.omega(t)
-    like = np.abs(response.omega[:, None] - omega).argmin(axis=0)
-    probes = tuple(probe.name for probe in plan.rig.probes)
-    known = response.probes
-    source = [known.index(name) if name in known else i % len(known) for i, name in enumerate(probes)]
+    read = response.read
+    source = [read.index(name) if name in read else i % len(read) for i, name in enumerate(plan.probes)]
+    places = [response.probes.index(read[i]) for i in source]
     rows, orders = len(t), len(response.orders)
-    z = np.full((rows, len(probes), orders), 1e-12 + 0j)
+    nothing = np.full((len(plan.probes), orders), 1e-12 + 0j)
+    slow = np.isfinite(response.slow_roll_omega) and np.isfinite(response.slow_roll[places]).all()
     return replace(
         response,
         rig=plan.rig,
-        probes=probes,
+        probes=plan.probes,
         runs=(
             Run(name="up", direction=1, trial_unbalance=trial),
             Run(name="down", direction=-1, trial_unbalance=trial),
@@ -110,14 +167,17 @@ def _response(response: OrderTrackedResponse, plan: Plan, trial: dict[str, compl
         t=t,
         omega=omega,
         alpha=timeline.alpha(t),
-        revolutions=np.full(rows, turns),
-        z=z,
-        covariance=_of_probes(response.covariance[like], source),
-        slow_roll=z[0],
-        slow_roll_covariance=_of_probes(response.slow_roll_covariance[None], source)[0],
-        usable=np.ones((rows, len(probes)), dtype=bool),
+        revolutions=np.full(rows, plan.turns),
+        z=np.broadcast_to(nothing, (rows, *nothing.shape)).copy(),
+        covariance=_of_probes(response.covariance[_like_rows(response, omega)], places, source),
+        slow_roll=nothing if slow else np.full_like(nothing, np.nan),
+        slow_roll_covariance=_of_probes(response.slow_roll_covariance[None], places, source)[0],
+        slow_roll_omega=response.slow_roll_omega if slow else math.nan,
+        usable=np.ones((rows, len(plan.probes)), dtype=bool),
         reasons=((),) * rows,
         keyphasor_t=pulses,
+        compensation_omega=math.nan,
+        derived_times=False,
         omega_sigma=np.empty(0),
         alpha_sigma=np.empty(0),
         jitter=np.empty(0),
@@ -126,14 +186,29 @@ def _response(response: OrderTrackedResponse, plan: Plan, trial: dict[str, compl
     )
 
 
-def _of_probes(covariance: Reals, source: list[int]) -> Reals:
-    """Return covariances (..., 2 probe, 2 probe) of probes like those of the indices; copies are independent."""
-    pairs = np.array([[2 * i, 2 * i + 1] for i in source]).ravel()
+def _like_rows(response: OrderTrackedResponse, omega: Reals) -> NDArray[np.intp]:
+    """Return the row nearest in speed to each of `omega`, of those in which every probe that reads at all has a value.
+
+    Raises DataError if there is none.
+    """
+    read = response.usable.any(axis=0)
+    whole = np.flatnonzero(response.usable[:, read].all(axis=1))
+    if not len(whole):
+        raise DataError("no row has a value of every probe, want some to take the noise of a planned run from")
+    return whole[np.abs(response.omega[whole, None] - omega).argmin(axis=0)]
+
+
+def _of_probes(covariance: Reals, places: list[int], source: list[int]) -> Reals:
+    """Return covariances (..., 2 probe, 2 probe) of probes like those at `places`; copies are independent.
+
+    `source` numbers the probes that are like the same one alike.
+    """
+    pairs = np.array([[2 * i, 2 * i + 1] for i in places]).ravel()
     taken = covariance[..., pairs[:, None], pairs]
     same = np.array([[a == b or source[a] != source[b] for b in range(len(source))] for a in range(len(source))])
     new = np.array([source.index(i) != n for n, i in enumerate(source)])
     same &= ~(new[:, None] ^ new[None, :])
-    return taken * np.repeat(np.repeat(same, 2, axis=0), 2, axis=1)
+    return np.where(np.repeat(np.repeat(same, 2, axis=0), 2, axis=1), taken, 0.0)
 
 
 def _pulses(plan: Plan) -> Reals:
@@ -144,14 +219,21 @@ def _pulses(plan: Plan) -> Reals:
     return np.concatenate([up, 2 * up[-1] - up[-2::-1]])
 
 
-def _with_second_plane(rig: RigConfig) -> RigConfig | None:
-    """Return the rig with a second pair of probes halfway between the first and the bearing sought; None if it has."""
-    positions = sorted({probe.position for probe in rig.probes})
+def _with_second_plane(rig: RigConfig, read: tuple[str, ...]) -> tuple[RigConfig, tuple[str, ...], str] | None:
+    """Return the rig with a second plane of probes, the probes that then read, and what to do; None if it has one.
+
+    That is the plane of the config whose probes did not read, or else one halfway between the first and the bearing
+    sought.
+    """
+    positions = sorted({rig.probe(name).position for name in read})
     if len(positions) > 1:
         return None
+    idle = [probe for probe in rig.probes if probe.position != positions[0]]
+    if idle:
+        probes = tuple(probe.name for probe in rig.probes if probe.name in read or probe in idle)
+        return rig, probes, f"Measure in the second plane too, with {' and '.join(probe.name for probe in idle)}"
     sought = rig.bearing(rig.identify.bearings[0][0]).position if rig.identify else rig.shaft.length
     where = (positions[0] + sought) / 2
-    more = tuple(
-        probe.model_copy(update={"name": f"{probe.name} (2nd plane)", "position": where}) for probe in rig.probes
-    )
-    return rig.model_copy(update={"probes": rig.probes + more})
+    more = tuple(rig.probe(name).model_copy(update={"name": f"{name} (2nd plane)", "position": where}) for name in read)
+    fitted = rig.model_copy(update={"probes": rig.probes + more})
+    return fitted, (*read, *(probe.name for probe in more)), f"Measure in a second plane, say at {where * 1e3:.0f} mm"

@@ -4,11 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rotorrig.identify.adequacy import ADEQUACY, Adequacy
+from rotorrig.identify.adequacy import Adequacy
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.gain import Predictions
 from rotorrig.identify.verdict.verdict import Verdict
 from rotorrig.rig.config import micrometres
+
+_LEAST_P = 1e-6  # that is told
 
 
 def sentence(
@@ -32,11 +34,11 @@ def sentence(
         tried = "None of the known causes explains it"
         if chosen:
             labels = " and ".join(cause.label for cause in chosen)
-            if predictions.worse:
+            if not predictions.better:
                 errors = f"{micrometres(predictions.after.error)} um, not {micrometres(predictions.before.error)} um"
                 return (
                     f"The model is NOT adequate: {_figures(before)}. {_worst(before)} With {labels} it fits better, "
-                    f"but predicts data no fit saw ({predictions.on}) worse: by {errors}."
+                    f"but does not clearly predict data no fit saw ({predictions.on}) better: to {errors}."
                 )
             tried = f"Not even with {labels} is it adequate"
         return f"The model is NOT adequate: {_figures(before)}. {_worst(before)} {tried}: {_figures(after)}."
@@ -45,6 +47,8 @@ def sentence(
         f"With that the error on data no fit saw ({predictions.on}) goes from {micrometres(predictions.before.error)} "
         f"to {micrometres(predictions.after.error)} um, {predictions.after.over_floor:.1f} times the noise floor."
     )
+    if not after.adequate:
+        bought += f" That is not yet all: {_figures(after)}."
     if verdict is Verdict.TIED:
         others = " or ".join(", ".join(group[1:]) for group in tied)
         return f"The model is wrong here: {words} - or as likely, for all this data can tell: {others}. {bought}"
@@ -62,7 +66,7 @@ def moving(cause: Cause, rest: str) -> str:
 
 def character(adequacy: Adequacy) -> str:
     """Describe a residual that no known cause explains: orders, speeds, directions and probes it is loud at."""
-    loud = [m for m in adequacy.misfits if m.sigma > ADEQUACY.focused_limit] or list(adequacy.misfits[:1])
+    loud = [m for m in adequacy.misfits if m.sigma > adequacy.limit] or list(adequacy.misfits[:1])
     orders = sorted({m.order for m in loud})
     probes = sorted({m.probe for m in loud})
     runs = sorted({m.run for m in loud})
@@ -81,9 +85,10 @@ def centreline(adequacy: Adequacy) -> str:
 
 
 def _figures(adequacy: Adequacy) -> str:
+    p = f"p = {adequacy.p:.2g}" if adequacy.p >= _LEAST_P else f"p < {_LEAST_P:g}"
     return (
-        f"1X residuals at {adequacy.reduced_chi2:.3g} chi2 per degree of freedom (limit {ADEQUACY.global_limit:g}), "
-        f"the worst stretch of speeds at {adequacy.worst_sigma:.1f} sigma (limit {ADEQUACY.focused_limit:g})"
+        f"1X residuals at {adequacy.scatter_ratio:.3g} times their scatter from row to row, the worst stretch of "
+        f"speeds at {adequacy.worst_sigma:.1f} sigma (limit {adequacy.limit:.1f}), {p}"
     )
 
 

@@ -16,10 +16,11 @@ class VerdictSettings:
     separated_steps: int = 10  # of such a fit
 
     # conclusions
-    left_by_law: float = 0.03  # of the excess of chi2 that a force law may leave
+    left_over: float = 0.03  # of the excess of chi2 that causes may leave: no law is known to the last digit
     over_floor: float = 4.0  # of the error of unseen data then: twice that of clearances and springs that were found
+    negligible: float = 0.15  # of a row's noise: what would explain no more is not named where the model is adequate
     enough_visible: float = 0.5  # of the known effects, at typical size: below, data that show nothing say nothing
-    worse: float = 1.1  # times the error of the base: a cause at 2X leaves it as it was, give or take
+    fewest_blocks: int = 8  # of a recording, whose errors tell the standard error of a gain
     measured: int = 3  # best causes whose prediction is measured: each costs a cross-validation
 
     # cross-validation
@@ -32,6 +33,9 @@ class VerdictSettings:
 
     # planned runs
     trial: float = 12e-6  # kg m, at 90 degrees, of a trial mass
+    ramp: float = 3.0  # rad/s^2, where neither recording nor config says one
+    turns: float = 8.0  # of a row at the most, where the recording does not say: more would smear a resonance
+    lowest: float = 0.9  # of the highest speed, where a planned sweep begins at the highest
     fewest_rpm: float = 300.0  # where a planned sweep begins at the lowest
 
 

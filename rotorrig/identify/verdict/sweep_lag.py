@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.base_fit import AssessedFit
 from rotorrig.identify.causes import SELECTION
-from rotorrig.identify.joint_fit import AssessedFit
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.cross_validation import cross_validate
 from rotorrig.processing import OrderTrackedResponse

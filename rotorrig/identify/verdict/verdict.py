@@ -41,15 +41,31 @@ def conclude(
 ) -> Verdict:
     """Draw the verdict; `visible` is the share of the known effects that this data could show.
 
-    If the extended model predicts data no fit saw worse than the base, it is no explanation.
+    If the extended model predicts data no fit saw no better than the base, it is no explanation.
     """
     if selection.problem.effects == selection.start.effects:
         if not adequate_before:
             return Verdict.UNEXPLAINED
         return Verdict.ADEQUATE if visible >= VERDICT.enough_visible else Verdict.CANNOT_TELL
-    if predictions.worse or not (adequate_after or _nearly_all(selection, predictions)):
+    if not _has_gained(selection, predictions) or not (adequate_after or _nearly_all(selection, predictions)):
         return Verdict.UNEXPLAINED
     return Verdict.TIED if tied_labels(selection) else Verdict.NAMED
+
+
+def is_worth_naming(selection: Selection, predictions: Predictions) -> bool:
+    """Say whether causes of a model that is adequate without them are more than what every rig has.
+
+    They have to explain more than a misfit of `VERDICT.negligible` would leave, and to gain on what no fit saw.
+    """
+    size = sum(recording.measured[1].size for recording in selection.start.recordings)
+    fell = selection.base.chi2 - selection.polished.chi2
+    return fell > VERDICT.negligible**2 * size and _has_gained(selection, predictions)
+
+
+def _has_gained(selection: Selection, predictions: Predictions) -> bool:
+    """Say whether unseen data are predicted better; where causes are tied it is enough that one predicts no worse."""
+    tied = [label for group in tied_labels(selection) for label in group]
+    return predictions.better or (bool(tied) and predictions.one_no_worse(tied))
 
 
 def tied_labels(selection: Selection) -> tuple[tuple[str, ...], ...]:
@@ -85,13 +101,14 @@ def _rivals(step: SelectionStep, best: Candidate) -> list[Candidate]:
 
 
 def _nearly_all(selection: Selection, predictions: Predictions) -> bool:
-    """Say whether a force law explains the residual as well as its describing function can, in unseen data too.
+    """Say whether the causes explain the residual as well as a law may be known, in unseen data too.
 
-    Its 3X is not followed, and 2X and 3X act back on the first order only as if they came and went slowly.
+    A pedestal rocks besides, a shaft is bent by no parabola; of a force law 3X is not followed, and 2X and 3X act back
+    on the first order only as if they came and went slowly.
     """
     left = selection.polished.chi2 - selection.polished.dof
-    nearly = left < VERDICT.left_by_law * (selection.base.chi2 - selection.base.dof)
-    return selection.problem.curved and nearly and predictions.after.over_floor < VERDICT.over_floor
+    nearly = left < VERDICT.left_over * (selection.base.chi2 - selection.base.dof)
+    return nearly and predictions.after.over_floor < VERDICT.over_floor
 
 
 def visible_share(selection: Selection) -> float:
@@ -130,7 +147,7 @@ def _missing(selection: Selection, effect: Effect) -> str:
     """Return the measurement whose absence hides an effect, as far as the recordings tell."""
     recordings = selection.problem.recordings
     response = recordings[0].response
-    planes = {round(response.rig.probe(name).position, 6) for name in response.probes}
+    planes = {round(response.rig.probe(name).position, 6) for name in response.read}
     wanted = []
     if any(order not in recordings[0].orders for order in effect.orders):
         wanted.append(f"vectors at {' and '.join(f'{n}X' for n in effect.orders if n not in recordings[0].orders)}")

@@ -1,12 +1,12 @@
 """Import of order vectors tracked by others: a Bode table in CSV, read by a mapping (see `bode_table_mapping`).
 
-Where each row is one revolution, times follow by adding up the turns, and with them the keyphasor's pulses, so that
+Where the mapping says how fast the speed moved, times and keyphasor pulses are derived (`bode_table_times`), so that
 the model can take the moving speed into account. Where the table says nothing of its uncertainty it is estimated
-from the scatter of neighbouring rows.
+from the scatter of neighbouring rows (`bode_table_noise`). Vectors that were slow-roll compensated are restored where
+what was subtracted is known; else the response says at which speed, and the model subtracts its own.
 """
 
 import csv
-import itertools
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,24 +16,26 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.files.bode_table_mapping import (
     DIRECTIONS,
+    SLOW_ROLL,
     StatedSlowRoll,
     TableMapping,
     TableRun,
-    Uncertainty,
     VectorColumns,
     load_mapping,
 )
+from rotorrig.processing.files.bode_table_noise import estimate_covariance
+from rotorrig.processing.files.bode_table_sign import sign_remark
+from rotorrig.processing.files.bode_table_times import derive_times
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.processing.slow_roll import FirstOrder, chosen_rows, validity_remarks
 from rotorrig.processing.slow_roll import vector as slow_roll
 from rotorrig.rig import DataError, Provenance, code_version, file_hash
-from rotorrig.rig.config import RigConfig, trial_unbalance
+from rotorrig.rig.config import RigConfig, micrometres, trial_unbalance
 
 BACKWARDS = 0.01  # of the speed: measured speeds of a run-up may fall back by so much, from noise
-PARABOLA = 7  # rows a local parabola is fitted to, for the scatter about it
-POOL = 41  # neighbouring rows whose scatter is pooled: known to 8 %, yet follows the noise along the sweep
 SPEEDS = (0.01, 1e6)  # rad/s, 0.1 rpm to ten million: beyond them the unit is wrong
 LARGEST = 1.0  # m
+LEFT = 5.0  # sigma of a slow roll in a compensated table: more was not subtracted
 PEAK = {"0-peak": 1.0, "peak-to-peak": 0.5, "rms": math.sqrt(2.0)}
 
 
@@ -49,23 +51,27 @@ def read_table(csv_path: Path, mapping_path: Path, rig: RigConfig) -> OrderTrack
     omega = _speeds(table, mapping, run)
     orders = tuple(sorted({vector.order for vector in mapping.vectors}))
     z = _vectors(table, mapping, rig, orders)
-    usable, reasons = _usable(z, rig, mapping)
-    t, alpha, pulses = _times(omega, mapping.runs, run)
+    times = derive_times(omega, mapping.runs, run)
     try:
-        covariance = _covariance(z, run, mapping.uncertainty)
+        covariance = estimate_covariance(
+            z, run, mapping.uncertainty, first=orders.index(1.0) if 1.0 in orders else None
+        )
+        usable, reasons = _usable(z, covariance, rig, mapping)
+        slow, compensation_omega = _slow_roll(z, covariance, omega, run, mapping, rig, orders)
     except DataError as error:
         raise DataError(f"{csv_path}: {error}") from error
-    slow = _slow_roll(z, covariance, omega, run, mapping, rig, orders)
+    if mapping.compensated:
+        z = z + np.nan_to_num(slow.z)
     response = OrderTrackedResponse(
         rig=rig,
         probes=tuple(probe.name for probe in rig.probes),
         orders=orders,
         runs=tuple(_run(table_run) for table_run in mapping.runs),
         run=run,
-        t=t,
+        t=times.t,
         omega=omega,
-        alpha=alpha,
-        revolutions=np.array([_revolutions(table_run) for table_run in mapping.runs])[run],
+        alpha=times.alpha,
+        revolutions=times.revolutions,
         window=mapping.window,
         z=z,
         covariance=covariance,
@@ -74,7 +80,10 @@ def read_table(csv_path: Path, mapping_path: Path, rig: RigConfig) -> OrderTrack
         slow_roll_omega=slow.omega,
         usable=usable,
         reasons=reasons,
-        keyphasor_t=pulses,
+        keyphasor_t=times.pulses,
+        compensation_omega=compensation_omega,
+        derived_times=times.derived,
+        remarks=times.remarks,
         source=Provenance(
             config_hash=rig.hash,
             code_version=code_version(),
@@ -82,6 +91,8 @@ def read_table(csv_path: Path, mapping_path: Path, rig: RigConfig) -> OrderTrack
             source_hash=file_hash(csv_path),
         ),
     )
+    if sign := sign_remark(response):
+        response = replace(response, remarks=tuple((*row, sign) for row in response.remarks or ((),) * len(omega)))
     first = FirstOrder.of(response, chosen_rows(response))
     return replace(response, slow_roll_remarks=slow.remarks + (validity_remarks(first, slow) if first else ()))
 
@@ -192,7 +203,7 @@ def _vector(table: _Table, vector: VectorColumns) -> NDArray[np.complex128]:
     if vector.amplitude is None:
         _check_size(table, second, vector.columns[1], LARGEST / scale)
     if vector.amplitude is None or vector.phase_unit is None:
-        return np.asarray(scale * (first + 1j * second))
+        return np.asarray(scale * (first + (-1j if vector.conjugated else 1j) * second))
     if (negative := np.flatnonzero(first < 0)).size:
         raise table.fault(
             int(negative[0]), vector.amplitude, f"got {first[negative[0]]:g}, want an amplitude from 0 up"
@@ -209,84 +220,23 @@ def _check_size(table: _Table, values: NDArray[np.float64], column: str, limit: 
 
 
 def _usable(
-    z: NDArray[np.complex128], rig: RigConfig, mapping: TableMapping
+    z: NDArray[np.complex128], covariance: NDArray[np.float64], rig: RigConfig, mapping: TableMapping
 ) -> tuple[NDArray[np.bool_], tuple[tuple[str, ...], ...]]:
-    """Return usable (row, probe) and the reasons (row,): a probe needs all of its vectors."""
+    """Return usable (row, probe) and the reasons (row,): a probe needs all of its vectors, each with an uncertainty."""
     names = [probe.name for probe in rig.probes]
     mapped = {vector.probe for vector in mapping.vectors}
-    usable = np.asarray(np.isfinite(z).all(axis=2))
+    present = np.asarray(np.isfinite(z).all(axis=2))
+    certain = np.asarray((np.diagonal(covariance, axis1=2, axis2=3)[..., 0::2] <= 0).any(axis=1))
     words = {name: "no value" if name in mapped else "not in the table" for name in names}
     reasons = [
-        tuple(f"{name}: {words[name]}" for name, good in zip(names, row, strict=True) if not good) for row in usable
-    ]
-    return usable, tuple(reasons)
-
-
-def _times(
-    omega: NDArray[np.float64], runs: tuple[TableRun, ...], run: NDArray[np.intp]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return t (row,), alpha (row,) and the keyphasor's pulses (pulse,), as far as the runs say.
-
-    Pulses follow only for a single run of consecutive revolutions: between runs nobody knows how much time passed.
-    """
-    t, alpha = np.full(len(omega), np.nan), np.full(len(omega), np.nan)
-    for index, table_run in enumerate(runs):
-        rows = run == index
-        if table_run.rows and len(runs) == 1:
-            pulses = np.concatenate([[0.0], np.cumsum(2 * np.pi / omega)])
-            t = (pulses[1:] + pulses[:-1]) / 2
-            return t, np.gradient(omega, t) if len(t) > 1 else alpha, pulses
-        if table_run.ramp is not None:
-            alpha[rows] = DIRECTIONS[table_run.direction] * table_run.ramp
-        elif table_run.direction == "dwell":
-            alpha[rows] = 0.0
-    return t, alpha, np.empty(0)
-
-
-def _covariance(z: NDArray[np.complex128], run: NDArray[np.intp], stated: Uncertainty | None) -> NDArray[np.float64]:
-    """Return the covariance (row, order, 2 probe, 2 probe) [m^2], probes and parts uncorrelated; NaN where z is.
-
-    Raises DataError if nothing is stated and there are too few rows to estimate it.
-    """
-    if stated is not None:
-        variance = (stated.absolute or 0.0) ** 2 + (stated.relative * np.abs(z)) ** 2
-    else:
-        variance = np.full(z.shape, np.nan)
-        for index, p, n in itertools.product(np.unique(run), range(z.shape[1]), range(z.shape[2])):
-            rows = run == index
-            if np.isfinite(z[rows, p, n]).any():
-                variance[rows, p, n] = scatter_variance(z[rows, p, n])
-    pairs = np.repeat(variance.transpose(0, 2, 1), 2, axis=2)  # (row, order, 2 probe)
-    covariance = np.zeros((*pairs.shape, pairs.shape[2]))
-    diagonal = np.arange(pairs.shape[2])
-    covariance[..., diagonal, diagonal] = pairs
-    return covariance
-
-
-def scatter_variance(z: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Return the variance (row,) of the real or imaginary part of z (row,), from its scatter about local parabolas.
-
-    A parabola through 7 rows leaves of independent errors the share 1 - h in the middle; the median over 41 rows
-    and both parts makes it robust. Follows a curve whose resonance is wider than 7 rows; what is narrower counts as
-    noise, on the safe side. Raises DataError for fewer than 8 rows with a value.
-    """
-    good = np.isfinite(z)
-    if good.sum() <= PARABOLA:
-        raise DataError(
-            f"a run has {good.sum()} rows with values, want more than {PARABOLA} to estimate their uncertainty "
-            "from, or [uncertainty] stated in the mapping"
+        tuple(
+            f"{name}: {words[name] if not there else 'an amplitude of 0 without an absolute uncertainty'}"
+            for name, there, sure in zip(names, *row, strict=True)
+            if sure or not there
         )
-    half = PARABOLA // 2
-    k = np.arange(-half, half + 1)
-    basis = np.stack([np.ones(PARABOLA), k, k**2], axis=1)
-    middle = basis[half] @ np.linalg.pinv(basis)
-    kept = z[good]
-    residual = kept[half:-half] - np.convolve(kept, middle[::-1], mode="valid")
-    parts = np.abs(np.stack([residual.real, residual.imag], axis=1)) / math.sqrt(1 - middle[half])
-    size = min(POOL, len(parts))
-    pooled = np.median(np.lib.stride_tricks.sliding_window_view(parts, size, axis=0), axis=(1, 2))
-    places = np.flatnonzero(good)[half:-half][(size - 1) // 2 :][: len(pooled)]
-    return np.interp(np.arange(len(z)), places, 1.4826 * pooled) ** 2
+        for row in zip(present, certain, strict=True)
+    ]
+    return present & ~certain, tuple(reasons)
 
 
 def _slow_roll(
@@ -297,17 +247,40 @@ def _slow_roll(
     mapping: TableMapping,
     rig: RigConfig,
     orders: tuple[float, ...],
-) -> slow_roll.SlowRoll:
-    """Return the stated slow roll, or that of the run named "slow roll", or none."""
+) -> tuple[slow_roll.SlowRoll, float]:
+    """Return the stated slow roll, or that of the run named "slow roll", or none.
+
+    And the speed [rad/s] of one whose vector was subtracted and is not known; NaN: there is no such. Raises DataError
+    if that speed is not known either.
+    """
     nothing = slow_roll.none(probes=z.shape[1], orders=z.shape[2])
+    if mapping.slow_roll is not None and mapping.slow_roll.vectors:
+        return _convert_stated(mapping.slow_roll, nothing, covariance, rig, orders), math.nan
     if mapping.slow_roll is not None:
-        return _convert_stated(mapping.slow_roll, nothing, covariance, rig, orders)
-    index = next((i for i, table_run in enumerate(mapping.runs) if table_run.name == "slow roll"), None)
+        return nothing, mapping.slow_roll.speed
+    index = next((i for i, table_run in enumerate(mapping.runs) if table_run.name == SLOW_ROLL), None)
     rows = run == index
     if index is None or not rows.any():
-        return nothing
+        if mapping.compensated:
+            raise DataError(f"has no row of the run '{SLOW_ROLL}', want some, or [slow_roll] in the mapping")
+        return nothing, math.nan
     usable = np.isfinite(z[rows]).all(axis=2)
-    return slow_roll.estimate(z[rows], covariance[rows], omega[rows], usable=usable)
+    slow = slow_roll.estimate(z[rows], covariance[rows], omega[rows], usable=usable)
+    if not mapping.compensated:
+        return slow, math.nan
+    _check_nothing_left(slow, rig, orders)
+    return nothing, slow.omega
+
+
+def _check_nothing_left(slow: slow_roll.SlowRoll, rig: RigConfig, orders: tuple[float, ...]) -> None:
+    """Raise DataError if a compensated table shows a slow roll that is not zero."""
+    sigma = np.sqrt(np.diagonal(slow.covariance, axis1=1, axis2=2)[:, 0::2].T)  # (probe, order)
+    for p, n in np.argwhere(np.abs(slow.z) > LEFT * sigma):
+        raise DataError(
+            f"the run '{SLOW_ROLL}' has {micrometres(abs(slow.z[p, n]))} um at probe '{rig.probes[p].name}', order "
+            f"{orders[n]:g}, and a compensated table nothing there; if that is what was subtracted, want it in "
+            "[slow_roll] of the mapping, else compensated = false"
+        )
 
 
 def _convert_stated(
@@ -322,16 +295,11 @@ def _convert_stated(
     z = nothing.z.copy()
     for vector in stated.vectors:
         z[names.index(vector.probe), orders.index(vector.order)] = vector.amplitude * np.exp(1j * vector.phase)
-    return replace(nothing, z=z, covariance=np.median(covariance, axis=0), omega=stated.speed)
+    known = np.isfinite(covariance).any(axis=0)
+    median = np.nanmedian(np.where(known, covariance, 0.0), axis=0)  # a row may lack a value, a probe all of them
+    return replace(nothing, z=z, covariance=np.where(known, median, np.nan), omega=stated.speed)
 
 
 def _run(table_run: TableRun) -> Run:
     direction = DIRECTIONS[table_run.direction]
     return Run(name=table_run.name, direction=direction, trial_unbalance=trial_unbalance(table_run.trial))
-
-
-def _revolutions(table_run: TableRun) -> float:
-    """Return the turns per row; NaN: unknown."""
-    if table_run.rows:
-        return 1.0
-    return table_run.revolutions if table_run.revolutions is not None else math.nan

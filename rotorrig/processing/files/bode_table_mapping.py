@@ -1,22 +1,25 @@
 """Mapping of a Bode table's columns to speeds and vectors: a small TOML file beside the CSV, checked.
 
+compensated = true              # a slow-roll vector was subtracted from every row: say which one in [slow_roll]
+
 [speed]
 column = "rpm"
 unit = "1 rpm"                  # what a 1 in the column stands for
 
 [[vectors]]
 probe = "1x"                    # of the rig's config
-amplitude = "amp"               # columns: amplitude and phase, or real and imaginary
+amplitude = "amp"               # columns: amplitude and phase, or real and imaginary with conjugated
 phase = "phase"
 unit = "1 um"                   # what a 1 in the column stands for: any length, also "127 um"
 amplitude_is = "0-peak"         # or "peak-to-peak", "rms"
 phase_is = "lag"                # or "phase": arg z; x = Re(z exp(j theta))
 phase_unit = "1 deg"
+# conjugated = true             # of real and imaginary alone: x = Re(z exp(-j theta)), as re + j im = A exp(j lag)
 
 [[runs]]
 name = "up"
 direction = "up"                # or "down", "dwell"
-rows = "one per revolution"     # or revolutions = 8, ramp = "30 rpm/s", where known
+ramp = "30 rpm/s"               # of a moving speed, with revolutions = 8 of a row; or rows = "one per revolution"
 trial = [{ disk = "disk", amount = "12 g mm", angle = "90 deg" }]
 
 [uncertainty]                   # left out: estimated from the scatter of the data
@@ -30,6 +33,7 @@ from typing import Literal
 from rotorrig.rig import ConfigError
 from rotorrig.rig.config import Angle, Length, Part, RampRate, RigConfig, Speed, TrialMass, read_toml, validate_table
 
+SLOW_ROLL = "slow roll"  # name of the run that is one
 TURN = 6.3  # rad, the largest unit of a phase
 DIRECTIONS = {"up": 1, "down": -1, "dwell": 0}
 
@@ -54,6 +58,7 @@ class VectorColumns(Part):
     amplitude_is: Literal["0-peak", "peak-to-peak", "rms"] = "0-peak"
     phase_is: Literal["phase", "lag"] | None = None
     phase_unit: Angle | None = None
+    conjugated: bool | None = None
 
     @property
     def columns(self) -> tuple[str, str]:
@@ -84,10 +89,10 @@ class StatedVector(Part):
 
 
 class StatedSlowRoll(Part):
-    """The slow roll of a table without rows of it."""
+    """The slow roll of a table without rows of it; of a compensated one what was subtracted, or its speed alone."""
 
     speed: Speed
-    vectors: tuple[StatedVector, ...]
+    vectors: tuple[StatedVector, ...] = ()
 
 
 class Uncertainty(Part):
@@ -103,6 +108,7 @@ class TableMapping(Part):
     notes: str = ""
     delimiter: str = ","
     run_column: str | None = None
+    compensated: bool | None = None
     window: Literal["rectangular", "hann", "blackman"] = "rectangular"
     speed: SpeedColumn
     vectors: tuple[VectorColumns, ...]
@@ -115,7 +121,8 @@ def load_mapping(path: Path, rig: RigConfig) -> TableMapping:
     """Read and check a mapping against the rig. Raises ConfigError: file, key, got, wanted."""
     table, _ = read_toml(path, want="a mapping")
     mapping = validate_table(TableMapping, table, where=str(path))
-    for fault in (_vector_fault(mapping, rig), _run_fault(mapping, rig), _statement_fault(mapping)):
+    faults = (_vector_fault, _run_fault, _timing_fault, _statement_fault, _compensation_fault)
+    for fault in (find(mapping, rig) for find in faults):
         if fault:
             raise ConfigError(f"{path}: {fault}")
     return mapping
@@ -136,11 +143,28 @@ def _vector_fault(mapping: TableMapping, rig: RigConfig) -> str:
             return f"{key}: probe '{vector.probe}' at order {vector.order:g} is there twice, want it once"
         if sorted(pair.count(None) for pair in (polar, cartesian)) != [0, 2]:
             return f"{key}: want the columns amplitude and phase, or real and imaginary"
-        if vector.amplitude is not None and (vector.phase_is is None or vector.phase_unit is None):
-            return f'{key}: want phase_is = "phase" or "lag", and phase_unit = "1 deg" or "1 rad"'
+        if fault := _sign_fault(vector):
+            return f"{key}.{fault}"
         if vector.phase_unit is not None and not 0 < vector.phase_unit <= TURN:
             return f"{key}.phase_unit: got {vector.phase_unit:g} rad, want what a 1 stands for, such as '1 deg'"
         seen.add((vector.probe, vector.order))
+    return ""
+
+
+def _sign_fault(vector: VectorColumns) -> str:
+    """Return what is wrong with the keys that say which way angles count, empty if nothing."""
+    if vector.amplitude is not None:
+        if vector.conjugated is not None:
+            return 'conjugated: has no meaning for amplitude and phase, want phase_is = "phase" or "lag" alone'
+        if vector.phase_is is None or vector.phase_unit is None:
+            return 'phase: want phase_is = "phase" or "lag", and phase_unit = "1 deg" or "1 rad"'
+        return ""
+    for name in ("phase_is", "phase_unit"):
+        if getattr(vector, name) is not None:
+            return (
+                f"{name}: has no meaning for real and imaginary, want conjugated = true where they are those of "
+                "x = Re(z exp(-j theta)), as re + j im = A exp(j lag), or else nothing"
+            )
     return ""
 
 
@@ -166,7 +190,53 @@ def _run_fault(mapping: TableMapping, rig: RigConfig) -> str:
     return ""
 
 
-def _statement_fault(mapping: TableMapping) -> str:
+def _timing_fault(mapping: TableMapping, rig: RigConfig) -> str:
+    """Return what is wrong with ramps and revolutions, empty if nothing."""
+    for i, run in enumerate(mapping.runs):
+        if run.ramp is None:
+            continue
+        key = f"runs[{i}].ramp"
+        if run.direction == "dwell":
+            return f"{key}: a dwell has none, want direction up or down, or no ramp"
+        if run.rows:
+            return f"{key}: rows are one per revolution and tell the times, want one of the two"
+    moving = [run for run in mapping.runs if run.name != SLOW_ROLL]
+    timed = [run for run in moving if run.ramp is not None or run.rows]
+    for run in moving if timed else ():
+        if run not in timed:
+            return (
+                f"runs: '{timed[0].name}' has a ramp or a row per revolution and '{run.name}' has not, want that of "
+                "every run, as the model follows the speed through all of a table or takes all as steady; leave it out "
+                "everywhere or put them into tables of their own"
+            )
+    return ""
+
+
+def _compensation_fault(mapping: TableMapping, rig: RigConfig) -> str:
+    """Return what is wrong with what was subtracted, empty if nothing."""
+    stated = mapping.slow_roll
+    if not mapping.compensated:
+        if stated and not stated.vectors:
+            return "slow_roll.vectors: is empty, want its vectors; the speed alone will do where compensated = true"
+        return ""
+    if stated is None:
+        if any(run.name == SLOW_ROLL for run in mapping.runs):
+            return ""
+        return (
+            "compensated: want the vectors that were subtracted in [slow_roll], or, where nobody kept them, the speed "
+            'they were taken at: [slow_roll] with speed = "240 rpm" alone'
+        )
+    here = {(vector.probe, vector.order) for vector in stated.vectors}
+    for vector in mapping.vectors if stated.vectors else ():
+        if (vector.probe, vector.order) not in here:
+            return (
+                f"slow_roll: probe '{vector.probe}' at order {vector.order:g} is missing, want what was subtracted "
+                "from every vector, or the speed alone"
+            )
+    return ""
+
+
+def _statement_fault(mapping: TableMapping, rig: RigConfig) -> str:
     """Return what is wrong with the uncertainty, the slow roll or the delimiter, empty if nothing."""
     if len(mapping.delimiter) != 1:
         return f"delimiter: got {mapping.delimiter!r}, want one character"

@@ -63,6 +63,9 @@ def _head(response: OrderTrackedResponse) -> list[str]:
         )
         for line in _HEAD
     ]
+    if np.isfinite(response.compensation_omega):
+        rpm = response.compensation_omega * RPM
+        lines.append(f"# not raw: the table they came from was slow-roll compensated by vectors of {rpm:.0f} rpm")
     return lines + [f"# slow roll: {remark}" for remark in response.slow_roll_remarks]
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition.files import Contents, FileKind, FileWriter, message_type, read_file
 from rotorrig.processing.files import response_scene, response_topics
-from rotorrig.processing.response import Method, OrderTrackedResponse, Run, Window
+from rotorrig.processing.response import MainsHum, Method, OrderTrackedResponse, Run, Window
 from rotorrig.rig import DataError
 
 KIND = FileKind(name="response", version=1, remedy="make it anew with `rotor track`")
@@ -35,6 +35,9 @@ TABLE = message_type(
         "method": "string",  # and what follows: empty in files of before they were known
         "remarks_json": "string",  # [[...], ...] per row, or []
         "slow_roll_remarks": "repeated string",
+        "compensation_omega_rad_s": "double",  # 0: the vectors are raw
+        "derived_times": "bool",
+        "mains_json": "string",  # [{frequency_hz, t_s: [...], stray_rad: [...]}]
     },
 )
 ARRAY = message_type(
@@ -96,8 +99,9 @@ def read_response(path: Path) -> OrderTrackedResponse:
         runs = tuple(_run(run) for run in json.loads(table.runs_json))
         reasons = _words(table.reasons_json)
         remarks = _words(table.remarks_json or "[]")
+        mains = tuple(_mains(values) for values in json.loads(table.mains_json or "[]"))
     except (ValueError, TypeError, KeyError) as error:
-        raise DataError(f"{path}: its runs or reasons cannot be read ({error})") from error
+        raise DataError(f"{path}: its runs, reasons or hum cannot be read ({error})") from error
     if table.window not in get_args(Window):
         raise DataError(f"{path}: has window {table.window[:40]!r}, want one of {', '.join(get_args(Window))}")
     method: Any = table.method or "unknown"
@@ -112,6 +116,9 @@ def read_response(path: Path) -> OrderTrackedResponse:
         method=method,
         slow_roll_omega=table.slow_roll_omega_rad_s,
         slow_roll_remarks=tuple(table.slow_roll_remarks),
+        compensation_omega=table.compensation_omega_rad_s or math.nan,
+        derived_times=bool(table.derived_times),
+        mains=mains,
         reasons=reasons,
         remarks=remarks,
         source=contents.source,
@@ -141,11 +148,21 @@ def _table(response: OrderTrackedResponse) -> dict[str, Any]:
         "method": response.method,
         "remarks_json": json.dumps(response.remarks),
         "slow_roll_remarks": response.slow_roll_remarks,
+        "compensation_omega_rad_s": float(np.nan_to_num(response.compensation_omega)),
+        "derived_times": response.derived_times,
+        "mains_json": json.dumps(
+            [{"frequency_hz": m.frequency, "t_s": m.t.tolist(), "stray_rad": m.stray.tolist()} for m in response.mains]
+        ),
     }
 
 
 def _words(text: str) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(str(word) for word in row) for row in json.loads(text))
+
+
+def _mains(values: dict[str, Any]) -> MainsHum:
+    t, stray = (np.array(values[key], dtype=float) for key in ("t_s", "stray_rad"))
+    return MainsHum(frequency=float(values["frequency_hz"]), t=t, stray=stray)
 
 
 def _run(values: dict[str, Any]) -> Run:

@@ -2,10 +2,12 @@
 
 Two sources, added: everything in the waveforms between the order lines, as a cross-spectral matrix S(f) of the
 probes seen through each row's window; and the timing error of the keyphasor's edges, which turns a vector by a
-random angle. A line of noise, a natural frequency excited by the bearings or mains hum, so raises the covariance of
-the rows whose order crosses it, and correlates the probes as it does itself.
+random angle. A natural frequency that the bearings excite so raises the covariance of the rows whose order crosses it,
+and correlates the probes as it does itself. Mains hum does not: it keeps its phase, so it is no noise, and every
+fit has it among its nuisances.
 
-Welch, IEEE Trans. Audio Electroacoust. AU-15 (1967) 70. S(f) is taken as the same over the whole recording.
+Welch, IEEE Trans. Audio Electroacoust. AU-15 (1967) 70. S(f) keeps its shape over the whole recording; how loud it is
+may rise or fall with speed, as bearings do.
 """
 
 from dataclasses import dataclass
@@ -15,7 +17,9 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.signal.windows import kaiser
 
+from rotorrig.processing.noise.hum_phase import FOLLOWED
 from rotorrig.processing.noise.mains_lines import Line, LineSearch
+from rotorrig.processing.response import MainsHum
 from rotorrig.processing.rows import Rows
 from rotorrig.processing.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.tracking import NoiseResponse, angular_resampling
@@ -26,7 +30,9 @@ from rotorrig.rig import DataError
 SEGMENT = 2.0  # s: resolves a natural frequency damped by 1 % at 40 Hz
 BETA = 16.0  # of the segments' Kaiser window: side lobes at -118 dB, since a resonance may stand 108 dB above the noise
 GUARD = 3.0  # Hz on either side of an order line: the window's main lobe is 2.6 Hz wide
+HUM = 3.0  # Hz on either side of the mains and its harmonics: the window's main lobe, and what the grid strays
 LINES = 6  # orders 0 to 6 and those asked for are kept out
+CHANGED = 0.2  # of the mean speed: less tells no growth of the noise with speed
 OUTLIER = 10.0  # times the median power of a bin: a knock, not noise
 MOST = 512  # segments averaged, evenly spread over a longer recording: memory that does not grow with it
 FEWEST = 8  # segments a bin must have been seen in, more for more probes
@@ -41,7 +47,9 @@ class NoiseSpectrum:
 
     frequency: NDArray[np.float64]  # (bin,) Hz, equally spaced from 0
     density: NDArray[np.complex128]  # (bin, probe, probe) m^2/Hz, Hermitian, positive definite
-    lines: tuple[Line, ...] = ()  # at fixed frequencies; the density has them in it
+    growth: float = 0.0  # s/rad, of the logarithm of the density with speed, over that at standstill
+    lines: tuple[Line, ...] = ()  # at fixed frequencies
+    mains: tuple[MainsHum, ...] = ()  # those of them that are not in the density
 
 
 def noise_spectrum(
@@ -57,7 +65,7 @@ def noise_spectrum(
     frequency = frequency[frequency <= up_to]
     scale = 1 / (waveforms.rate * np.sum(taper**2))
     lines = sorted({*range(LINES + 1), *(abs(order) for order in orders)})
-    spectra, clear = [], []
+    spectra, clear, speeds = [], [], []
     search = LineSearch(frequency, taper=taper, rate=waveforms.rate, hop=size // 2, probes=waveforms.probes)
     starts = _segment_starts(waveforms, shaft, size)
     stride = -(-len(starts) // MOST)
@@ -72,14 +80,27 @@ def noise_spectrum(
             if number % stride == 0:
                 spectra.append((spectrum * np.sqrt(scale)).astype(np.complex64))
                 clear.append(free)
+                speeds.append(float(omega.mean()))
             search.add_segment(begin, spectrum, free, speeds=(float(omega.min()), float(omega.max())))
     if not spectra:
         raise DataError(
             f"{waveforms.where}: has no {SEGMENT:g} s of running without a gap, want some to tell noise from vibration"
         )
-    density = _average(frequency, np.stack(spectra), np.stack(clear), waveforms.where)
+    each, free = np.stack(spectra), np.stack(clear)
+    density = _average(frequency, each, free, waveforms.where)
+    growth = _growth(each, free, np.array(speeds), density)
+    each *= np.exp(-growth / 2 * np.array(speeds))[:, None, None]
+    density = _average(frequency, each, free, waveforms.where)
     floor = np.diag((FLOOR * waveforms.metres_per_count) ** 2 / waveforms.rate)
-    return NoiseSpectrum(frequency=frequency, density=density + floor, lines=search.lines())
+    found = search.lines()
+    hum = [line for line in found if 0 < line.harmonic <= FOLLOWED]
+    return NoiseSpectrum(
+        frequency=frequency,
+        density=_cut(frequency, density, hum) + floor,
+        growth=growth,
+        lines=found,
+        mains=tuple(search.follow(line) for line in hum),
+    )
 
 
 def row_covariance(
@@ -105,6 +126,7 @@ def row_covariance(
         power = _filtered_power(
             density, spectrum.frequency[1], order * rows.omega / TURN, rows.turns * TURN / rows.omega, table
         )
+        power *= np.exp(spectrum.growth * rows.omega)[:, None, None]
         covariance[:, k] = _real_pairs(4 * power) if order else _real_pairs(2 * power.real.astype(complex))
     return covariance
 
@@ -162,12 +184,47 @@ def _average(
     if not enough.any():
         raise DataError(f"{where}: too short to tell noise from vibration, want some ten seconds at changing speed")
     total = np.einsum("sfp,sfq,sf->fpq", spectra, spectra.conj(), used, dtype=np.complex128)
-    known = total[enough] / observed[enough, None, None]
-    density = np.empty_like(total)
-    for p in range(total.shape[1]):
-        for q in range(total.shape[1]):  # entries between positive definite matrices: positive definite again
-            density[:, p, q] = np.interp(frequency, frequency[enough], known[:, p, q])
-    return density
+    return _interpolate(frequency, frequency[enough], total[enough] / observed[enough, None, None])
+
+
+def _growth(
+    spectra: NDArray[np.complex64],
+    clear: NDArray[np.bool_],
+    speeds: NDArray[np.float64],
+    density: NDArray[np.complex128],
+) -> float:
+    """Return the growth of the logarithm of the noise with speed [s/rad], as bearings get noisier the faster they turn.
+
+    A straight line through the levels of all segments, each the mean over its clear bins of |X|^2 over the density.
+    """
+    own = np.einsum("fpp->fp", density).real
+    ratio = np.minimum(np.mean(np.abs(spectra) ** 2 / np.maximum(own, np.finfo(np.float32).tiny), axis=2), OUTLIER)
+    bins = clear.sum(axis=1)
+    total = np.sum(ratio, axis=1, where=clear)
+    some = (bins >= FEWEST) & (total > 0)
+    if some.sum() < FEWEST or np.ptp(speeds[some]) < CHANGED * speeds[some].mean():
+        return 0.0
+    level, off = np.log(total[some] / bins[some]), speeds[some] - speeds[some].mean()
+    return float(off @ level / (off @ off))
+
+
+def _cut(frequency: NDArray[np.float64], density: NDArray[np.complex128], hum: list[Line]) -> NDArray[np.complex128]:
+    """Return the density with the bins about the lines of `hum` taken from those beside them."""
+    kept = np.ones(len(frequency), dtype=bool)
+    for line in hum:
+        kept &= np.abs(frequency - line.frequency) > HUM
+    return _interpolate(frequency, frequency[kept], density[kept])
+
+
+def _interpolate(
+    frequency: NDArray[np.float64], known: NDArray[np.float64], density: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Return matrices at all frequencies by those `known`: between positive definite ones, they are so again."""
+    whole = np.empty((len(frequency), *density.shape[1:]), dtype=complex)
+    for p in range(density.shape[1]):
+        for q in range(density.shape[1]):
+            whole[:, p, q] = np.interp(frequency, known, density[:, p, q])
+    return whole
 
 
 @njit(cache=True)

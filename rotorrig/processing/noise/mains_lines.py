@@ -6,8 +6,8 @@ recording to the next it advances by exactly 2 pi f hop, again and again, where 
 segments has one vote, so that a knock or a passing resonance decides nothing. Segments in which an order of the shaft
 came near the frequency do not count, and a line counts only if the speed changed meanwhile.
 
-What a line adds to a row's vectors is a remark and masks nothing: a model may know the hum (sims/effects/line_hum),
-and for that it needs the rows it falls into. The covariance of these rows has it in it already (noise).
+What a line adds to a row's vectors is a remark and masks nothing: a model knows the hum, and for that it needs the rows
+it falls into. The covariance of these rows has a line that is not of the mains in it (noise).
 """
 
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.processing.response import OrderTrackedResponse, Window
+from rotorrig.processing.noise.hum_phase import MAINS, HumPhase
+from rotorrig.processing.response import MainsHum, OrderTrackedResponse, Window
 from rotorrig.processing.rows import Rows
 from rotorrig.processing.shaft_angle import TURN
 from rotorrig.processing.tracking import support
 from rotorrig.processing.windows import blackman, hann
 from rotorrig.rig.config import micrometres
 
-MAINS = (50.0, 60.0)  # Hz
 MAINS_WITHIN = 0.005  # of the frequency: a grid holds 0.2 %, a diesel generator 0.5 %
 LOWEST = 5.0  # Hz: below, drift and the lines' own width leave no floor to stand above
 FLOOR_REACH = 15.0  # Hz on either side, for the noise a line must stand above
@@ -50,13 +50,16 @@ class Line:
     amplitude: NDArray[np.float64]  # (probe,) m 0-peak; 0 where that probe has none that can be told from noise
 
     @property
+    def harmonic(self) -> int:
+        """Which harmonic of the mains it is, 1 the mains themselves; 0: none."""
+        nearest = [(round(self.frequency / mains), mains) for mains in MAINS]
+        within = [n for n, mains in nearest if n and abs(self.frequency - n * mains) <= MAINS_WITHIN * n * mains]
+        return min(within, default=0)
+
+    @property
     def name(self) -> str:
         """Name for a reader: "mains hum at 50.0 Hz" or "a fixed line at 37.2 Hz"."""
-        for mains in MAINS:
-            harmonic = round(self.frequency / mains)
-            if harmonic and abs(self.frequency - harmonic * mains) <= MAINS_WITHIN * harmonic * mains:
-                return f"mains hum at {self.frequency:.1f} Hz"
-        return f"a fixed line at {self.frequency:.1f} Hz"
+        return f"{'mains hum' if self.harmonic else 'a fixed line'} at {self.frequency:.1f} Hz"
 
 
 class LineSearch:
@@ -74,6 +77,7 @@ class LineSearch:
         self._slowest = np.full(len(frequency), np.inf)
         self._fastest = np.zeros(len(frequency))
         self._last: tuple[int, NDArray[np.complex128], NDArray[np.bool_]] | None = None
+        self._hum = HumPhase(frequency, taper=taper, rate=rate)
 
     def add_segment(
         self, begin: int, spectrum: NDArray[np.complex128], clear: NDArray[np.bool_], *, speeds: tuple[float, float]
@@ -82,6 +86,7 @@ class LineSearch:
 
         `clear` (bin,) are the bins that no order came near; `speeds` the shaft's lowest and highest in it [rad/s].
         """
+        self._hum.add_segment(begin, spectrum, clear)
         power = np.abs(spectrum) ** 2
         unit = spectrum / np.sqrt(np.maximum(power, np.finfo(float).tiny))
         self._log_power[clear] += np.log(np.maximum(power[clear], np.finfo(float).tiny))
@@ -113,6 +118,10 @@ class LineSearch:
             lines.append(self._line(peak, power[peak], detected[peak]))
             above[np.abs(self._frequency - self._frequency[peak]) <= LOBE] = 0
         return tuple(sorted(lines, key=lambda line: line.frequency))
+
+    def follow(self, line: Line) -> MainsHum:
+        """Return how the phase of a line found, a harmonic of the mains up to `FOLLOWED`, went through the segments."""
+        return self._hum.follow(line.frequency)
 
     def _floor(self, k: int, power: NDArray[np.float64], judged: NDArray[np.bool_]) -> NDArray[np.float64]:
         """Return the noise floor (probe,) about bin `k`: the median of near bins outside a line's width.

@@ -34,10 +34,12 @@ from rotorrig.rig.config.nameplate import (
     RampRate,
     Rate,
     Rayleigh,
+    Section,
     Shaft,
     Speed,
     Time,
     Tube,
+    Unbalance,
 )
 from rotorrig.rig.config.sweep_plans import DwellAt, Plan, RunUpCoastDown, RunUpRampDown, Stepped, TrialMassRuns
 from rotorrig.rig.config.toml_file import read_toml
@@ -80,6 +82,7 @@ __all__ = [
     "RigConfig",
     "RunUpCoastDown",
     "RunUpRampDown",
+    "Section",
     "Shaft",
     "Speed",
     "Stepped",
@@ -87,6 +90,7 @@ __all__ = [
     "TrialMass",
     "TrialMassRuns",
     "Tube",
+    "Unbalance",
     "bundled_config",
     "bundled_configs",
     "copy_config",

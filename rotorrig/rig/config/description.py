@@ -19,13 +19,11 @@ from rotorrig.rig.config.nameplate import (
     COEFFICIENTS,
     MOST,
     SHORTEST,
-    Angle,
     Bearing,
     CrossDamping,
     CrossStiffness,
     Damping,
     Disk,
-    Length,
     Name,
     Part,
     Plane,
@@ -34,9 +32,9 @@ from rotorrig.rig.config.nameplate import (
     Speed,
     Stiffness,
     Text,
-    Time,
     UnbalanceAmount,
 )
+from rotorrig.rig.config.prior import LATER_PRIORS, Prior
 from rotorrig.rig.config.sweep_plans import Plan, TrialMassRuns
 from rotorrig.rig.config.toml_file import parse_toml, read_toml
 from rotorrig.rig.config.trial_mass import read_trial_mass
@@ -44,6 +42,8 @@ from rotorrig.rig.config.validation import validate_table
 from rotorrig.rig.errors import ConfigError
 from rotorrig.rig.provenance import short_hash
 
+HUB_WIDTH = 2.5  # shaft diameters, where a disk does not state it
+TILT = 0.01  # of E I / diameter: 100 N m/rad on a 10 mm steel shaft, as a small ball bearing; grows as bearings do
 SAMPLES_PER_PULSE = 5  # of the keyphasor: two on either level and one to spare
 
 
@@ -127,21 +127,6 @@ class Identify(Part):
         return self
 
 
-class Prior(Part):
-    """Uncertainty of the nameplate, one standard deviation each: nuisances of every fit, never reported as causes."""
-
-    youngs_modulus: float = Field(0.01, gt=0, le=1)  # relative
-    disk_mass: float = Field(0.01, gt=0, le=1)  # relative
-    bearing: float = Field(0.05, gt=0, le=1)  # relative, stiffness of the bearings not identified
-    probe_gain: float = Field(0.01, gt=0, le=1)  # relative
-    probe_linearity: float = Field(0.003, ge=0, le=1)  # of the reading: nonlinearity that remains after calibration
-    probe_angle: Annotated[Angle, Field(gt=0)] = 0.01745329  # 1 degree, of every probe
-    runout: Length = 10e-6  # per probe, 0-peak; the slow-roll vector narrows it
-    keyphasor_angle: Annotated[Angle, Field(gt=0)] = 0.034906585  # 2 degrees, of the mark; trial masses narrow it
-    rotating_damping: Time = 5e-6  # of the shaft: stress proportional to strain rate; of steel
-    line_hum: Length = 0.2e-6  # 0-peak, mains hum in a probe
-
-
 class RigConfig(Part):
     """The rig as its nameplate tells it, in SI units; `load` makes one from a TOML file."""
 
@@ -191,6 +176,9 @@ class RigConfig(Part):
         table = self.model_dump(mode="json", exclude=exclude)
         if self.identify and self.identify.search == "vector":
             del table["identify"]["search"]  # the usual one: a config that does not name it keeps its hash
+        for key in LATER_PRIORS:  # likewise
+            if getattr(self.prior, key) == Prior.model_fields[key].default:
+                del table["prior"][key]
         return short_hash(json.dumps(table, sort_keys=True).encode())
 
     def disk(self, name: str) -> Disk:
@@ -204,6 +192,17 @@ class RigConfig(Part):
     def probe(self, name: str) -> Probe:
         """Return the probe of that name."""
         return next(p for p in self.probes if p.name == name)
+
+    def hub_width(self, disk: str) -> float:
+        """Return how much of the shaft [m] the hub of that disk may stiffen."""
+        found = self.disk(disk)
+        return found.hub_width or HUB_WIDTH * self.shaft.tube_at(found.position).diameter
+
+    def tilt_prior(self, bearing: str) -> float:
+        """Return the standard deviation of the tilt stiffness [N m/rad] of that bearing."""
+        tube = self.shaft.tube_at(self.bearing(bearing).position)
+        second_moment = math.pi / 64 * (tube.diameter**4 - tube.inner_diameter**4)
+        return self.prior.tilt or TILT * tube.youngs_modulus * second_moment / tube.diameter
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

@@ -65,6 +65,7 @@ Density = Annotated[float, reads("density"), Field(gt=0)]
 Modulus = Annotated[float, reads("modulus"), Field(gt=0)]
 PoissonRatio = Annotated[float, Field(ge=0, lt=0.5)]
 Stiffness = Annotated[float, reads("stiffness"), Field(ge=0)]
+TiltStiffness = Annotated[float, reads("tilt stiffness"), Field(ge=0)]
 CrossStiffness = Annotated[float, reads("stiffness")]
 Damping = Annotated[float, reads("damping"), Field(ge=0)]
 CrossDamping = Annotated[float, reads("damping")]
@@ -161,6 +162,11 @@ class Shaft(Part):
             )
         return tuple(tubes)
 
+    def tube_at(self, position: float) -> Tube:
+        """Return the stretch at a position [m]; at a step the one behind it."""
+        tubes = self.tubes
+        return next((tube for tube in tubes if position < tube.end), tubes[-1])
+
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
         for name in ("length", "diameter"):
@@ -201,6 +207,16 @@ class Unbalance(Part):
     angle: Angle = 0.0  # from the keyphasor mark, in the sense of rotation
 
 
+def is_none(value: float | None) -> bool:
+    """Return whether a value is left out of what is hashed: a config without the key keeps the hash it had before."""
+    return value is None
+
+
+def is_zero(value: float) -> bool:
+    """Return whether a value is left out of what is hashed, as by `is_none`."""
+    return value == 0
+
+
 class Disk(Part):
     """A rigid disk, with the unbalance expected of it."""
 
@@ -211,6 +227,8 @@ class Disk(Part):
     transverse_inertia: Inertia  # about a diameter, through its middle
     width: Length = 0.025  # for the drawing only
     diameter: Length = 0.075  # for the drawing only
+    #: along the shaft, of what may stiffen it (`prior.hub`); default: 2.5 shaft diameters
+    hub_width: Length | None = Field(None, exclude_if=is_none)
     unbalance: Unbalance | None = None  # as expected: initial guess of a fit, and unbalance of the simulated rig
 
 
@@ -271,15 +289,11 @@ DirectC = Annotated[Annotated[Damping, Tag(NUMBER)] | Annotated[DampingOverSpeed
 CrossC = Annotated[Annotated[CrossDamping, Tag(NUMBER)] | Annotated[CrossDampingOverSpeed, Tag(TABLE)], _EITHER]
 
 
-def is_none(value: float | None) -> bool:
-    """Return whether a value is left out of what is hashed: a config without the key keeps the hash it had before."""
-    return value is None
-
-
 class Bearing(Part):
     """Eight linear coefficients between shaft and ground, [N/m] and [N s/m], each constant or over speed.
 
-    A `rigid` one has none and holds the shaft at x = y = 0, free to tilt. x and y are the probes' axes.
+    A `rigid` one has none and holds the shaft at x = y = 0, free to tilt but for `tilt_stiffness`. x and y are the
+    probes' axes.
     """
 
     name: Name  # of your choice, unique
@@ -293,6 +307,9 @@ class Bearing(Part):
     cyy: DirectC = 0.0  # force along y per velocity along y
     cxy: CrossC = 0.0  # force along x per velocity along y
     cyx: CrossC = 0.0  # force along y per velocity along x
+    tilt_stiffness: TiltStiffness = Field(
+        0.0, exclude_if=is_zero
+    )  # moment against the shaft's tilt in it, alike in x, y
     clearance: Length | None = Field(None, exclude_if=is_none)  # diametral; drawn as a circle about the centreline
 
     @property

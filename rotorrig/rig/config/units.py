@@ -23,6 +23,7 @@ QUANTITIES: dict[str, tuple[str, str, float]] = {
     "density": ("kg/m^3", "7801 kg/m^3", 1e6),
     "modulus": ("Pa", "208.11 GPa", 1e15),
     "stiffness": ("N/m", "33.9 kN/m", 1e15),
+    "tilt stiffness": ("N m/rad", "100 N m/rad", 1e12),
     "damping": ("N s/m", "15 N s/m", 1e12),
     "damping rate": ("1/s", "0.1 1/s", 1e9),
     "unbalance": ("kg m", "15 g mm", 1e3),
@@ -111,6 +112,23 @@ def reads(quantity: str) -> BeforeValidator:
         return to_si(value, quantity)
 
     return BeforeValidator(validate)
+
+
+def read_share(value: object) -> object:
+    """Return a part of something, written as a number or in per cent, as a number. Raises ValueError.
+
+    >>> read_share("0.2 %"), read_share(0.01)
+    (0.002, 0.01)
+    """
+    if not isinstance(value, str):
+        return value
+    number, sign, rest = value.strip().partition("%")
+    try:
+        if sign and not rest:
+            return float(f"{float(number) / 100:.15g}")  # 7 % is 0.07, not 0.07000000000000001
+    except ValueError:
+        pass
+    raise ValueError(f"got '{value}', want a number such as 0.002, or text in per cent such as '0.2 %'")
 
 
 def micrometres(length: float) -> str:

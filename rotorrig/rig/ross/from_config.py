@@ -13,7 +13,8 @@ from rotorrig.rig.ross.rotor import BearingElement, DiskElement, Material, RossR
 def ross_rotor(rig: RigConfig, *, nodes: Sequence[float]) -> RossRotor:
     """Return the rotor on a mesh of `nodes` [m], which must hold the ends of sections and every disk and bearing.
 
-    Raises ConfigError on what ROSS cannot represent: a rigid bearing, structural damping, rotation from y to x.
+    Raises ConfigError on what ROSS cannot represent: a rigid bearing or one that resists tilt, structural damping,
+    rotation from y to x.
     """
     _check(rig)
     z = np.asarray(nodes, dtype=float)
@@ -48,6 +49,10 @@ def _check(rig: RigConfig) -> None:
     for bearing in rig.bearings:
         if bearing.rigid:
             raise ConfigError(f"bearing '{bearing.name}': is rigid, want kxx and kyy: ROSS has no rigid support")
+        if bearing.tilt_stiffness:
+            raise ConfigError(
+                f"bearing '{bearing.name}': has a tilt_stiffness, want none: ROSS's bearings resist no tilt"
+            )
 
 
 def _element(rig: RigConfig, n: int, left: float, right: float) -> ShaftElement:

@@ -1,8 +1,8 @@
 """Mains hum in the probes' signals, and how much of it a row's window lets through at each order.
 
 The hum is common to all probes and does not turn with the shaft; where n Omega passes its frequency it falls into the
-tracking filter for a moment. From the keyphasor's times the leak follows exactly, phase and all, as long as the mains
-keep their frequency. Source: Harris, On the use of windows for harmonic analysis, Proc. IEEE 66 (1978) 51-83.
+tracking filter for a moment. From the keyphasor's times the leak follows exactly, phase and all; of mains that stray,
+if the context says how. Source: Harris, On the use of windows for harmonic analysis, Proc. IEEE 66 (1978) 51-83.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ LEAST_PULSES = 4  # that a time line needs
 
 @dataclass(frozen=True, kw_only=True)
 class LineHum(Effect):
-    """The phasor "hum" [m] of Re(a e^{j 2 pi f t}), t as in the recording."""
+    """The phasor "hum" [m] of Re(a e^{j 2 pi f t}), t as in the recording, or of the mains' own phase."""
 
     name = "line_hum"
     title = "mains hum"
@@ -60,7 +60,10 @@ def leak(context: ReadingContext, rows: NDArray[np.intp], frequency: float) -> C
     weight = window_weights(2 * x, context.window)
     turn = timeline.theta(context.t[rows])[:, None] / TURN + context.revolutions[rows, None] * x
     t = CubicSpline(np.arange(len(timeline.t)), timeline.t)(turn)
-    signal = 2 * np.cos(TURN * frequency * t)
+    phase = TURN * frequency * t
+    if frequency in context.strays:
+        phase += np.interp(t, *context.strays[frequency])
+    signal = 2 * np.cos(phase)
     turn = turn * np.sign(context.omega[rows, None])
     return (signal * np.exp(-1j * TURN * context.order * turn)) @ (weight / weight.sum())
 

@@ -16,6 +16,7 @@ from rotorrig.sims.effects.places import bearing_groups, bearing_words
 from rotorrig.sims.rotor.model import Added, RotorModel, with_added, with_coordinates
 
 HZ = 2 * math.pi  # rad/s
+LOOKED_AT = tuple(HZ * float(f) for f in np.geomspace(9.0, 65.0, 24))  # rad/s: 9 % apart, about a resonance's width
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +66,7 @@ def effects(rig: RigConfig) -> tuple[Pedestal, ...]:
             high=70 * HZ,
             size=2 * HZ,
             at_zero=30 * HZ,
-            starts=(14 * HZ, 22 * HZ, 33 * HZ, 50 * HZ),
+            starts=LOOKED_AT,
         ),
         Parameter(name="damping ratio", unit="", low=0.005, high=0.15, size=0.02, at_zero=0.03, starts=(0.03,)),
     )

@@ -7,16 +7,17 @@ import numpy as np
 
 from rotorrig.rig import ConfigError, DataError
 from rotorrig.rig.config import Bearing, Disk, RigConfig
+from rotorrig.sims.plant.deviations import draw_geometry, draw_tailed, draw_unmodelled
 from rotorrig.sims.plant.faults import apply_deviations, check_fault, check_faults, load_fault
 from rotorrig.sims.plant.streams import stream
-from rotorrig.sims.plant.truth import BearingTruth, FaultSpec, Noise, Truth, UnbalanceTruth
+from rotorrig.sims.plant.truth import BearingTruth, FaultSpec, Geometry, Noise, Truth, UnbalanceTruth, Unmodelled
 
 # Uniform within +-, relative to the nameplate: what nobody knows of a bearing before a test.
 STIFFNESS_TOLERANCE = 0.05
 DAMPING_TOLERANCE = 0.20
 UNBALANCE_TOLERANCE = 0.10
 
-# One standard deviation, clipped at two: what a careful workshop reaches.
+# The core's standard deviation, see `deviations.draw_tailed`: what a careful workshop reaches, mostly.
 MODULUS_SIGMA = 0.01
 DENSITY_SIGMA = 0.002
 DISK_MASS_SIGMA = 0.005
@@ -35,12 +36,16 @@ def draw(
     faults: Iterable[FaultSpec] = (),
     trial: Mapping[str, tuple[float, float]] | None = None,
     run: int = 0,
+    unmodelled: bool = True,
+    geometry: bool = False,
 ) -> Truth:
     """Return the rig of that seed: the nameplate within its tolerances. Raises DataError on an unknown fault.
 
     `trial` masses, disk -> (kg m, rad), are put where the disk is marked: their angle is the shaft's, from angle zero
     in the sense of rotation, and not from the keyphasor's edge, which is off by its hidden offset. Another `run` is
-    the same rig with another noise. Raises DataError too on a trial mass for no disk and on a negative run.
+    the same rig with another noise. `unmodelled` rigs also do what no nameplate speaks of, and with `geometry` parts
+    stand and fit a little otherwise than it says (see `deviations`). Raises DataError too on a trial mass for no disk
+    and on a negative run.
     Raises ConfigError on a rigid bearing, coefficients over speed, or shaft damping, which is the simulated rig's own.
     """
     _check_can_be_simulated(rig)
@@ -50,11 +55,11 @@ def draw(
         seed=seed,
         bearings=_draw_bearings(rig, seed),
         unbalances=tuple(_draw_unbalance(rig, disk, seed) for disk in rig.disks),
-        modulus_factor=1.0 + _draw_clipped(seed, "modulus", MODULUS_SIGMA),
-        density_factor=1.0 + _draw_clipped(seed, "density", DENSITY_SIGMA),
-        disk_mass_factors=tuple(1.0 + _draw_clipped(seed, f"mass {d.name}", DISK_MASS_SIGMA) for d in rig.disks),
-        probe_gain_factors=tuple(1.0 + _draw_clipped(seed, f"gain {i}", GAIN_SIGMA) for i in probes),
-        probe_angle_errors=tuple(_draw_clipped(seed, f"angle {i}", PROBE_ANGLE_SIGMA) for i in probes),
+        modulus_factor=1.0 + draw_tailed(seed, "modulus", MODULUS_SIGMA),
+        density_factor=1.0 + draw_tailed(seed, "density", DENSITY_SIGMA),
+        disk_mass_factors=tuple(1.0 + draw_tailed(seed, f"mass {d.name}", DISK_MASS_SIGMA) for d in rig.disks),
+        probe_gain_factors=tuple(1.0 + draw_tailed(seed, f"gain {i}", GAIN_SIGMA) for i in probes),
+        probe_angle_errors=tuple(draw_tailed(seed, f"angle {i}", PROBE_ANGLE_SIGMA) for i in probes),
         probe_curvatures=tuple(
             (
                 _draw_within(seed, f"quadratic {i}", CURVATURE_TOLERANCE),
@@ -62,9 +67,11 @@ def draw(
             )
             for i in probes
         ),
-        keyphasor_offset=_draw_clipped(seed, "keyphasor", KEYPHASOR_SIGMA),
+        keyphasor_offset=draw_tailed(seed, "keyphasor", KEYPHASOR_SIGMA),
         runout_seed=seed,
         noise=Noise(),
+        unmodelled=draw_unmodelled(rig, seed) if unmodelled else Unmodelled(),
+        geometry=draw_geometry(rig, seed) if geometry else Geometry(),
         faults=check_faults(faults),
         trial=_trial_masses(rig, trial or {}),
         run=_check_run(run),
@@ -198,7 +205,3 @@ def _draw_unbalance(rig: RigConfig, disk: Disk, seed: int) -> UnbalanceTruth:
 
 def _draw_within(seed: int, name: str, tolerance: float) -> float:
     return float(stream(seed, name).uniform(-tolerance, tolerance))
-
-
-def _draw_clipped(seed: int, name: str, sigma: float) -> float:
-    return float(np.clip(stream(seed, name).normal(), -2.0, 2.0) * sigma)

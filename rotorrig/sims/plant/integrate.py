@@ -14,6 +14,7 @@ from numba.typed import List
 from numpy.typing import NDArray
 
 from rotorrig.rig import DataError
+from rotorrig.sims.plant.deviations import REFERENCE
 from rotorrig.sims.plant.force_laws import LAW, Force, Motion, Turn
 from rotorrig.sims.plant.shaft import Rotor
 
@@ -38,6 +39,8 @@ class _Loads(NamedTuple):
     unbalance_at: NDArray[np.intp]  # (disk,)
     unbalance: NDArray[np.float64]  # (disk, 2) kg m and signed angle
     random_at: NDArray[np.intp]  # (bearing,)
+    damped_at: NDArray[np.intp]  # (damper,)
+    damping: NDArray[np.float64]  # (damper, 2) N s/m per rad/s, in x and y
 
 
 class _Forces(NamedTuple):
@@ -60,13 +63,15 @@ class ShaftMotion:
         gravity: tuple[float, float] = (0.0, 0.0),
         unbalances: tuple[tuple[float, float, float], ...] = (),
         random_at: tuple[float, ...] = (),
+        damping: tuple[tuple[float, float, float], ...] = (),
         forces: tuple[Force, ...] = (),
         watched: tuple[float, ...] = (),
     ) -> None:
         """Set up forces and outputs; all places in m must be coordinates of `rotor`, `step` in s.
 
         `unbalances` are (place, kg m, rad in signed shaft angle), `random_at` the places of the forces handed to
-        `run`, `watched` the places whose deflection it returns.
+        `run`, `damping` (place, N s/m per rad/s in x, in y) what speed adds to it above
+        `deviations.REFERENCE` and takes off below, `watched` the places whose deflection it returns.
         """
         n, h = rotor.n, step
         self._h = h
@@ -81,6 +86,8 @@ class ShaftMotion:
             unbalance_at=_indices(rotor, tuple(u[0] for u in unbalances)),
             unbalance=np.array([u[1:] for u in unbalances]).reshape(-1, 2),
             random_at=_indices(rotor, random_at),
+            damped_at=_indices(rotor, tuple(d[0] for d in damping)),
+            damping=np.array([d[1:] for d in damping]).reshape(-1, 2),
         )
         self._watched = _indices(rotor, watched)
         self._state = np.zeros((3, 2 * n))
@@ -214,6 +221,17 @@ def _end_of_step(q0: NDArray, v0: NDArray, a: NDArray, h: float, q: NDArray, v: 
 
 
 @njit(cache=True)
+def _add_damping(loads: _Loads, omega: float, v0: NDArray, a: NDArray, h: float, f: NDArray) -> None:
+    """Add what speed does to the bearings' damping, at the velocity of the end of the step."""
+    n = len(f) // 2
+    for k in range(len(loads.damped_at)):
+        at = loads.damped_at[k]
+        over = abs(omega) - REFERENCE
+        f[at] -= over * loads.damping[k, 0] * (v0[at] + h / 2.0 * a[at])
+        f[at + n] -= over * loads.damping[k, 1] * (v0[at + n] + h / 2.0 * a[at + n])
+
+
+@njit(cache=True)
 def _has_converged(new: NDArray, a: NDArray) -> bool:
     change, largest = 0.0, 0.0
     for i in range(len(a)):
@@ -256,6 +274,7 @@ def _step_through(
         for _ in range(ITERATIONS):
             f[:] = known
             _add_across(E, a, 1.0, f)
+            _add_damping(loads, omega, v0, a, h, f)
             if len(laws):
                 _end_of_step(q0, v0, a, h, q, v)
                 _add_forces(forces, laws, turn, q, v, memory, f)

@@ -8,15 +8,16 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from rotorrig.rig import DataError
-from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.chain import make_chain
+from rotorrig.rig.config import Bearing, RigConfig
+from rotorrig.sims.plant.deviations import REFERENCE, as_built
 from rotorrig.sims.plant.faults import apply_deviations, apply_sensors, apply_structure, collect_forces
 from rotorrig.sims.plant.integrate import ShaftMotion
 from rotorrig.sims.plant.motor import Motor
-from rotorrig.sims.plant.places import sense, sought_bearings
-from rotorrig.sims.plant.sensors import FULL_SCALE_COUNTS, VOLTS_PER_COUNT, Sensors
+from rotorrig.sims.plant.places import sense, sought_bearings, true_bearing
+from rotorrig.sims.plant.sensors import FULL_SCALE_COUNTS, VOLTS_PER_COUNT, Sensors, make_chain
 from rotorrig.sims.plant.shaft import Rotor, build
 from rotorrig.sims.plant.streams import stream
 from rotorrig.sims.plant.truth import Truth
@@ -24,6 +25,7 @@ from rotorrig.sims.plant.truth import Truth
 GRAVITY = 9.80665  # m/s^2
 DEFAULT_RATE = 10_000.0  # Hz, for a config without a DAQ
 STEP_ANGLE = 0.03  # rad of the first mode per step at most: its period is then 7.5e-5 too long
+RATTLE_CORNER = 60.0  # Hz, of the part of the balls' rattling that grows with speed
 CHUNK = 8192  # samples integrated at a time, for memory alone
 
 
@@ -36,6 +38,7 @@ class Plant:
         Raises DataError if `truth` was drawn for other bearings, disks or probes, or holds an unknown fault.
         """
         _check_fits(rig, truth)
+        rig = as_built(rig, truth)
         self.sample_rate = sample_rate or (rig.daq.sample_rate if rig.daq else DEFAULT_RATE)
         truth = apply_deviations(rig, truth)
         acting = collect_forces(rig, truth)
@@ -55,6 +58,7 @@ class Plant:
                 (rig.disk(u.disk).position, u.amount, self._sense * u.angle) for u in (*truth.unbalances, *truth.trial)
             ),
             random_at=shaken,
+            damping=tuple((b.position, *_damping_growth(truth, b)) for b in sought_bearings(rig)),
             forces=acting,
             watched=tuple(p.position for p in rig.probes),
         )
@@ -63,6 +67,9 @@ class Plant:
         self._rattle = stream(truth.seed, "bearing force", run=truth.run)
         # white noise held for a step h has the one-sided density 2 h sigma^2
         self._rattle_rms = truth.noise.bearing_force / math.sqrt(2.0 * step)
+        self._growth = truth.unmodelled.noise_growth / REFERENCE
+        self._memory = math.exp(-math.tau * RATTLE_CORNER * step)
+        self._coloured = np.zeros((1, len(shaken), 2))  # of the last step
         self._shaken = len(shaken)
         self._samples = 0
         self._take(0)  # compiles what no cache holds here, not while a driver waits for samples
@@ -111,12 +118,28 @@ class Plant:
         steps = samples * self._substeps
         angle, speed, alpha = self._motor.run(steps)
         rattle = self._rattle_rms * self._rattle.standard_normal((steps, self._shaken, 2))
+        if self._growth and steps:
+            rattle += self._growth * speed[:, None, None] * self._colour(rattle)
         s = self._sense
         at_probes = self._shaft.run(s * angle, s * speed, s * alpha, rattle)
         self._samples += samples
         last = slice(self._substeps - 1, None, self._substeps)
         # in one piece, as an empty stretch is: else the first samples would be kept waiting for another compilation
         return self._sensors.counts(np.ascontiguousarray(at_probes[last]), np.ascontiguousarray(angle[last]))
+
+    def _colour(self, white: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return noise that is as `white` at low frequency and falls off beyond the corner: first order."""
+        fresh = (1.0 - self._memory) * white
+        coloured, _ = lfilter([1.0], [1.0, -self._memory], fresh, axis=0, zi=self._memory * self._coloured)
+        self._coloured = coloured[-1:]
+        return coloured
+
+
+def _damping_growth(truth: Truth, bearing: Bearing) -> tuple[float, float]:
+    """Return by how much the damping in x and y grows per rad/s; at the reference speed it is the truth's."""
+    b = true_bearing(truth, bearing)
+    growth = truth.unmodelled.damping_growth / REFERENCE
+    return growth * b.cxx, growth * b.cyy
 
 
 def _check_fits(rig: RigConfig, truth: Truth) -> None:

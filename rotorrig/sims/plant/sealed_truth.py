@@ -8,7 +8,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from rotorrig.rig import DataError, write_whole_text
 from rotorrig.sims.plant.faults import check_faults
-from rotorrig.sims.plant.truth import Truth
+from rotorrig.sims.plant.truth import Geometry, Truth, Unmodelled
 
 SCHEMA = "rotorrig.plant.truth/2"
 
@@ -30,6 +30,7 @@ def unseal(path: Path) -> Truth:
         got = table.get("schema", "no schema") if isinstance(table, dict) else f"a JSON {type(table).__name__}"
         raise DataError(f"{path}: holds {got}, want a sealed truth of schema {SCHEMA}")
     del table["schema"]
+    table = {"unmodelled": asdict(Unmodelled()), "geometry": asdict(Geometry()), **table}  # older ones had none
     try:
         truth: Truth = _decode(Truth, table, "truth")
         check_faults(truth.faults)
@@ -43,7 +44,7 @@ def _decode(kind: Any, value: Any, where: str) -> Any:
     if isinstance(kind, type) and is_dataclass(kind):
         return _decode_dataclass(kind, value, where)
     origin, inner = get_origin(kind), get_args(kind)
-    if origin is tuple and isinstance(value, list):
+    if origin is tuple and isinstance(value, (list, tuple)):
         kinds = inner[:1] * len(value) if inner[-1] is Ellipsis else inner
         if len(kinds) == len(value):
             return tuple(_decode(k, v, f"{where}[{i}]") for i, (k, v) in enumerate(zip(kinds, value, strict=True)))

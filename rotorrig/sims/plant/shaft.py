@@ -110,7 +110,8 @@ def build(rig: RigConfig, truth: Truth, *, extra: Iterable[Coordinate] = ()) -> 
     disks = [d.position for d in rig.disks]
     places = [0.0, *disks, *(b.position for b in rig.bearings), *(p.position for p in rig.probes)]
     stations = _merge([*places, *(c.position for c in extra if isinstance(c, Deflection))])
-    slopes = _merge([*disks, *(c.position for c in extra if isinstance(c, Slope))])
+    tilting = [b.position for b, k in zip(rig.bearings, truth.geometry.tilt_stiffnesses, strict=False) if k]
+    slopes = _merge([*disks, *tilting, *(c.position for c in extra if isinstance(c, Slope))])
     z = _mesh([*stations, *slopes, *(tube.start for tube in rig.shaft.tubes)], rig.shaft.length)
     M, G, Ks = _free_rotor(rig, truth, z)
     kept = [2 * _nearest(z, s) for s in stations] + [2 * _nearest(z, s) + 1 for s in slopes]
@@ -120,6 +121,7 @@ def build(rig: RigConfig, truth: Truth, *, extra: Iterable[Coordinate] = ()) -> 
     M_r, G_r, K_r, weight = T.T @ M @ T, T.T @ G @ T, T.T @ Ks @ T, T.T @ (M @ translation)
     D = MATERIAL_DAMPING * K_r
     C_b, K_b = _bearings(truth, rig, stations, len(weight))
+    K_b += np.diag(np.tile(_more_springs(truth, rig, stations, slopes, len(weight)), 2))
     return Rotor(
         M=linalg.block_diag(M_r, M_r),
         C=linalg.block_diag(D, D) + C_b,
@@ -245,3 +247,15 @@ def _bearings(
         K[here] += [[b.kxx, b.kxy], [b.kyx, b.kyy]]
         C[here] += [[b.cxx, b.cxy], [b.cyx, b.cyy]]
     return C, K
+
+
+def _more_springs(
+    truth: Truth, rig: RigConfig, stations: list[float], slopes: list[float], n: int
+) -> NDArray[np.float64]:
+    """Return the springs (n,) to the ground that no nameplate speaks of: the coupling's, and bearings' against tilt."""
+    springs = np.zeros(n)
+    springs[_nearest(stations, 0.0)] = truth.unmodelled.coupling_stiffness
+    for bearing, k in zip(rig.bearings, truth.geometry.tilt_stiffnesses, strict=False):
+        if k:
+            springs[len(stations) + _nearest(slopes, bearing.position)] += k
+    return springs

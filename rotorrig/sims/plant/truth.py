@@ -56,6 +56,30 @@ class Noise:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Unmodelled:
+    """What any healthy rig does besides, and no nameplate speaks of; nothing of it by default. See `deviations`."""
+
+    coupling_stiffness: float = 0.0  # N/m, sideways, between the motor's shaft and the driven end
+    supply_ripple: float = 0.0  # V, 0-peak, at twice the mains' frequency on every driver's output
+    gain_drift: tuple[float, ...] = ()  # per probe, relative, once warm
+    gap_drift: tuple[float, ...] = ()  # m, per probe, once warm
+    noise_growth: float = 0.0  # of the bearings' force with speed: coloured, over the white one, at the reference
+    damping_growth: float = 0.0  # of the sought bearings' damping per reference speed, relative to that at it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Geometry:
+    """How the rig was put together, against the nameplate; as it says by default. See `deviations`."""
+
+    disk_shifts: tuple[float, ...] = ()  # m, each disk further from the coupling
+    bearing_shifts: tuple[float, ...] = ()  # m
+    probe_shifts: tuple[float, ...] = ()  # m
+    diameter_factor: float = 1.0  # of the shaft
+    hub_factors: tuple[float, ...] = ()  # of the shaft's diameter under each disk, never less than 1
+    tilt_stiffnesses: tuple[float, ...] = ()  # N m/rad, each bearing's
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Truth:
     """One rig as it is. Tuples follow the order of the config's bearings, disks and probes."""
 
@@ -68,10 +92,12 @@ class Truth:
     disk_mass_factors: tuple[float, ...]  # on mass and both inertias
     probe_gain_factors: tuple[float, ...]
     probe_angle_errors: tuple[float, ...]  # rad, added to the config's angle
-    probe_curvatures: tuple[tuple[float, float], ...]  # see sensors.apply_curvature
+    probe_curvatures: tuple[tuple[float, float], ...]  # see sensors.channels.apply_curvature
     keyphasor_offset: float  # rad, shaft angle at which the chosen edge is emitted
     runout_seed: int | None  # None: shafts perfectly round
     noise: Noise
+    unmodelled: Unmodelled = field(default_factory=Unmodelled)
+    geometry: Geometry = field(default_factory=Geometry)
     faults: tuple[FaultSpec, ...] = ()
     trial: tuple[UnbalanceTruth, ...] = ()  # put on for this run
     run: int = 0  # tells the noise of one run of a rig from the next one's

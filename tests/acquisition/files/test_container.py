@@ -3,7 +3,8 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from rotorrig.acquisition.files.container import FileKind, FileWriter, read_file
+from rotorrig.acquisition.files.container import FileKind, read_file
+from rotorrig.acquisition.files.file_writer import FileWriter
 from rotorrig.acquisition.files.schemas import message_type
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.provenance import Provenance

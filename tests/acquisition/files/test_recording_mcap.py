@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from rotorrig.acquisition.files.container import FileKind, FileWriter
+from rotorrig.acquisition.files.container import FileKind
+from rotorrig.acquisition.files.file_writer import FileWriter
 from rotorrig.acquisition.files.recording_mcap import RecordingWriter, read_recording, write_recording
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.rig.config.description import RigConfig

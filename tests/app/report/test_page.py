@@ -10,7 +10,7 @@ import pytest
 from rotorrig.app.plot_data.curves import curves
 from rotorrig.app.plot_data.diagnosis_of_response import part_of
 from rotorrig.app.report.page import write_report
-from rotorrig.identify.diagnosis import Diagnosis
+from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.verdict.cause import ParameterValue
 from rotorrig.identify.verdict.gain import Shift
@@ -152,6 +152,19 @@ def test_an_unexplained_run_claims_no_more_than_was_tried(
     tried = dataclasses.replace(poor, causes=(make_cause("bow", "residual bow", evidence=-3.0, after=5e-6),))
     write_report(path, response=response, identification=poorly_fitted, diagnosis=tried)
     assert Page(path.read_text()).first("h2").endswith("none of the causes tried explains it")
+
+
+def test_why_there_is_no_next_run_is_said(
+    path: Path, response: OrderTrackedResponse, identification: Identification, named: Diagnosis
+) -> None:
+    words = "No next run could be computed: no motion."
+    none = NextRun(kind="none", words=words, lam=float("nan"), separates=("bow", "runout, plane 2"))
+    tied = dataclasses.replace(named, verdict=Verdict.TIED, next_run=none)
+    write_report(path, response=response, identification=identification, diagnosis=tied)
+    said = Page(path.read_text()).said()
+    assert said.count(words) == 2, "in the verdict's banner and beside the causes"
+    assert f"Next: {words}" not in said
+    assert f"Next run: {words}" not in said
 
 
 def test_a_named_cause_comes_with_its_size_its_evidence_and_what_it_explains(

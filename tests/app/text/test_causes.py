@@ -20,6 +20,7 @@ from rotorrig.app.text.causes import (
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.verdict.cause import ParameterValue
 from rotorrig.identify.verdict.gain import Shift
+from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
 from tests.app.conftest import make_cause, make_gain
 
@@ -51,6 +52,11 @@ def test_errors_have_three_digits(before: float, after: float, said: str) -> Non
 
 def test_what_was_not_measured_is_a_dash() -> None:
     assert cause_prediction_error(dataclasses.replace(BOW, heldout_after=math.nan)) == "–"
+
+
+def test_why_there_is_no_next_run_is_said_without_a_separation(named: Diagnosis) -> None:
+    none = NextRun(kind="none", words="No next run could be computed: no motion.", lam=math.nan, separates=("bow",))
+    assert next_run_sentence(dataclasses.replace(named, next_run=none)) == none.words
 
 
 def test_the_chosen_and_the_tied_are_listed_however_many_are_better(named: Diagnosis) -> None:

@@ -32,7 +32,7 @@ def with_gap(response: OrderTrackedResponse, gap: NDArray[np.float64], *, seed: 
 def judged(response: OrderTrackedResponse) -> Adequacy:
     """The test of a model that is right at every order it predicts."""
     prediction = {int(n): response.order(n) for n in response.orders if n}
-    return assess(response, prediction, reduced_chi2=0.6)
+    return assess(response, prediction)
 
 
 @pytest.fixture
@@ -64,7 +64,7 @@ def test_a_bump_of_the_mean_is_found_with_its_probe_speed_size_and_the_other_run
         assert misfit.probe == healthy.probes[2]
         assert misfit.speed_from < 105.0 < misfit.speed_to
         assert misfit.residual == pytest.approx(1e-6, rel=0.3)  # the line in time takes some of it
-        assert misfit.sigma > ADEQUACY.focused_limit
+        assert misfit.sigma > ADEQUACY.position_limit
         assert np.isnan(misfit.backward)
         assert misfit.other_run.startswith("the same")
         assert "the mean position at probe 2x moves by up to" in misfit.sentence
@@ -76,7 +76,7 @@ def test_it_decides_nothing(healthy: OrderTrackedResponse, flat: NDArray[np.floa
     found = judged(with_gap(healthy, flat))
     assert found.centreline
     assert found.adequate
-    assert found.worst_sigma < ADEQUACY.focused_limit
+    assert found.worst_sigma < found.limit
     assert all(m.order for m in found.misfits)
 
 
@@ -109,7 +109,7 @@ def test_it_is_above_zero_towards_the_probe(healthy: OrderTrackedResponse, flat:
     change, sigmas = departures(with_gap(healthy, flat))
     row = int(np.argmin(np.abs(healthy.omega - 105.0)))
     assert change[row, 0] == pytest.approx(-1e-6, abs=0.3e-6)
-    assert sigmas[row, 0] < -ADEQUACY.focused_limit
+    assert sigmas[row, 0] < -ADEQUACY.position_limit
 
 
 def test_what_is_not_usable_or_a_slow_roll_has_no_say(healthy: OrderTrackedResponse, flat: NDArray[np.float64]) -> None:

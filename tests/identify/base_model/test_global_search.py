@@ -24,7 +24,7 @@ def found_in(response: OrderTrackedResponse, **how: object) -> SearchResult:
 @pytest.fixture(scope="module")
 def clean(rig_config: RigConfig) -> OrderTrackedResponse:
     rng = np.random.default_rng(1)
-    return matched_response(sought(rig_config), bearings={"spring": SPRING}, unbalance={"disk": U}, rng=rng, noise=1e-9)
+    return matched_response(sought(rig_config), bearings={"spring": SPRING}, unbalance={"disk": U}, rng=rng, noise=1e-8)
 
 
 @pytest.mark.parametrize("objective", ["residual", "f1", "f2", "f3"])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.causes.candidates import background, candidates
+from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.sims.effects.base import Effect, catalogue
@@ -77,9 +77,3 @@ def test_what_differs_between_recordings_is_tried_in_each(short: OrderTrackedRes
     hums = [e for e in found if e.name == "line_hum" and "50 Hz" in e.where]
     assert [e.recording for e in hums] == [0, 1]
     assert {e.recording for e in found if e.name == "bow"} == {None}
-
-
-def test_the_background_is_restrained_by_the_configs_prior(short: OrderTrackedResponse) -> None:
-    (slight,) = background(short.rig)
-    assert slight.name == "internal_damping"
-    assert {q.prior for q in slight.parameters} == {short.rig.prior.rotating_damping}

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.causes.force_law_starts import score_force_laws
-from rotorrig.identify.causes.pinned_nuisances import fit_with_pinned_nuisances, nuisances_biased, pinned_nuisances
+from rotorrig.identify.causes.pinned_nuisances import fit_with_pinned_nuisances, nuisances_biased
 from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
@@ -70,7 +70,7 @@ def test_where_a_law_begins_the_nuisances_are_at_their_priors(
 ) -> None:
     problem = under(passed, hidden, "cubic_spring", k3=3e10)
     _, found = raced(problem, hidden, "cubic_spring", "friction")
-    held = pinned_nuisances(problem)
+    held = problem.parameters.pinned
     for score in found:
         assert score.begin is not None
         assert not nuisances_biased(problem.extended([score.effect]), score.begin)
@@ -91,7 +91,7 @@ def test_what_is_solved_for_in_every_step_is_not_held(
     passed: OrderTrackedResponse, hidden: NDArray[np.float64]
 ) -> None:
     names = ExtendedProblem(ExtendedModel([Recording(passed)])).parameters
-    held = {names.names[i] for i in pinned_nuisances(ExtendedProblem(ExtendedModel([Recording(passed)])))}
+    held = {names.names[i] for i in ExtendedModel([Recording(passed)]).parameters.pinned}
     assert any(name.startswith("gain") for name in held)
     assert not any(name.startswith(("runout", "hum", "kxx", "unbalance")) for name in held)
 

@@ -1,5 +1,7 @@
 """The derivatives of the extended problem against central differences, for one effect of every kind."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -60,6 +62,27 @@ def test_the_jacobian_is_the_derivative_of_the_residual(
         within = FORCE_LAWS if follows_a_law else 1e-3 if i in own else 5e-3
         assert np.linalg.norm(column[part] - expected) <= within * np.linalg.norm(expected), names.names[i]
         assert np.linalg.norm(expected) > 0, names.names[i]
+
+
+@pytest.mark.parametrize("kind", ["bow", "probe_gain", "cubic_spring"])
+def test_the_jacobian_of_a_compensated_table_is_the_derivative(
+    kind: str, short: OrderTrackedResponse, hidden: np.ndarray, every: dict[str, Effect]
+) -> None:
+    nothing = np.full_like(short.slow_roll, np.nan)
+    compensated = replace(short, slow_roll=nothing, slow_roll_omega=np.nan, compensation_omega=60.0)
+    problem = ExtendedProblem(ExtendedModel([Recording(compensated)], [every[kind]], models=MODELS))
+    names, p = problem.parameters, typical(problem, hidden)
+    problem.residual(p)
+    (predicted,) = problem.model.predict(p)
+    assert not any(z[-1].any() for z in predicted.values())
+    which = np.array([names.names.index(name) for name in BASE if not name.startswith("runout")])
+    which = np.sort(np.append(which, [i for i in range(names.own.start, len(p)) if i not in names.frozen]))
+    first = 2 * problem.recordings[0].measured[1].z.size
+    for column, i in zip(problem.jacobian(p, which).T, which, strict=True):
+        expected = central(problem, p, int(i))
+        assert np.linalg.norm(column[:first] - expected[:first]) <= 2e-2 * np.linalg.norm(expected[:first]), (
+            names.names[i]
+        )
 
 
 def test_a_hum_is_shown_by_the_gain_of_every_probe(short: OrderTrackedResponse, hidden: np.ndarray) -> None:

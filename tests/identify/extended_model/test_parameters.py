@@ -3,13 +3,20 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.causes.candidates import background
+from rotorrig.identify.extended_model.nuisance_effects import nuisance_effects
 from rotorrig.identify.extended_model.parameters import KEYPHASOR, ExtendedParameters
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
+from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, Parameter, find
+from tests.identify.swept import swept_response
 
 PROBES = ("1x", "1y", "2x", "2y")
+
+
+def damping(rig: RigConfig) -> list[Effect]:
+    """Return the nuisance effects of a rig whose rotor turns forwards alone."""
+    return nuisance_effects([Recording(swept_response(rig, speeds=(900, 2000), ramp=600))])
 
 
 class Nothing(Effect):
@@ -30,7 +37,7 @@ def test_the_unknowns_of_a_fit_come_first_and_those_of_effects_last(rig: RigConf
     assert names.names[names.own] == ("bow: bow re", "bow: bow im", "delay: delay")
     assert names.names[names.keyphasor] == KEYPHASOR
     assert names.names[names.runouts[2]][0] == "runout 2X 1x re"
-    assert names.names[names.hums][-1] == "hum 60 Hz 2 im"
+    assert names.names[names.hums][-1] == "hum 120 Hz 2 im"
     assert len(set(names.names)) == len(names)
 
 
@@ -58,8 +65,27 @@ def test_a_range_that_is_all_positive_is_widened_at_both_ends(rig: RigConfig) ->
     assert names.of_effect(names.start(np.zeros(0)), 0) == {"ratio": 1.0}
 
 
+def test_geometry_is_off_by_the_configs_priors_and_hubs_and_tilt_stiffness_never_below_zero(rig: RigConfig) -> None:
+    names = laid_out(rig)
+    base, (low, high) = names.base, names.bounds
+    assert [names.names[i] for i in (base.positions.start, base.positions.stop - 1)] == [
+        "position disk disk",
+        "position probe 2y",
+    ]
+    assert names.names[base.diameter] == ("diameter",)
+    sigma = base.prior_sigma
+    assert set(sigma[base.positions]) == {rig.prior.position}
+    assert sigma[base.diameter] == [rig.prior.diameter]
+    assert set(sigma[base.hubs]) == {rig.prior.hub}
+    assert list(sigma[base.tilts]) == [rig.tilt_prior(bearing.name) for bearing in rig.bearings]
+    for part in (base.hubs, base.tilts):
+        assert (low[part] == 0).all()
+        assert (high[part] > 0).all()
+    assert (low[base.positions] == -high[base.positions]).all()
+
+
 def test_only_nuisances_have_priors_and_they_are_those_of_the_config(rig: RigConfig) -> None:
-    (slight,) = background(rig)
+    (slight,) = damping(rig)
     names = laid_out(rig, slight, find(rig, "bow"))
     sigma = dict(zip(names.names, names.prior_sigma, strict=True))
     assert sigma[KEYPHASOR] == rig.prior.keyphasor_angle
@@ -72,7 +98,7 @@ def test_only_nuisances_have_priors_and_they_are_those_of_the_config(rig: RigCon
 
 
 def test_a_nuisance_one_sigma_off_costs_one(rig: RigConfig) -> None:
-    names = laid_out(rig, *background(rig))
+    names = laid_out(rig, *damping(rig))
     p = names.start(np.zeros(0))
     assert not names.prior_residual(p).any()
     for i in names.priors:

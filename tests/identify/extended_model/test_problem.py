@@ -1,9 +1,8 @@
-"""The problem of a diagnosis: as base_model.Problem where it is the same, and right where it goes beyond."""
+"""The problem of a fit, extended by effects."""
 
 import numpy as np
 import pytest
 
-from rotorrig.identify.base_model.problem import Problem
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.parameters import KEYPHASOR
 from rotorrig.identify.extended_model.problem import ExtendedProblem
@@ -25,21 +24,6 @@ def at(problem: ExtendedProblem, hidden: np.ndarray, **theta: float) -> np.ndarr
     for effect in problem.effects:
         p[problem.parameters.own] = [values.get(q.name, q.at_zero) / q.size for q in effect.parameters]
     return p
-
-
-def test_without_effects_the_residual_at_1x_is_that_of_a_fit(bare: Recording, hidden: np.ndarray) -> None:
-    problem = ExtendedProblem(ExtendedModel([bare]))
-    fit = Problem(bare.response, bare.measured[1])
-    rng = np.random.default_rng(3)
-    p = problem.parameters.start(hidden)
-    base = slice(0, len(fit.parameters))
-    p[fit.parameters.structural] += 0.02 * rng.standard_normal(fit.parameters.structural.stop)
-    p[fit.parameters.gain] = 0.01
-    p[fit.parameters.angle] = -0.02
-    data = bare.measured[1].z.size * 2
-    expected = fit.residual(p[base])
-    np.testing.assert_allclose(problem.residual(p)[:data], expected[:data], rtol=1e-9, atol=1e-9)
-    assert np.sum(problem.residual(p)[data:] ** 2) == pytest.approx(np.sum(expected[data:] ** 2))
 
 
 @pytest.mark.parametrize(

@@ -77,6 +77,28 @@ def test_nothing_is_proposed_where_nothing_is_tied(healthy: OrderTrackedResponse
     assert find_next_run(selected(healthy, hidden)) is None
 
 
+def test_tied_causes_are_never_left_without_a_word(tied: Selection, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> float:
+        raise np.linalg.LinAlgError("Singular matrix")
+
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run._separability", fail)
+    found = find_next_run(tied)
+    assert found is not None
+    assert (found.kind, found.planned) == ("none", False)
+    assert found.words.startswith("No next run could be computed: ramp rate: Singular matrix")
+    assert found.words.count(".") == 1, "one sentence"
+    assert np.isnan(found.lam)
+    assert set(found.separates) == set(LABELS)
+
+
+def test_a_plan_whose_separation_is_no_number_is_not_proposed(tied: Selection, monkeypatch: pytest.MonkeyPatch) -> None:
+    rated = iter([np.nan, 3.0, np.nan, *[1.0] * 9])
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run._separability", lambda *_: next(rated))
+    found = find_next_run(tied)
+    assert found is not None
+    assert (found.lam, found.kind) == (3.0, "ramp rate")
+
+
 LATE = {"delay": 1e-3}  # s
 LATE_OR_TURNED = ("delay, probe 1y", "probe_angle, probe 1y")
 BELOW = {"speeds": (480, 2000)}  # rpm: the first critical speeds are at 2226 and 2237

@@ -77,6 +77,90 @@ def test_probes_like_others_are_as_noisy_and_independent_of_them(below: OrderTra
         assert not covariance[:4, 4:].any()
 
 
+@pytest.fixture
+def untimed(rig: RigConfig) -> OrderTrackedResponse:
+    """A table of the first plane, as an import leaves it: no ramp, no turns, no slow roll, a row without a value."""
+    made = swept_response(rig, speeds=(480, 1500))
+    covariance = np.array(made.covariance)
+    covariance[..., 4:, :] = covariance[..., :, 4:] = covariance[7] = np.nan
+    usable = np.broadcast_to(np.arange(4) < 2, made.usable.shape).copy()
+    usable[7] = False
+    return replace(
+        made,
+        t=np.full_like(made.t, np.nan),
+        alpha=np.full_like(made.alpha, np.nan),
+        revolutions=np.full_like(made.revolutions, np.nan),
+        keyphasor_t=np.empty(0),
+        covariance=covariance,
+        usable=usable,
+        slow_roll=np.full_like(made.slow_roll, np.nan),
+        slow_roll_covariance=np.full_like(made.slow_roll_covariance, np.nan),
+        slow_roll_omega=np.nan,
+    )
+
+
+def test_what_a_table_does_not_say_is_supposed_and_said(untimed: OrderTrackedResponse) -> None:
+    made = list(plans(untimed))
+    own = untimed.rig.plans["default"]
+    assert [plan.ramp for plan in made if plan.kind == "ramp rate"] == pytest.approx([own.ramp / 3, own.ramp * 3])
+    for plan in made:
+        assert plan.assumed.startswith("Assumed, as the recording does not say: a ramp of 30 rpm/s, ")
+        assert plan.assumed.endswith("turns to a row, no slow roll.")
+        for recording in plan_recordings(untimed, plan):
+            assert recording.swept
+            for measured in recording.measured.values():
+                assert np.isfinite(measured.whiten).all()
+                assert not measured.usable[-1].any(), "there is no slow roll to measure"
+                assert measured.usable[:-1].all()
+
+
+def test_a_planned_run_has_about_as_many_rows_on_the_way_up_as_the_table(untimed: OrderTrackedResponse) -> None:
+    plan = next(p for p in plans(untimed) if p.kind == "reverse rotation")
+    up = plan_recordings(untimed, plan)[0].response.run == 0
+    assert up.sum() == pytest.approx(len(untimed.omega), rel=0.2)
+
+
+def test_rows_far_apart_are_not_smeared_over_what_is_between_them(untimed: OrderTrackedResponse) -> None:
+    few = np.arange(0, len(untimed.omega), 4)
+    names = ("run", "t", "omega", "alpha", "revolutions", "z", "covariance", "usable")
+    sparse = replace(untimed, **{name: getattr(untimed, name)[few] for name in names}, reasons=((),) * len(few))
+    plan = next(p for p in plans(sparse) if p.kind == "reverse rotation")
+    planned = plan_recordings(sparse, plan)[0].response
+    assert (planned.run == 0).sum() == pytest.approx(len(few), abs=2)
+    assert (planned.revolutions == 8).all()
+
+
+def test_a_table_of_one_speed_has_plans_too(untimed: OrderTrackedResponse) -> None:
+    one = replace(untimed, omega=np.full_like(untimed.omega, 150.0))
+    for plan in plans(one):
+        assert plan.low < plan.high
+        for recording in plan_recordings(one, plan):
+            assert np.isfinite(recording.response.t).all()
+
+
+def test_a_config_without_plans_has_a_ramp_supposed(untimed: OrderTrackedResponse) -> None:
+    bare = replace(untimed, rig=untimed.rig.model_copy(update={"plans": {}}))
+    assert "a ramp of 28.6 rpm/s" in next(plans(bare)).assumed  # 3 rad/s^2
+
+
+def test_the_second_plane_of_the_config_is_proposed_where_its_probes_did_not_read(
+    untimed: OrderTrackedResponse,
+) -> None:
+    plan = next(p for p in plans(untimed) if p.kind == "second plane")
+    assert plan.words == "Measure in the second plane too, with 2x and 2y."
+    assert plan_recordings(untimed, plan)[0].response.probes == ("1x", "1y", "2x", "2y")
+    others = [p for p in plans(untimed) if p.kind != "second plane"]
+    assert {plan_recordings(untimed, p)[0].response.probes for p in others} == {("1x", "1y")}
+
+
+def test_a_recording_that_says_all_has_nothing_supposed(below: OrderTrackedResponse) -> None:
+    assert {plan.assumed for plan in plans(below)} == {""}
+
+
+def test_a_trial_mass_of_another_recording_counts(below: OrderTrackedResponse) -> None:
+    assert "trial mass" not in {plan.kind for plan in plans(below, with_trial=True)}
+
+
 def test_a_trial_mass_is_run_with_and_without(below: OrderTrackedResponse) -> None:
     plan = next(p for p in plans(below) if p.kind == "trial mass")
     first, second = plan_recordings(below, plan)

@@ -28,14 +28,16 @@ LOUD = Misfit(
 )
 WRONG = Adequacy(
     adequate=False,
-    reduced_chi2=4.0,
+    p=1e-9,
+    scatter_ratio=4.0,
     worst_sigma=38.0,
+    limit=2.6,
     misfits=(LOUD, replace(LOUD, run="down", probe="1x", speed_to=2600 * RPM, sigma=9.0)),
     residual=np.zeros((1, 1, 1), complex),
     sigmas=np.zeros((1, 1, 1)),
     noise_floor=1e-7,
 )
-RIGHT = replace(WRONG, adequate=True, reduced_chi2=0.6, worst_sigma=1.2)
+RIGHT = replace(WRONG, adequate=True, p=0.4, scatter_ratio=1.02, worst_sigma=1.2)
 BOW = Cause(
     label="bow",
     effect="bow",
@@ -54,8 +56,8 @@ BOW = Cause(
 )
 OTHER = replace(BOW, label="runout, plane 1", words="the surface runs out", chosen=False)
 BOUGHT = Predictions(
-    before=Prediction(error=2e-6, floor=5e-7, sigmas=4.0),
-    after=Prediction(error=5e-7, floor=5e-7, sigmas=1.0),
+    before=Prediction(error=2e-6, floor=5e-7, sigmas=4.0, blocks=np.full(9, 16.0)),
+    after=Prediction(error=5e-7, floor=5e-7, sigmas=1.0, blocks=np.full(9, 1.0)),
     by_label={},
     on="blocks of speeds in turn",
 )
@@ -68,15 +70,16 @@ def said(verdict: Verdict, *causes: Cause, tied: tuple[tuple[str, ...], ...] = (
 
 
 def test_a_cause_that_predicts_worse_is_said_to() -> None:
-    words = said(Verdict.UNEXPLAINED, BOW, bought=replace(BOUGHT, after=replace(BOUGHT.after, error=3e-6)))
-    assert "With bow it fits better, but predicts data no fit saw" in words
-    assert "worse: by 3 um, not 2 um" in words
+    worse = Prediction(error=3e-6, floor=5e-7, sigmas=6.0, blocks=np.full(9, 36.0))
+    words = said(Verdict.UNEXPLAINED, BOW, bought=replace(BOUGHT, after=worse))
+    assert "With bow it fits better, but does not clearly predict data no fit saw" in words
+    assert "better: to 3 um, not 2 um" in words
 
 
 @pytest.mark.parametrize("verdict", [Verdict.ADEQUATE, Verdict.CANNOT_TELL])
 def test_a_model_that_fits_is_said_with_its_figures_and_their_limits(verdict: Verdict) -> None:
     words = said(verdict)
-    assert "0.6" in words
+    assert "1.02" in words
     assert "1.2 sigma" in words
     assert "limit" in words
     assert ("adequate" in words) == (verdict is Verdict.ADEQUATE)
@@ -89,6 +92,12 @@ def test_a_named_cause_is_said_with_what_it_bought() -> None:
     assert OTHER.words not in words
     assert "from 2 to 0.5 um" in words
     assert "1.0 times the noise floor" in words
+
+
+def test_a_named_cause_that_leaves_more_than_noise_is_said_to() -> None:
+    assert "not yet all" not in said(Verdict.NAMED, BOW)
+    words = sentence(Verdict.NAMED, WRONG, WRONG, [BOW], (), BOUGHT)
+    assert "That is not yet all: 1X residuals at 4 times their scatter" in words
 
 
 def test_a_tie_names_the_rivals_but_not_the_chosen_one_again() -> None:

@@ -29,6 +29,8 @@ def with_cause(
     p = problem.parameters.start(hidden)
     p[problem.parameters.base.unbalance] = U.real, U.imag
     p[problem.parameters.own.start] += amount
+    base = problem.parameters.base
+    p[base.hubs], p[base.tilts] = 0.3, 60.0  # so that what is never below zero may go either way
     return problem, p
 
 
@@ -48,7 +50,8 @@ def test_a_small_cause_is_as_far_from_none_as_its_column_is_from_those_of_the_ba
     J = problem.jacobian(p)
     base, change = J[:, : names.own.start], amount * J[:, names.own.start]
     left = change - base @ np.linalg.lstsq(base, change, rcond=None)[0]
-    assert separability(problem, p, []) == pytest.approx(left @ left, rel=0.05, abs=0.3)
+    # a fit ends within 0.3, and what a hub or a tilt stiffness does is not linear
+    assert separability(problem, p, []) == pytest.approx(left @ left, rel=0.05, abs=1.0)
 
 
 def test_a_bow_shows_more_when_a_second_plane_sees_it(rig: RigConfig, one_plane: RigConfig, hidden: np.ndarray) -> None:

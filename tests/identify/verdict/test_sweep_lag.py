@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify import joint_fit
+from rotorrig.identify import base_fit
+from rotorrig.identify.base_fit import AssessedFit
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.joint_fit import AssessedFit
 from rotorrig.identify.verdict.sweep_lag import lag, moving_speed
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
@@ -25,7 +25,7 @@ def slow(rig: RigConfig) -> OrderTrackedResponse:
 
 @pytest.fixture(scope="module")
 def fits(slow: OrderTrackedResponse) -> tuple[AssessedFit, AssessedFit]:
-    still, swept = (joint_fit.fit_base([Recording(slow, swept=known)]) for known in (False, True))
+    still, swept = (base_fit.fit_base([Recording(slow, swept=known)]) for known in (False, True))
     return still, swept
 
 

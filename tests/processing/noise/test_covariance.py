@@ -134,6 +134,36 @@ def test_keyphasor_jitter_raises_the_covariance_across_the_vector_only(record, r
     assert np.sqrt(np.mean((error.imag[:, 0] / sigma) ** 2)) == pytest.approx(1.0, abs=0.2)
 
 
+def test_noise_that_grows_with_speed_is_told_so_row_by_row(record, rng: np.random.Generator) -> None:
+    """White noise of e^{b Omega / 2}: the variance of a row, which has the same turns, goes as Omega e^{b Omega}."""
+    t = np.arange(int(60 * RATE)) / RATE
+    theta, growth = chirp(t, start=600 * RPM, rate=40 * RPM), 0.006
+    omega = (600 + 40 * t) * RPM
+    noise = 1e-7 * np.exp(growth * omega / 2)[:, None] * rng.standard_normal((len(t), 4))
+    response = track(record(theta, 20e-6 * np.cos(theta)[:, None] + noise, rate=RATE, marks=[(0.0, "up")]))
+    variance = response.covariance[:, response.orders.index(1.0), 0, 0]
+    slope = np.polyfit(response.omega, np.log(variance / response.omega), 1)[0]
+    assert slope == pytest.approx(growth, rel=0.1)
+    error = response.order(1.0) - 20e-6
+    for rows in np.array_split(np.arange(len(error)), 3):
+        sigmas = whitened(response, error, 1.0)[rows]
+        assert np.mean(sigmas**2) == pytest.approx(1.0, abs=4 * np.sqrt(2 / sigmas.size))
+
+
+def test_mains_hum_is_not_in_the_covariance_and_its_phase_is_told(record, rng: np.random.Generator) -> None:
+    t = np.arange(int(60 * RATE)) / RATE
+    theta = chirp(t, start=600 * RPM, rate=40 * RPM)
+    x = 20e-6 * np.cos(theta)[:, None] + 2e-8 * rng.standard_normal((len(t), 4))
+    hum = 1e-6 * np.cos(2 * np.pi * 49.99 * t + 0.5)[:, None]
+    clean, humming = (track(record(theta, x + more, rate=RATE, marks=[(0.0, "up")])) for more in (0.0, hum))
+    assert clean.mains == ()
+    np.testing.assert_allclose(humming.covariance[:, 1:], clean.covariance[:, 1:], rtol=0.5, atol=3e-18)
+    (followed,) = humming.mains
+    assert followed.frequency == 50.0
+    ahead = 0.5 - 2 * np.pi * 0.01 * followed.t
+    assert np.abs(np.angle(np.exp(1j * (followed.stray - ahead)))).max() < 0.1
+
+
 def test_probes_that_read_alike_to_the_last_count_leave_the_covariance_invertible(record) -> None:
     t = np.arange(int(20 * RATE)) / RATE
     theta = chirp(t, start=600 * RPM, rate=20 * RPM, theta_0=-0.3)

@@ -13,9 +13,9 @@ from rotorrig.processing.shaft_angle.shaft_angle import TURN, UNMARKED
 from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.plant.chain import make_chain
 from rotorrig.sims.plant.draw import nameplate
-from rotorrig.sims.plant.sensors import VOLTS_PER_COUNT, Sensors
+from rotorrig.sims.plant.sensors.chain import make_chain
+from rotorrig.sims.plant.sensors.channels import VOLTS_PER_COUNT, Sensors
 from tests.processing.synthetic import chirp, falling_notch, recording_of
 
 RATE = 10_000.0

@@ -211,3 +211,47 @@ def test_the_examples_of_the_manual_are_valid() -> None:
     rig = parse('name = "example"\n' + shaft + bearings + parts, where="your-rig.md")
     assert [tube.density for tube in rig.shaft.tubes] == [7801, 2700]
     assert [bearing.over_speed for bearing in rig.bearings] == [True, False]
+
+
+PRIOR = 'runout = "4 um"'
+
+
+def test_how_far_the_nameplate_may_be_off_is_read_with_its_units() -> None:
+    text = RK4.replace(
+        PRIOR, 'position = "0.5 mm"\ndiameter = "0.1 %"\nhub = "40 %"\ntilt = "20 N m/rad"\nbearing = 0.1'
+    )
+    text = text.replace(SPRING, SPRING + 'tilt_stiffness = "3 N m/rad"\n').replace(
+        'mass = "0.8', 'hub_width = "18 mm"\nmass = "0.8'
+    )
+    rig = parse(text, where="x")
+    assert (rig.prior.position, rig.prior.diameter, rig.prior.hub, rig.prior.bearing) == (0.5e-3, 0.001, 0.4, 0.1)
+    assert rig.tilt_prior("spring") == rig.tilt_prior("left A") == 20.0
+    assert (rig.bearing("spring").tilt_stiffness, rig.bearing("left A").tilt_stiffness) == (3.0, 0.0)
+    assert rig.hub_width("disk") == 0.018
+    assert from_si(rig.model_dump(mode="json")).hash == rig.hash
+
+
+def test_what_a_config_does_not_say_of_that_leaves_it_the_hash_it_had() -> None:
+    rig = parse(RK4, where="x")
+    assert (rig.prior.position, rig.prior.diameter, rig.prior.hub) == (1e-3, 0.002, 0.5)
+    assert rig.hub_width("disk") == pytest.approx(0.025)  # 2.5 shaft diameters
+    assert rig.tilt_prior("spring") == pytest.approx(0.01 * 208.11e9 * math.pi / 64 * 0.01**3)  # 1 % of E I / d
+    assert rig.hash == "ad71dc66cb73566f"  # as before there were such keys
+    assert parse(RK4.replace(PRIOR, PRIOR + '\nposition = "1 mm"'), where="x").hash == rig.hash
+    assert parse(RK4.replace(PRIOR, PRIOR + '\nposition = "2 mm"'), where="x").hash != rig.hash
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ('position = "1 kg"', "prior.position: got '1 kg' (kg), want a length"),
+        ("position = 0.001", "prior.position: got 0.001, want a length with its unit"),
+        ('diameter = "0.2 mm"', "prior.diameter: got '0.2 mm', want a number such as 0.002, or text in per cent"),
+        ('hub = "120 %"', "prior.hub"),
+        ('tilt = "5 N/m"', "prior.tilt: got '5 N/m' (N/m), want a tilt stiffness"),
+    ],
+)
+def test_what_makes_no_sense_of_it_is_refused(key: str, said: str) -> None:
+    with pytest.raises(ConfigError) as error:
+        parse(RK4.replace(PRIOR, key), where="x")
+    assert said in str(error.value)

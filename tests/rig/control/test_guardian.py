@@ -20,7 +20,7 @@ from rotorrig.rig.motor import Stop
 from tests.rig.control import guarded_sweep
 from tests.rig.control.line_drive import LineDrive
 
-SOON = 10.0  # s of patience on a busy machine; what is waited for takes less than a second
+SOON = 30.0  # s of patience on a busy machine; what is waited for takes less than a second
 WITHIN = 0.5  # s from the end of the patience to the first stop
 ROOT = Path(__file__).parents[3]
 

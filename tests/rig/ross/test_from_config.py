@@ -80,6 +80,7 @@ def test_tables_are_put_on_one_list_of_speeds() -> None:
     ("old", "new", "wanted"),
     [
         (LEFT_A, "rigid = true\n", "bearing 'left A': is rigid, want kxx and kyy"),
+        (LEFT_A, LEFT_A + 'tilt_stiffness = "3 N m/rad"\n', "bearing 'left A': has a tilt_stiffness, want none"),
         (
             "poisson_ratio = 0.3\n",
             "poisson_ratio = 0.3\nstructural_damping = 0.01\n",

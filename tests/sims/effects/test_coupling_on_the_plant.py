@@ -1,4 +1,6 @@
-"""The coupling's effect against the blind plant's fault: other elements, in time, from a description of its own."""
+"""The coupling's effect against integration in time of the law it states, on the simulated rig's mesh."""
+
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.plant.truth import FaultSpec
 from rotorrig.sims.rotor.model.assembly import RotorModel
 from tests.sims.effects.predicted import Complex, base_load, motion
+from tests.sims.effects.textbook_laws import textbook_faults
 from tests.sims.plant.by_hand import RPM, order_phasors, run_to, volts_of
 
 FAULT = {
@@ -22,6 +25,12 @@ FAULT = {
     "stiff_diameter": 0.4,
 }
 UNBALANCE = 15e-6  # kg m, of the nameplate
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _laws_of_the_effects() -> Iterator[None]:
+    with textbook_faults():
+        yield
 
 
 def shown(rig: RigConfig, fault: dict[str, float] | None, rpm: float) -> dict[int, Complex]:

@@ -122,6 +122,15 @@ def test_hum_whole_bins_away_is_shut_out(bins: int) -> None:
     assert abs(z) == pytest.approx([0.0], abs=1e-9)
 
 
+def test_hum_of_mains_that_stray_leaks_as_that_of_their_frequency_does() -> None:
+    """A phase that runs ahead by 2 pi 0.5 t is half a hertz."""
+    there, t = steady(50.0), np.linspace(0.0, 1.0, 11)
+    strayed = replace(there, strays={50.0: (t, 2 * np.pi * 0.5 * t)})
+    rows = np.array([0])
+    assert leak(strayed, rows, 50.0) == pytest.approx(leak(there, rows, 50.5), abs=1e-9)
+    assert leak(strayed, rows, 60.0) == pytest.approx(leak(there, rows, 60.0), abs=1e-12)
+
+
 def test_hum_half_a_bin_away_leaks_as_the_windows_transform_says() -> None:
     plain = leak(steady(40.0, window="rectangular"), np.array([0]), 42.5)
     assert abs(plain) == pytest.approx([2 / np.pi], rel=0.05)  # sinc(1/2), and a little of the image at -42.5 Hz

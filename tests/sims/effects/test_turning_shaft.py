@@ -1,4 +1,6 @@
-"""An asymmetric shaft and a crack against the plant, which integrates in time with its own laws and mesh."""
+"""An asymmetric shaft and a crack against integration in time of the same laws, on the simulated rig's mesh."""
+
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from rotorrig.sims.rotor.model.assembly import assemble
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.nonlinear.steady_response import steady_with_law
 from tests.sims.effects.predicted import Complex, base_load, motion, pair_at, simple_rig
+from tests.sims.effects.textbook_laws import textbook_faults
 from tests.sims.plant.by_hand import steady
 
 UNBALANCE = 8e-6  # kg m at the disk: 10 um off its centre
@@ -17,6 +20,12 @@ SAG = 110e-6  # m, about
 NOISE = 8e-9  # m, of the plant's vectors
 #: of what the effect does; the curvature at a crack is read off the centre line, shear and all
 PART = {"shaft_asymmetry": 0.02, "crack": 0.04}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _laws_of_the_effects() -> Iterator[None]:
+    with textbook_faults():
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -82,6 +82,27 @@ def felt(
     return force.law(turn, motion, np.array(force.constants), np.zeros(force.memory), np.zeros(force.memory))
 
 
+def driven(
+    force: Force,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64] | float = 0.0,
+    *,
+    omega: float = 0.0,
+    step: float = H,
+) -> NDArray[np.float64]:
+    """Return fx, fy (step, 2) of a force law whose place is led along a path that begins at rest in its middle."""
+    y = np.broadcast_to(y, x.shape)
+    vx, vy = np.gradient(x, step), np.gradient(y, step)
+    constants, before, after = np.array(force.constants), np.zeros(force.memory), np.zeros(force.memory)
+    forces = np.empty((len(x), 2))
+    for i in range(len(x)):
+        t = step * (i + 1)
+        turn, motion = Turn(t, omega * t, omega, 0.0, step), Motion(x[i], y[i], vx[i], vy[i])
+        forces[i] = force.law(turn, motion, constants, before, after)
+        before, after = after, before
+    return forces
+
+
 def free_motion(rig: RigConfig, name: str, values: dict[str, float], *, gravity: tuple[float, float]) -> ShaftMotion:
     """Return the shaft of the nameplate rig with a fault, without unbalance, watched at its first disk."""
     truth = apply_deviations(rig, nameplate(rig, faults=[FaultSpec(name=name, parameters=values)]))
@@ -105,7 +126,7 @@ def growth(rig: RigConfig, name: str, values: dict[str, float], *, omega: float,
     It starts on a circle; of x + j y = z, the part that whirls forward is (z - j z' / w) / 2, backward with plus.
     """
     motion = free_motion(rig, name, values, gravity=(0.0, 0.0))
-    shape = 1e-5 * _first_shape(rig)
+    shape = 1e-5 * _first_shape(rig, name, values)
     w = np.sqrt(73.631e3)
     motion.state[0, : len(shape)] = shape
     motion.state[1, len(shape) :] = (1.0 if forward else -1.0) * w * shape
@@ -124,7 +145,7 @@ def ring_down(
     damper = rig.bearings[2].model_copy(update={"cxx": 0.0, "cyy": 0.0})
     rig = rig.model_copy(update={"bearings": (*rig.bearings[:2], damper)})
     motion = free_motion(rig, name, values, gravity=(0.0, 0.0))
-    shape = _first_shape(rig)
+    shape = _first_shape(rig, name, values)
     motion.state[0, : len(shape)] = amplitude * shape
     motion.state[2, : len(shape)] = -73.631e3 * amplitude * shape
     steps = round(seconds / H)
@@ -137,9 +158,10 @@ def upward_crossings(x: NDArray[np.float64]) -> NDArray[np.float64]:
     return H * (up - x[up] / (x[up + 1] - x[up]))
 
 
-def _first_shape(rig: RigConfig) -> NDArray[np.float64]:
-    """Return the shaft's shape under a force at the disk, 1 at the disk, in the coordinates of one plane."""
-    rotor = build(rig, nameplate(rig))
+def _first_shape(rig: RigConfig, name: str, values: dict[str, float]) -> NDArray[np.float64]:
+    """Return the shaft's shape under a force at the disk, 1 at the disk, in one plane's coordinates with the fault."""
+    truth = nameplate(rig, faults=[FaultSpec(name=name, parameters=values)])
+    rotor = build(rig, nameplate(rig), extra=[c for force in collect_forces(rig, truth) for c, _ in force.on])
     force = np.zeros(2 * rotor.n)
     disk = rotor.station(rig.disks[0].position)
     force[disk] = 1.0

@@ -8,9 +8,9 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.errors import DataError
-from rotorrig.sims.plant import sensors
 from rotorrig.sims.plant.draw import draw, nameplate
 from rotorrig.sims.plant.plant import Plant
+from rotorrig.sims.plant.sensors import channels
 from rotorrig.sims.plant.truth import FaultSpec, Noise
 
 from .by_hand import RPM, falling_edges, measured, order_phasors, volts_of
@@ -55,7 +55,7 @@ def test_counts_do_not_depend_on_the_size_of_the_blocks(rk4: RigConfig) -> None:
 @pytest.mark.parametrize("rate", ["10 kHz", "4 kHz"])  # of one step per sample, and of several
 def test_no_sample_waits_for_a_compilation(rate: str, rk4: RigConfig) -> None:
     plant = Plant(parse(rk4.text.replace('"10 kHz"', f'"{rate}"'), where="rk4.toml"), nameplate(rk4))
-    kernels = (sensors._approach, sensors._add_probes, sensors._add_keyphasor)
+    kernels = (channels._approach, channels._add_probes, channels._add_keyphasor)
     compiled = [len(kernel.signatures) for kernel in kernels]
     plant.advance(0.01)
     assert [len(kernel.signatures) for kernel in kernels] == compiled

@@ -6,9 +6,9 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.rig.config.description import RigConfig
-from rotorrig.sims.plant.chain import make_chain
 from rotorrig.sims.plant.draw import nameplate
-from rotorrig.sims.plant.sensors import VOLTS_PER_COUNT, Sensors, apply_curvature
+from rotorrig.sims.plant.sensors.chain import make_chain
+from rotorrig.sims.plant.sensors.channels import VOLTS_PER_COUNT, Sensors, apply_curvature
 from rotorrig.sims.plant.truth import Noise, Truth
 
 RATE = 10_000.0
@@ -40,9 +40,13 @@ def test_gain_and_angle_errors_tilt_and_scale_a_probe(rk4: RigConfig) -> None:
     assert volts(rk4, truth, motion, theta)[0, 0] == pytest.approx(expected, abs=VOLTS_PER_COUNT / 2)
 
 
-def test_the_scale_factor_bends_by_its_curvatures_at_300_um() -> None:
+def test_the_scale_factor_is_off_as_its_calibration_table_says() -> None:
+    """Off the middle by 1 at 300 um, 1.22 at 450, 1.5 at 900 um; spread beyond the target by 1, 1.7 and 2.8."""
     assert apply_curvature(3e-4, 0.002, 0.001) == pytest.approx(3e-4 * 1.003)
     assert apply_curvature(-3e-4, 0.002, 0.001) == pytest.approx(-3e-4 * 0.999)
+    assert apply_curvature(9e-4, 0.002, 0.001) == pytest.approx(9e-4 * 1.0058)
+    assert apply_curvature(-3.75e-4, 0.002, 0.001) == pytest.approx(-3.75e-4 * (1 - 0.00222 + 0.00135))
+    assert apply_curvature(5e-3, 0.002, 0.0) == pytest.approx(5e-3 * 1.0031)  # past its end as at its end
     assert apply_curvature(0.0, 0.002, 0.001) == 0.0
 
 

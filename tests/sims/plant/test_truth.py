@@ -22,11 +22,12 @@ def test_every_draw_stays_within_the_tolerances(rk4: RigConfig) -> None:
             assert abs(drawn.kyy / plate.kyy - 1) <= 0.05
             assert abs(drawn.cxx - plate.cxx) <= 0.2 * plate.cxx
         assert abs(truth.unbalances[0].amount / 15e-6 - 1) <= 0.1
-        assert abs(truth.modulus_factor - 1) < 0.0201  # clipped at 2 %, give or take the last bit
-        assert abs(truth.disk_mass_factors[0] - 1) < 0.0101
-        assert np.abs(np.array(truth.probe_gain_factors) - 1).max() < 0.0201
-        assert np.abs(truth.probe_angle_errors).max() < math.radians(2.01)
-        assert abs(truth.keyphasor_offset) < math.radians(4.01)
+        # ten sigma at most, whatever the tails
+        assert abs(truth.modulus_factor - 1) < 0.1001
+        assert abs(truth.disk_mass_factors[0] - 1) < 0.0501
+        assert np.abs(np.array(truth.probe_gain_factors) - 1).max() < 0.1001
+        assert np.abs(truth.probe_angle_errors).max() < math.radians(10.01)
+        assert abs(truth.keyphasor_offset) < math.radians(20.01)
         assert np.abs(truth.probe_curvatures).sum(axis=1).max() < 0.005
 
 
@@ -36,7 +37,7 @@ def test_the_draws_fill_their_ranges_without_bias(rk4: RigConfig) -> None:
     assert abs(k.mean()) < 0.006  # 2.9 % / sqrt(200), three sigma
     assert k.std() == pytest.approx(0.05 / math.sqrt(3), rel=0.15)
     modulus = np.array([t.modulus_factor - 1 for t in truths])
-    assert modulus.std() == pytest.approx(0.0096, rel=0.15)  # a normal of 1 % clipped at two sigma
+    assert np.mean(np.abs(modulus) < 0.01) == pytest.approx(0.683, abs=0.11)  # 0.033 of 200, three sigma and more
     heavy = np.exp(1j * np.array([t.unbalances[0].angle for t in truths]))
     assert abs(heavy.mean()) < 0.2  # any phase
 
@@ -66,7 +67,7 @@ def test_what_a_fault_makes_of_a_bearing_s_coefficients_is_to_be_found_too(rk4: 
     found = expected_estimates(rig, draw(rig, seed=3, faults=[turned]))
     healthy = expected_estimates(rig, draw(rig, seed=3))
     assert (found["kxy"], found["kyx"]) == (700.0, 700.0)
-    assert found["kxx"] == healthy["kxx"]
+    assert found["kxx"] == pytest.approx(healthy["kxx"] + 700.0 * 1.4 / 0.6)  # the spring is too stiff, not only askew
 
 
 def test_identified_bearings_share_their_deviation_and_others_do_not(rk4: RigConfig) -> None:

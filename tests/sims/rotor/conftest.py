@@ -7,6 +7,7 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig, load
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble
+from rotorrig.sims.rotor.model.component_modes import condense_spans
 from rotorrig.sims.rotor.model.reduction import reduce
 
 
@@ -23,6 +24,12 @@ def full(rk4) -> RotorModel:
 @pytest.fixture(scope="session")
 def small(full) -> RotorModel:
     return reduce(full)
+
+
+@pytest.fixture(scope="session")
+def adjustable(rk4) -> RotorModel:
+    """The RK4, reduced so that its geometry may be changed."""
+    return condense_spans(assemble(rk4, hubs=True), modes=4)
 
 
 @pytest.fixture

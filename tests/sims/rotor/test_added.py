@@ -143,7 +143,7 @@ def test_derivatives_along_added_matrices_are_the_limit_of_differences(small, or
     direction = Direction(M=0.1 * unit, C=5 * unit, G=0.02 * unit, K=1e3 * unit, **rest)
 
     def changed(p: float):
-        return with_added(small, Added(*(p * A for A in direction)))
+        return with_added(small, Added(*(p * A for A in direction[:7])))
 
     ramp = Ramp(start * RPM, 60 * RPM, 16.0)
     rows = tracked_rows(ramp.timeline, t=ramp.rows, revolutions=8, window="hann")

@@ -161,8 +161,7 @@ def _where_slowest(result: Result, gap: NDArray[np.float64]) -> float:
 
 def draw_whirl(stream: rr.RecordingStream, result: Result) -> None:
     """Draw the forward and backward part of 1X over speed in every plane."""
-    compensated = result.word != "raw"
-    for i, seen in enumerate(whirl_vectors(result.response, compensated=compensated)):
+    for i, seen in enumerate(whirl_vectors(result.response, compensated=result.compensated)):
         lines = []
         for run in result.sweeps:
             rows = result.response.run == run

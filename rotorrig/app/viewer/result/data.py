@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition import RawRecording
-from rotorrig.app.plot_data import model_vectors, part_of, predictions, slow_roll_known, sweeps, vectors
+from rotorrig.app.plot_data import fits_of, model_vectors, part_of, predictions, slow_roll_known, sweeps, vectors
 from rotorrig.identify import Diagnosis, Fit, Identification
 from rotorrig.processing import OrderTrackedResponse, Plane, measured_planes
 from rotorrig.processing.files import order_name
@@ -46,7 +46,14 @@ class Result:
     @property
     def word(self) -> str:
         """Kind of the vectors, in a word."""
-        return "slow-roll compensated" if slow_roll_known(self.response) else "raw"
+        if self.compensated:
+            return "slow-roll compensated"
+        return "compensated before it came" if np.isfinite(self.response.compensation_omega) else "raw"
+
+    @property
+    def compensated(self) -> bool:
+        """Whether the vectors shown are less a slow roll that is known."""
+        return slow_roll_known(self.response)
 
     @cached_property
     def sweeps(self) -> list[int]:
@@ -79,19 +86,14 @@ def result_of(
     if 1.0 not in response.orders:
         orders = ", ".join(order_name(order) for order in response.orders)
         raise DataError(f"response: has the orders {orders}, want 1X among them: what is shown of a result is 1X")
-    for what, of in (("fit", identification), ("run", recording)):
-        if of is not None and of.source.source_hash != response.source.source_hash:
-            raise DataError(
-                f"{what}: is of {of.source.source_hash} ({of.source.source}), the response is of "
-                f"{response.source.source_hash} ({response.source.source}); want the {what} of this very response"
-            )
-    part = part_of(diagnosis, response) if diagnosis else None
-    fit = identification.fits[0] if identification and identification.fits else None
-    if fit and fit.prediction.shape != response.z.shape[:2]:
+    if recording is not None and recording.source.source_hash != response.source.source_hash:
         raise DataError(
-            f"fit: predicts (speed, probe) = {fit.prediction.shape}, the response has {response.z.shape[:2]}; "
-            f"want the fit of this very response"
+            f"run: is of {recording.source.source_hash} ({recording.source.source}), the response is of "
+            f"{response.source.source_hash} ({response.source.source}); want the run of this very response"
         )
+    part = part_of(diagnosis, response) if diagnosis else None
+    identification = fits_of(identification, response) if identification else None
+    fit = identification.fits[0] if identification and identification.fits else None
     base, extended = predictions(response, fit, part)
     return Result(
         response=response,

@@ -39,7 +39,7 @@ def colour_words(result: Result) -> str:
     elif result.model is not None:
         lines.append("pale lines: the model")
     lines.append(f"orbits: blue 1X, {result.word}")
-    lines[-1] += "; grey-blue 1X as it was" if result.word != "raw" else ""
+    lines[-1] += "; grey-blue 1X as it was" if result.compensated else ""
     lines[-1] += "; grey two turns of all that was recorded" if result.recording is not None else ""
     lines += [
         "green: forward whirl, with the rotation; pink: backward",

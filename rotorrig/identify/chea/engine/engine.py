@@ -98,7 +98,7 @@ class Engine:
         for members in clusters:
             self.record.heads.append(self.points[members[0]])
             end = yield from self.descend_from(int(members[0]))
-            searched.append((members, self._listed(end)))
+            searched.append((members, self._find_listed(end)))
             yield from self.method.after(self)
         return searched
 
@@ -118,12 +118,12 @@ class Engine:
         for members, end in searched:
             for row in self.rng.permutation(members[1:])[: self.method.members]:
                 other = yield from self.descend_from(int(row))
-                if not self._agree([end, self._listed(other)]):
+                if not self._agree([end, self._find_listed(other)]):
                     unresolved.append(bounding_box(self.points[members], box))
                     break
         return unresolved
 
-    def _listed(self, end: End) -> Array:
+    def _find_listed(self, end: End) -> Array:
         """Return the listed minimum (dim,) nearest to the end of a descent, or that end if there is none."""
         listed, _, _ = self.record.minima.sorted()
         return listed[np.abs(listed - end.u).max(axis=1).argmin()] if len(listed) else end.u

@@ -18,8 +18,8 @@ import numpy as np
 
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.chain import Chain
 from rotorrig.sims.plant.force_laws import Force
+from rotorrig.sims.plant.sensors import Chain
 from rotorrig.sims.plant.shaft import Rotor
 from rotorrig.sims.plant.truth import FaultSpec, Truth
 

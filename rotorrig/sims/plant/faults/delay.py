@@ -1,19 +1,19 @@
-"""The vibration channels are late against the keyphasor: a converter that takes its channels in turn, or a filter.
+"""The vibration channels pass a filter that the keyphasor's does not: the anti-alias filters were left in.
 
-A converter of s conversions per second takes the n-th channel of a scan (n - 1) / s after the first; a Butterworth
-anti-alias filter of second order and corner f delays low frequencies by sqrt(2) / (2 pi f), the slope of its phase.
-All probes are delayed alike, the keyphasor is not.
+A Butterworth filter of second order and corner f comes late by sqrt(2) / (2 pi f) at low frequency; of what is near the
+corner it takes something off, and delays it more (Oppenheim and Willsky, Signals and Systems, 2nd ed. 1997, sec. 6.5).
+All probes alike.
 """
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.chain import Chain
 from rotorrig.sims.plant.faults.base import LogUniform, Values
+from rotorrig.sims.plant.sensors import Chain
 
-PARAMETERS: dict[str, float] = {"time": 1.5e-4}  # s
+PARAMETERS: dict[str, float] = {"time": 1.5e-4}  # s, at low frequency: a corner of 1.5 kHz
 SIZE = ("time",)
 RANGE = {"time": LogUniform(2e-5, 4e-4)}
 
 
 def sensors(rig: RigConfig, chain: Chain, values: Values) -> Chain:
-    """Return `chain` with all probes late."""
+    """Return `chain` with a filter in all probes' channels."""
     return chain._replace(delay=chain.delay + values["time"])

@@ -1,9 +1,12 @@
-"""A bearing in rubber: its loss per cycle goes with the stiffness and hardly at all with the frequency.
+"""A bearing in filled rubber: part of its loss is friction within the filler, part is viscous.
 
-A chain of springs each in series with a dashpot, their relaxation times a factor `RATIO` apart, loses nearly the same
-per cycle at every frequency within (Biot, J. Appl. Phys. 25 (1954) 1385; Makris, J. Eng. Mech. 123 (1997) 1209
-on why a causal law can do no more). Such a rubber stiffens with frequency by 2 / pi of its loss factor per factor
-e; the nameplate's stiffness is taken to hold at `frequency`.
+An elastic part, a friction part and a viscous part side by side (Berg, A non-linear rubber spring model for rail
+vehicle dynamics analysis, Vehicle System Dynamics 30 (1998) 197). The friction is Bouc's and Wen's hysteresis of first
+order, z' = v - |v| z / reach (Wen, Method for random vibration of hysteretic systems, J. Eng. Mech. Div. ASCE 102
+(1976) 249, with a vector for z), the viscous part a spring in series with a dashpot. On a circular whirl of radius r
+the one stores k / (1 + q^2) and loses k q / (1 + q^2), q = r / reach; the other likewise with q = 1 / (relaxation time
+* w). So the loss depends on amplitude as well as on frequency, and is the one stated, and the stiffness the
+nameplate's, at `REACH` and `frequency`.
 """
 
 import math
@@ -16,51 +19,44 @@ from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
 from rotorrig.sims.plant.places import sought_bearings, true_bearing
 from rotorrig.sims.plant.truth import Truth
 
-RATIO = 4.0  # between relaxation times; the loss factor then ripples by 1 %
-SLOWEST = 1.0  # s, relaxation time
-ELEMENTS = 7  # down to 0.24 ms: from 1 Hz to 200 Hz the loss factor is as stated within 10 %
-
 PARAMETERS: dict[str, float] = {
     "loss_factor": 0.02,  # of the bearing
-    "frequency": 37.0,  # Hz, where the stiffness is the nameplate's
+    "frequency": 37.0,  # Hz, where the viscous part is half way from soft to stiff
 }
 SIZE = ("loss_factor",)
 RANGE = {"loss_factor": LogUniform(2e-3, 0.06)}
+REACH = 5e-5  # m, motion at which most of the filler has come loose: an estimate, for rubber of 1 mm at 5 % strain
+FRICTION = 0.5  # of the loss; the rest is viscous
 
 
 def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
     """Return the lossy part of each bearing sought."""
-    share = values["loss_factor"] * 2.0 / math.pi * math.log(RATIO)  # of the stiffness, per element of the chain
-    wt = [math.tau * values["frequency"] * SLOWEST / RATIO**i for i in range(ELEMENTS)]
-    stiffened = share * sum(x * x / (1.0 + x * x) for x in wt)
+    filler, viscous = 2.0 * FRICTION * values["loss_factor"], 2.0 * (1.0 - FRICTION) * values["loss_factor"]
+    relaxation = 1.0 / (math.tau * values["frequency"])
     laws = [(b.position, true_bearing(truth, b)) for b in sought_bearings(rig)]
     return tuple(
         Force(
-            on=at(position),
-            law=chain,
-            constants=(share * b.kxx, share * b.kyy, stiffened * b.kxx, stiffened * b.kyy),
-            memory=2 + 2 * ELEMENTS,
-            from_rest=True,
+            on=at(position), law=rubber, constants=(b.kxx, b.kyy, filler, viscous, relaxation), memory=6, from_rest=True
         )
         for position, b in laws
     )
 
 
 @law
-def chain(turn: Turn, motion: Motion, p: NDArray, before: NDArray, after: NDArray) -> tuple[float, float]:
-    """Return (fx, fy) [N]; p = stiffness of an element in x and y, and what all stiffen.
+def rubber(turn: Turn, motion: Motion, p: NDArray, before: NDArray, after: NDArray) -> tuple[float, float]:
+    """Return (fx, fy) [N]; p = stiffness in x and y, shares of filler and viscous part, relaxation time.
 
-    It remembers x, y and where each dashpot stands, which follows z' = (x - z) / relaxation time: trapezoidal rule.
+    It remembers x, y, the filler's z, by backward Euler, and where the dashpot stands, by the trapezoidal rule.
     """
     after[0], after[1] = motion.x, motion.y
-    fx, fy = p[2] * motion.x, p[3] * motion.y
-    relaxation = SLOWEST
-    for i in range(ELEMENTS):
-        a = turn.step / (2.0 * relaxation)
-        relaxation /= RATIO
-        zx, zy = 2 + 2 * i, 3 + 2 * i
-        after[zx] = ((1.0 - a) * before[zx] + a * (before[0] + motion.x)) / (1.0 + a)
-        after[zy] = ((1.0 - a) * before[zy] + a * (before[1] + motion.y)) / (1.0 + a)
-        fx -= p[0] * (motion.x - after[zx])
-        fy -= p[1] * (motion.y - after[zy])
-    return fx, fy
+    dx, dy = motion.x - before[0], motion.y - before[1]
+    fades = 1.0 + math.hypot(dx, dy) / REACH
+    after[2], after[3] = (before[2] + dx) / fades, (before[3] + dy) / fades
+    a = turn.step / (2.0 * p[4])
+    after[4] = ((1.0 - a) * before[4] + a * (before[0] + motion.x)) / (1.0 + a)
+    after[5] = ((1.0 - a) * before[5] + a * (before[1] + motion.y)) / (1.0 + a)
+    # each part is stiff by half its share at the figures stated; that half is the nameplate's
+    half = (p[2] + p[3]) / 2.0
+    fx = p[2] * after[2] + p[3] * (motion.x - after[4]) - half * motion.x
+    fy = p[2] * after[3] + p[3] * (motion.y - after[5]) - half * motion.y
+    return -p[0] * fx, -p[1] * fy

@@ -1,14 +1,17 @@
-"""A bearing on a pedestal that gives: a mass on springs of its own between bearing and ground.
+"""A bearing on a pedestal that gives: it slides on its base, and rocks about it.
 
 Bearing and pedestal are in series, so that what the shaft feels dips and peaks about the pedestal's own frequencies
-(Gasch, Nordmann and Pfuetzner, Rotordynamik, 2nd ed. 2002). The probes stand on the ground. The pedestal's weight was
-there before the shaft was aligned and moves nothing.
+(Gasch, Nordmann and Pfuetzner, Rotordynamik, 2nd ed. 2002). Along x the pedestal is a rigid body on a base that yields
+sideways and lets it rock (Richart, Hall and Woods, Vibrations of Soils and Foundations (1970), sec. 8.6): two motions
+that go together, with a resonance each, of which the lower is the one stated. Along y it has one. The probes stand on
+the ground. The pedestal's weight was there before the shaft was aligned and moves nothing.
 """
 
 import math
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg
 
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import LogUniform, Uniform, Values
@@ -23,6 +26,9 @@ PARAMETERS: dict[str, float] = {
     "damping_ratio": 0.04,  # in x and y
 }
 SIZE = ("compliance",)
+ROCKING = 0.6  # of the compliance in x, at the bearing; the rest is sliding: a slender pedestal, an estimate
+CENTRE = 0.5  # height of its centre of mass over that of the bearing: of an even block
+GYRATION = 0.32  # its radius of gyration over that height: of a block two thirds as long as it is high
 RANGE = {
     "compliance": LogUniform(1e-7, 6e-6),
     "frequency": Uniform(20.0, 35.0),
@@ -40,17 +46,30 @@ def structure(rig: RigConfig, truth: Truth, rotor: Rotor, values: Values) -> Rot
 
 
 def _on_a_pedestal(rotor: Rotor, station: int, K: NDArray, C: NDArray, values: Values) -> Rotor:
-    """Return `rotor` with the bearing `K`, `C` at `station` on a mass with springs instead of on the ground."""
-    wide = rotor.with_coordinate()
-    journal, mass = [station, station + wide.n], [wide.n - 1, 2 * wide.n - 1]
+    """Return `rotor` with the bearing `K`, `C` at `station` on a pedestal instead of on the ground."""
+    wide = rotor.with_coordinate().with_coordinate()
+    n = wide.n
+    slides, rocks, lifts, spare = n - 2, n - 1, 2 * n - 2, 2 * n - 1
+    # rocking is counted by what it moves the bearing: there the pedestal moves by the sum of both
+    moves = np.zeros((2, 2 * n))
+    moves[0, [station, slides, rocks]] = 1.0, -1.0, -1.0
+    moves[1, [station + n, lifts]] = 1.0, -1.0
+    here = np.ix_([station, station + n], [station, station + n])
     for whole, bearing in ((wide.K, K), (wide.C, C)):
-        whole[np.ix_(mass, mass)] += bearing
-        whole[np.ix_(journal, mass)] -= bearing
-        whole[np.ix_(mass, journal)] -= bearing
-    kilograms = 1.0 / (values["compliance"] * (math.tau * values["frequency"]) ** 2)
-    for i, share in zip(mass, (1.0, values["aspect"]), strict=True):
-        k = 1.0 / (values["compliance"] * share)
-        wide.M[i, i] += kilograms
-        wide.K[i, i] += k
-        wide.C[i, i] += 2.0 * values["damping_ratio"] * math.sqrt(k * kilograms)
+        whole[here] -= bearing
+        whole += moves.T @ bearing @ moves
+    omega = math.tau * values["frequency"]
+    sideways = np.ix_([slides, rocks], [slides, rocks])
+    shape = np.array([[1.0, CENTRE], [CENTRE, CENTRE**2 + GYRATION**2]])  # mass matrix of 1 kg
+    k = np.diag([1.0 / (1.0 - ROCKING), 1.0 / ROCKING]) / values["compliance"]
+    kilograms = float(linalg.eigh(k, shape, eigvals_only=True)[0]) / omega**2
+    wide.M[sideways] += kilograms * shape
+    wide.K[sideways] += k
+    wide.C[sideways] += 2.0 * values["damping_ratio"] / omega * k
+    upright = 1.0 / (values["compliance"] * values["aspect"])
+    wide.M[lifts, lifts] += kilograms
+    wide.K[lifts, lifts] += upright
+    wide.C[lifts, lifts] += 2.0 * values["damping_ratio"] * math.sqrt(upright * kilograms)
+    # along y nothing rocks: a coordinate that nothing moves, and that no speed of the rig could
+    wide.M[spare, spare], wide.K[spare, spare] = kilograms, 1e6 * kilograms * omega**2
     return wide

@@ -1,8 +1,9 @@
-"""A shaft that is stiffer in one of its planes than across it: drawn oval, or with a flat or keyway along it.
+"""A shaft that is softer in one of its planes: a flat is milled along it from its first bearing to its last.
 
-Second moments I (1 + a) and I (1 - a) about two axes that turn with the shaft: in fixed axes the bending stiffness
-gains a E I [[cos 2b, sin 2b], [sin 2b, -cos 2b]], b the stiff plane's angle (Tondl, Some Problems of Rotor Dynamics
-(1965)). Under its weight the shaft is lifted twice per turn.
+What is milled away lacks in bending towards the flat alone: there the second moment is (1 - a) / (1 + a) of the round
+shaft's, across it is whole, so that the shaft is also softer on the average (Dimentberg, Flexural Vibrations of
+Rotating Shafts (1961), ch. 3). In axes that turn with the shaft it is a missing spring along one of them. Under its
+weight the shaft is lifted twice per turn.
 """
 
 import math
@@ -24,22 +25,25 @@ RANGE = {"asymmetry": LogUniform(5e-4, 0.015), "stiff_plane": ANY_PHASE}
 
 
 def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
-    """Return what the stiff plane adds and the soft one lacks, beam element by beam element.
+    """Return what the soft plane lacks, beam element by beam element.
 
     An element between two places where forces act bends as one cubic but for the weight of the shaft itself.
     """
-    cuts = (0.0, rig.shaft.length, *(d.position for d in rig.disks), *(b.position for b in rig.bearings))
-    angle = sense(rig) * values["stiff_plane"]
+    held = [b.position for b in rig.bearings]
+    cuts = [z for z in (*(d.position for d in rig.disks), *held) if min(held) <= z <= max(held)]
+    lost = 2.0 * values["asymmetry"] / (1.0 + values["asymmetry"])
+    soft = sense(rig) * values["stiff_plane"] + math.pi / 2
     acting = []
     for start, end, stiffness in bending_spans(rig, truth, *cuts):
-        k = values["asymmetry"] * stiffness / (end - start)
-        acting.append(Force(on=bend(start, end), law=turning_spring, constants=(k, angle)))
-        acting.append(Force(on=sway(start, end), law=turning_spring, constants=(3.0 * k, angle)))
+        k = lost * stiffness / (end - start)
+        acting.append(Force(on=bend(start, end), law=missing_spring, constants=(k, soft)))
+        acting.append(Force(on=sway(start, end), law=missing_spring, constants=(3.0 * k, soft)))
     return tuple(acting)
 
 
 @law
-def turning_spring(turn: Turn, motion: Motion, p: NDArray, before: NDArray, after: NDArray) -> tuple[float, float]:
-    """Return the moments in x and y; p = what the stiff plane has more than the mean, its signed angle."""
-    c, s = math.cos(2.0 * (turn.angle + p[1])), math.sin(2.0 * (turn.angle + p[1]))
-    return -p[0] * (c * motion.x + s * motion.y), -p[0] * (s * motion.x - c * motion.y)
+def missing_spring(turn: Turn, motion: Motion, p: NDArray, before: NDArray, after: NDArray) -> tuple[float, float]:
+    """Return the moments in x and y; p = stiffness that the soft plane lacks, its signed angle."""
+    c, s = math.cos(turn.angle + p[1]), math.sin(turn.angle + p[1])
+    moment = p[0] * (c * motion.x + s * motion.y)
+    return moment * c, moment * s

@@ -1,25 +1,35 @@
-"""A bearing that pushes the shaft sideways, ahead in its whirl: what a fluid dragged round by the journal does.
+"""A bearing's seal that pushes the shaft sideways, ahead in its whirl, the harder the more torque it takes.
 
-The force on a shaft displaced by r stands a quarter turn ahead of r in the sense of rotation (Muszynska, J. Sound
-Vib. 110 (1986) 443: fluid stiffness carried round at a fraction of the speed); it feeds forward whirl and damps
-backward whirl. Here it does not depend on speed.
+Where the gap is narrow the fluid drags more, where it is wide less: what is left is a force a quarter turn ahead of the
+displacement, in proportion to the torque, k = efficiency * torque / (diameter * height) (Alford, Protecting
+turbomachinery from self-excited rotor whirl, J. Eng. Power 87 (1965) 333). The torque of a laminar film grows with the
+speed. It feeds forward whirl and damps backward whirl. The seal stands about the shaft where it rests.
 """
 
-from dataclasses import replace
+from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.faults.base import LogUniform, Values
-from rotorrig.sims.plant.places import sense, sought_bearings
+from rotorrig.sims.plant.force_laws import Force, Motion, Turn, at, law
+from rotorrig.sims.plant.places import sought_bearings
 from rotorrig.sims.plant.truth import Truth
 
-PARAMETERS: dict[str, float] = {"stiffness": 1000.0}  # N/m; unstable above the bearing's damping times w: 3500 N/m
+PARAMETERS: dict[str, float] = {
+    "stiffness": 1000.0,  # N/m at the reference speed; unstable above the bearing's damping times w: 3500 N/m
+    "reference": 230.0,  # rad/s
+}
 SIZE = ("stiffness",)
 RANGE = {"stiffness": LogUniform(100.0, 1800.0)}
 
 
-def deviations(rig: RigConfig, truth: Truth, values: Values) -> Truth:
-    """Return `truth` with a sideways force in the bearings that are sought."""
-    sought = {b.name for b in sought_bearings(rig)}
-    k = sense(rig) * values["stiffness"]  # turning x to y, a shaft out along x is pushed along +y: -kyx > 0
-    bearings = tuple(replace(b, kxy=b.kxy + k, kyx=b.kyx - k) if b.name in sought else b for b in truth.bearings)
-    return replace(truth, bearings=bearings)
+def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
+    """Return the sideways push at each bearing sought."""
+    constants = (values["stiffness"] / values["reference"],)
+    return tuple(Force(on=at(b.position), law=push, constants=constants, from_rest=True) for b in sought_bearings(rig))
+
+
+@law
+def push(turn: Turn, motion: Motion, p: NDArray, before: NDArray, after: NDArray) -> tuple[float, float]:
+    """Return (fx, fy) [N]; p = stiffness per speed. Turning x to y, a shaft out along x is pushed along +y."""
+    k = p[0] * turn.omega
+    return -k * motion.y, k * motion.x

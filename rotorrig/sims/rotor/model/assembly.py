@@ -8,24 +8,28 @@ A model is the shaft's matrices plus attachments given by the rows that read the
 """
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from types import MappingProxyType
 from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rotorrig.rig.config import SHORTEST, Rayleigh, RigConfig, Tube
-from rotorrig.sims.rotor.model.beam import NODE_DOF, Element, shaft_element
+from rotorrig.rig.config import Rayleigh, RigConfig, Tube
+from rotorrig.sims.rotor.model.beam import NODE_DOF, X_PLANE, Y_PLANE, Element, plane_matrices, properties
 from rotorrig.sims.rotor.model.bearing import (
     BearingAttachment,
+    TiltAttachment,
     attach_bearing,
     bearing_damping,
     bearing_stiffness,
+    tilt_stiffness,
     with_coefficients,
 )
 from rotorrig.sims.rotor.model.disk import DiskAttachment, PlaneAttachment, attach_disk, disk_gyroscopic, disk_mass
+from rotorrig.sims.rotor.model.geometry import Geometry, lay_out, reshape, shaft_at
+from rotorrig.sims.rotor.model.mesh import hub_edges, mesh, node_at
 
 
 class _Named(Protocol):
@@ -34,6 +38,7 @@ class _Named(Protocol):
 
 
 T = TypeVar("T", bound=_Named)
+NOWHERE: Mapping[str, float] = MappingProxyType({})
 
 
 class Matrices(NamedTuple):
@@ -74,6 +79,7 @@ class RotorModel:
     planes: tuple[PlaneAttachment, ...]
     bearings: tuple[BearingAttachment, ...]  # the elastic ones; x = y = 0 at a rigid one is in the coordinates
     rigid: tuple[str, ...]  # names of the rigid bearings
+    tilts: tuple[TiltAttachment, ...]  # of every bearing, a rigid one too
     probes: NDArray[np.float64]  # (probe, dof): displacement towards each probe, angles applied
     rotation: int  # +1 x to y, -1 y to x
     z: NDArray[np.float64]  # (node,) m from the coupling, for drawing
@@ -81,6 +87,7 @@ class RotorModel:
     weight: NDArray[np.float64]  # (2, dof) kg: the shaft's load per unit of gravity along x and along y
     appended: NDArray[np.float64]  # (coordinate, dof): reads the coordinates of with_coordinates
     added: Added
+    geometry: Geometry | None  # what all of the bare shaft follows from; None: on a basis for the nameplate's alone
 
     @property
     def dof(self) -> int:
@@ -102,42 +109,55 @@ class RotorModel:
             raise ValueError(f"bearing '{name}' is rigid and has no coefficients, want an elastic one")
         return _find_named(self.bearings, name, "bearing")
 
+    def tilt(self, name: str) -> TiltAttachment:
+        """Return how the bearing of that name resists tilt. Raises ValueError."""
+        return _find_named(self.tilts, name, "bearing")
 
-def assemble(rig: RigConfig, *, element: Element = "timoshenko", max_element: float = 0.02) -> RotorModel:
+
+def assemble(
+    rig: RigConfig, *, element: Element = "timoshenko", max_element: float = 0.02, hubs: bool = False
+) -> RotorModel:
     """Return the finite-element model of a nameplate: nodes at both ends, at every step of the shaft and at every part.
 
     Spans between them are divided evenly into elements no longer than `max_element` [m]. Where a bearing is rigid, the
-    coordinates x and y of its node are left out, which holds it exactly. Raises ValueError.
+    coordinates x and y of its node are left out, which holds it exactly. With `hubs` there are nodes at the edges of
+    every disk's hub too, for `with_geometry` to stiffen the shaft there. Raises ValueError.
     """
     if element not in ("timoshenko", "lumped"):
         raise ValueError(f"element is {element!r}, want 'timoshenko' or 'lumped'")
     if not max_element > 0:
         raise ValueError(f"max_element is {max_element:g} m, want a length above zero")
-    z = _mesh(rig, max_element)
+    edges = hub_edges(rig) if hubs else {}
+    z = mesh(rig, max_element, edges)
+    tubes = [rig.shaft.tube_at(place) for place in (z[:-1] + z[1:]) / 2]
     free = _free(rig, z)
-    whole = _shaft_matrices(rig.shaft.tubes, z, element)
+    whole = _shaft_matrices(tubes, z, element)
     unit = np.eye(NODE_DOF * len(z))[:, free]
     x, y = unit[0::NODE_DOF], unit[1::NODE_DOF]
 
-    def rows(position: float, count: int) -> NDArray[np.float64]:
-        first = NODE_DOF * _node(z, position)
-        return unit[first : first + count]
+    def rows(position: float, first: int, count: int) -> NDArray[np.float64]:
+        start = NODE_DOF * node_at(z, position) + first
+        return unit[start : start + count]
 
     return RotorModel(
         shaft=Matrices(*(A[np.ix_(free, free)] for A in whole)),
         rayleigh=rig.shaft.rayleigh,
         structural_damping=rig.shaft.structural_damping,
-        disks=tuple(attach_disk(d, rows(d.position, NODE_DOF)) for d in rig.disks),
-        planes=tuple(PlaneAttachment(name=p.name, rows=rows(p.position, NODE_DOF)) for p in rig.planes),
-        bearings=tuple(attach_bearing(b, rows(b.position, 2)) for b in rig.bearings if not b.rigid),
+        disks=tuple(attach_disk(d, rows(d.position, 0, NODE_DOF)) for d in rig.disks),
+        planes=tuple(PlaneAttachment(name=p.name, rows=rows(p.position, 0, NODE_DOF)) for p in rig.planes),
+        bearings=tuple(attach_bearing(b, rows(b.position, 0, 2)) for b in rig.bearings if not b.rigid),
         rigid=tuple(b.name for b in rig.bearings if b.rigid),
-        probes=np.array([[math.cos(p.angle), math.sin(p.angle)] @ rows(p.position, 2) for p in rig.probes]),
+        tilts=tuple(
+            TiltAttachment(name=b.name, rows=rows(b.position, 2, 2), stiffness=b.tilt_stiffness) for b in rig.bearings
+        ),
+        probes=np.array([[math.cos(p.angle), math.sin(p.angle)] @ rows(p.position, 0, 2) for p in rig.probes]),
         rotation=1 if rig.rotation == "x-to-y" else -1,
         z=z,
         centreline=np.stack([x, y]),
         weight=np.stack([whole.M[axis::NODE_DOF, free].sum(0) for axis in (0, 1)]),
         appended=np.zeros((0, len(free))),
         added=Added(),
+        geometry=lay_out(rig, z, unit, tubes, hubs=edges, element=element),
     )
 
 
@@ -155,6 +175,9 @@ def matrices(model: RotorModel, omega: float | None = None) -> Matrices:
     for bearing in model.bearings:
         C = C + bearing_damping(bearing, omega)
         K = K + bearing_stiffness(bearing, omega)
+    for tilt in model.tilts:
+        if tilt.stiffness:
+            K = K + tilt_stiffness(tilt)
     more = model.added
     stiffness = None if more.K is None else more.K.real
     return Matrices(_plus(M, more.M), _plus(C, more.C), _plus(model.rotation * G, more.G), _plus(K, stiffness))
@@ -209,11 +232,13 @@ def transform(model: RotorModel, V: NDArray[np.float64]) -> RotorModel:
         disks=tuple(replace(d, rows=d.rows @ V) for d in model.disks),
         planes=tuple(replace(p, rows=p.rows @ V) for p in model.planes),
         bearings=tuple(replace(b, rows=b.rows @ V) for b in model.bearings),
+        tilts=tuple(replace(t, rows=t.rows @ V) for t in model.tilts),
         probes=model.probes @ V,
         centreline=model.centreline @ V,
         weight=model.weight @ V,
         added=Added(*(None if A is None else project(A) for A in model.added)),
         appended=model.appended @ V,
+        geometry=None if model.geometry is None else replace(model.geometry, basis=model.geometry.basis @ V),
     )
 
 
@@ -226,6 +251,49 @@ def with_bearing(model: RotorModel, names: str | Collection[str], K: ArrayLike, 
     for name in names:
         model.bearing(name)
     return replace(model, bearings=tuple(with_coefficients(b, K, C) if b.name in names else b for b in model.bearings))
+
+
+def geometry_of(model: RotorModel) -> Geometry:
+    """Return the geometry of a model. Raises ValueError on one that was reduced without it."""
+    if model.geometry is None:
+        raise ValueError("the model is reduced for its nameplate's geometry alone, want one of `condense_spans`")
+    return model.geometry
+
+
+def with_tilt(model: RotorModel, stiffness: Mapping[str, float]) -> RotorModel:
+    """Return the model with these bearings resisting tilt by so much [N m/rad]. Raises ValueError."""
+    for name, value in stiffness.items():
+        model.tilt(name)
+        if not 0 <= value < math.inf:
+            raise ValueError(f"tilt stiffness of bearing '{name}' is {value:g} N m/rad, want zero or more")
+    return replace(model, tilts=tuple(replace(t, stiffness=stiffness.get(t.name, t.stiffness)) for t in model.tilts))
+
+
+def with_geometry(
+    model: RotorModel,
+    *,
+    positions: Mapping[str, float] = NOWHERE,
+    hubs: Mapping[str, float] = NOWHERE,
+    diameter: float = 0.0,
+) -> RotorModel:
+    """Return the model with its geometry off the nameplate by so much, instead of by what it was: geometry.py.
+
+    `positions` is "disk NAME", "bearing NAME" or "probe NAME" -> m further from the coupling. `hubs` is disk -> share
+    of the shaft's flexibility in bending that its hub takes away: 0.5 is twice the second moment of area. `diameter`
+    is relative, of all of the shaft, bores too. Raises ValueError on an unknown name, a difference out of range, or a
+    model that `reduce` made.
+    """
+    geometry = reshape(geometry_of(model), positions=positions, hubs=hubs, diameter=diameter)
+    shaft = shaft_at(geometry)
+    return replace(
+        model,
+        shaft=Matrices(shaft.M, np.zeros_like(shaft.M), shaft.G, shaft.K),
+        probes=shaft.probes,
+        weight=shaft.weight,
+        centreline=shaft.centreline,
+        z=shaft.z,
+        geometry=geometry,
+    )
 
 
 def scale_properties(
@@ -241,46 +309,35 @@ def scale_properties(
     )
     M, C, G, K = model.shaft
     shaft = Matrices(M * density, C, G * density, K * youngs_modulus)
-    return replace(model, shaft=shaft, disks=disks, weight=model.weight * density)
-
-
-def _mesh(rig: RigConfig, max_element: float) -> NDArray[np.float64]:
-    parts = [part.position for kind in (rig.bearings, rig.disks, rig.planes, rig.probes) for part in kind]
-    fixed = sorted({0.0, rig.shaft.length, *parts, *(tube.start for tube in rig.shaft.tubes)})
-    kept = [place for before, place in pairwise([-1.0, *fixed]) if place - before > SHORTEST]
-    return np.array([*_divide(kept, max_element), kept[-1]])
-
-
-def _divide(places: list[float], max_element: float) -> Iterator[float]:
-    for left, right in pairwise(places):
-        count = math.ceil((right - left) / max_element * (1 - 1e-9))  # 100 mm is five times 20 mm, rounding or not
-        yield from np.linspace(left, right, count, endpoint=False)
-
-
-def _node(z: NDArray[np.float64], position: float) -> int:
-    return int(np.argmin(np.abs(z - position)))
+    geometry = model.geometry
+    if geometry is not None:
+        geometry = replace(
+            geometry,
+            youngs_modulus=geometry.youngs_modulus * youngs_modulus,
+            density=geometry.density * density,
+        )
+    return replace(model, shaft=shaft, disks=disks, weight=model.weight * density, geometry=geometry)
 
 
 def _free(rig: RigConfig, z: NDArray[np.float64]) -> NDArray[np.intp]:
     """Return the coordinates that no rigid bearing holds: the columns of a basis of the constraint's null space."""
-    held = [NODE_DOF * _node(z, b.position) + axis for b in rig.bearings if b.rigid for axis in (0, 1)]
+    held = [NODE_DOF * node_at(z, b.position) + axis for b in rig.bearings if b.rigid for axis in (0, 1)]
     return np.setdiff1d(np.arange(NODE_DOF * len(z)), held)
 
 
 def _shaft_matrices(tubes: Sequence[Tube], z: NDArray[np.float64], element: Element) -> Matrices:
     dof = NODE_DOF * len(z)
     M, C, G, K = (np.zeros((dof, dof)) for _ in range(4))
-    for node, (left, right) in enumerate(pairwise(z)):
-        place = slice(NODE_DOF * node, NODE_DOF * (node + 2))
-        piece = shaft_element(_tube_at(tubes, (left + right) / 2), float(right - left), element=element)
-        M[place, place] += piece.M
-        G[place, place] += piece.G
-        K[place, place] += piece.K
+    for node, (mass, tilt, stiffness) in enumerate(
+        zip(*plane_matrices(properties(tubes), np.diff(z), element=element), strict=True)
+    ):
+        x, y = NODE_DOF * node + X_PLANE, NODE_DOF * node + Y_PLANE
+        for dofs in (x, y):
+            M[np.ix_(dofs, dofs)] += mass + tilt  # M_T + M_R of eq. (6)
+            K[np.ix_(dofs, dofs)] += stiffness
+        G[np.ix_(x, y)] += 2 * tilt  # a slender slice has Ip = 2 It
+        G[np.ix_(y, x)] -= 2 * tilt
     return Matrices(M, C, G, K)
-
-
-def _tube_at(tubes: Sequence[Tube], position: float) -> Tube:
-    return next((tube for tube in tubes if position < tube.end), tubes[-1])
 
 
 def _plus(A: NDArray, B: NDArray | None) -> NDArray:

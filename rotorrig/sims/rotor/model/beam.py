@@ -5,6 +5,7 @@ of the slope: shear adds to dx/dz but not to a). Both planes then obey the same 
 rotations about the axes, a turns about +y and b about -x. Rotation from x towards y is positive.
 """
 
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -16,8 +17,8 @@ Element = Literal["timoshenko", "lumped"]
 Matrix = NDArray[np.float64]
 
 NODE_DOF = 4  # x, y, a, b
-_X_PLANE = np.array([0, 2, 4, 6])  # x1, a1, x2, a2
-_Y_PLANE = np.array([1, 3, 5, 7])  # y1, b1, y2, b2
+X_PLANE = np.array([0, 2, 4, 6])  # x1, a1, x2, a2
+Y_PLANE = np.array([1, 3, 5, 7])  # y1, b1, y2, b2
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # takes longer than all else of an element
 
 
@@ -27,6 +28,23 @@ class ElementMatrices(NamedTuple):
     M: Matrix
     G: Matrix
     K: Matrix
+
+
+class Properties(NamedTuple):
+    """What elements are made of, (element,) each; real, or complex for a complex step."""
+
+    bending: NDArray  # N m^2, E I
+    shear: NDArray  # N, kappa G A
+    mass: NDArray  # kg/m
+    tilt: NDArray  # kg m, transverse inertia per length
+
+
+class PlaneMatrices(NamedTuple):
+    """One plane's matrices of elements over (x1, a1, x2, a2), (element, 4, 4) each."""
+
+    mass: NDArray  # of translation
+    tilt: NDArray  # of rotation, with the transverse inertia rho I per length
+    stiffness: NDArray
 
 
 def shaft_element(tube: Tube, length: float, *, element: Element = "timoshenko") -> ElementMatrices:
@@ -39,15 +57,53 @@ def shaft_element(tube: Tube, length: float, *, element: Element = "timoshenko")
     """
     if not length > 0:
         raise ValueError(f"the element's length is {length:g} m, want one above zero")
-    plane = _one_plane(tube, length)
-    mass, tilt = (plane.mass, plane.tilt) if element == "timoshenko" else _lump(tube, length)
+    mass, tilt, stiffness = (A[0] for A in plane_matrices(properties([tube]), np.array([length]), element=element))
     M, G, K = (np.zeros((2 * NODE_DOF, 2 * NODE_DOF)) for _ in range(3))
-    for dof in (_X_PLANE, _Y_PLANE):
+    for dof in (X_PLANE, Y_PLANE):
         M[np.ix_(dof, dof)] = mass + tilt  # M_T + M_R of eq. (6)
-        K[np.ix_(dof, dof)] = plane.stiffness
-    G[np.ix_(_X_PLANE, _Y_PLANE)] = 2 * tilt  # a slender slice has Ip = 2 It
-    G[np.ix_(_Y_PLANE, _X_PLANE)] = -2 * tilt
+        K[np.ix_(dof, dof)] = stiffness
+    G[np.ix_(X_PLANE, Y_PLANE)] = 2 * tilt  # a slender slice has Ip = 2 It
+    G[np.ix_(Y_PLANE, X_PLANE)] = -2 * tilt
     return ElementMatrices(M, G, K)
+
+
+def properties(tubes: Sequence[Tube]) -> Properties:
+    """Return the properties of one element of each tube."""
+    shear = [shear_factor(t) * area(t) * t.youngs_modulus / (2 * (1 + t.poisson_ratio)) for t in tubes]
+    return Properties(
+        bending=np.array([t.youngs_modulus * second_moment(t) for t in tubes]),
+        shear=np.array(shear),
+        mass=np.array([t.density * area(t) for t in tubes]),
+        tilt=np.array([t.density * second_moment(t) for t in tubes]),
+    )
+
+
+def plane_matrices(of: Properties, length: NDArray, *, element: Element = "timoshenko") -> PlaneMatrices:
+    """Integrate the shape functions' products for elements of lengths (element,) [m].
+
+    Four Gauss points are exact for these polynomials (degree 6).
+    """
+    phi = shear_share(of, length)
+    N, R, curvature, shear = _shape_functions(length, phi)
+    weight = _WEIGHTS * length[:, None] / 2
+
+    def integral(shape: NDArray) -> NDArray:
+        return (shape * weight[:, None]) @ shape.swapaxes(1, 2)
+
+    bending, shear_stiffness = of.bending[:, None, None], of.shear[:, None, None]
+    stiffness = bending * integral(curvature) + shear_stiffness * integral(shear)
+    if element == "lumped":
+        half = length[:, None, None] / 2
+        mass = half * of.mass[:, None, None] * np.diag([1.0, 0.0, 1.0, 0.0])
+        tilt = half * of.tilt[:, None, None] * np.diag([0.0, 1.0, 0.0, 1.0])
+    else:
+        mass, tilt = of.mass[:, None, None] * integral(N), of.tilt[:, None, None] * integral(R)
+    return PlaneMatrices(mass, tilt, stiffness)
+
+
+def shear_share(of: Properties, length: NDArray) -> NDArray:
+    """Return the ratio of shear to bending flexibility of elements, (element,)."""
+    return 12 * of.bending / (of.shear * length**2)
 
 
 def area(tube: Tube) -> float:
@@ -75,58 +131,37 @@ def shear_factor(tube: Tube) -> float:
     return 6 * (1 + nu) * (1 + m2) ** 2 / ((7 + 6 * nu) * (1 + m2) ** 2 + (20 + 12 * nu) * m2)
 
 
-class _Plane(NamedTuple):
-    """One plane's (4, 4) matrices over (x1, a1, x2, a2)."""
+def deflection_shapes(s: NDArray, length: NDArray, phi: NDArray) -> NDArray:
+    """Return the shape functions of deflection at `s`, (element, 4 dof, point).
 
-    mass: Matrix  # of translation
-    tilt: Matrix  # of rotation, with the transverse inertia rho I per length
-    stiffness: Matrix
-
-
-def _one_plane(tube: Tube, length: float) -> _Plane:
-    """Integrate the shape functions' products; four Gauss points are exact for these polynomials (degree 6)."""
-    E, A, I = tube.youngs_modulus, area(tube), second_moment(tube)  # noqa: E741
-    shear_stiffness = shear_factor(tube) * A * E / (2 * (1 + tube.poisson_ratio))
-    N, R, curvature, shear = _shape_functions(length, 12 * E * I / (shear_stiffness * length**2))
-    weight = _WEIGHTS * length / 2
-
-    def integral(shape: Matrix) -> Matrix:
-        return (shape * weight) @ shape.T
-
-    return _Plane(
-        mass=tube.density * A * integral(N),
-        tilt=tube.density * I * integral(R),
-        stiffness=E * I * integral(curvature) + shear_stiffness * integral(shear),
-    )
-
-
-def _shape_functions(length: float, phi: float) -> tuple[Matrix, Matrix, Matrix, Matrix]:
-    """Return deflection, section slope, curvature and shear angle at the Gauss points, each (4 dof, 4 point).
-
-    Exact for static end loads; `phi` is the ratio of shear to bending flexibility (Nelson 1980, eq. 5 to 9).
+    `s` (point,) or (element, point) goes from 0 to 1 along an element; lengths [m] and `phi`, of `shear_share`, are
+    (element,). Exact for static end loads (Nelson 1980, eq. 5).
     """
-    s = (_POINTS + 1) / 2  # 0 to 1 along the element
-    one, L = np.ones_like(s), length
+    L, phi = length[:, None], phi[:, None]
     N = [
         1 - 3 * s**2 + 2 * s**3 + phi * (1 - s),
         L * (s - 2 * s**2 + s**3 + phi / 2 * (s - s**2)),
         3 * s**2 - 2 * s**3 + phi * s,
         L * (s**3 - s**2 - phi / 2 * (s - s**2)),
     ]
+    return np.stack(N, axis=1) / (1 + phi[:, None])
+
+
+def _shape_functions(length: NDArray, phi: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """Return deflection, section slope, curvature and shear angle at the Gauss points, each (element, 4 dof, point).
+
+    Nelson 1980, eq. 5 to 9.
+    """
+    s = (_POINTS + 1) / 2
+    L, share = length[:, None], phi[:, None]
+    one = np.ones_like(s) / L
     R = [
         6 / L * (s**2 - s),
-        1 - 4 * s + 3 * s**2 + phi * (1 - s),
+        1 - 4 * s + 3 * s**2 + share * (1 - s),
         6 / L * (s - s**2),
-        3 * s**2 - 2 * s + phi * s,
+        3 * s**2 - 2 * s + share * s,
     ]
-    curvature = [6 / L**2 * (2 * s - 1), (6 * s - 4 - phi) / L, 6 / L**2 * (1 - 2 * s), (6 * s - 2 + phi) / L]
-    shear = [-phi / L * one, -phi / 2 * one, phi / L * one, -phi / 2 * one]
-    deflection, slope, bend, shear_angle = (np.array(shape) / (1 + phi) for shape in (N, R, curvature, shear))
-    return deflection, slope, bend, shear_angle
-
-
-def _lump(tube: Tube, length: float) -> tuple[Matrix, Matrix]:
-    half = tube.density * length / 2
-    mass = half * area(tube) * np.diag([1.0, 0.0, 1.0, 0.0])
-    tilt = half * second_moment(tube) * np.diag([0.0, 1.0, 0.0, 1.0])
-    return mass, tilt
+    curvature = [6 / L**2 * (2 * s - 1), (6 * s - 4 - share) / L, 6 / L**2 * (1 - 2 * s), (6 * s - 2 + share) / L]
+    shear = [-share * one, -share / 2 * L * one, share * one, -share / 2 * L * one]
+    slope, bend, shear_angle = (np.stack(shape, axis=1) / (1 + share[:, None]) for shape in (R, curvature, shear))
+    return deflection_shapes(s, length, phi), slope, bend, shear_angle

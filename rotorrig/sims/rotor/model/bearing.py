@@ -56,6 +56,15 @@ class BearingAttachment:
             raise ConfigError(f"bearing '{self.name}': its coefficients depend on speed, want constants for this")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TiltAttachment:
+    """What a bearing, a rigid one too, does against the tilt a, b of the shaft in it, `rows @ q`: alike in both."""
+
+    name: str
+    rows: Matrix  # (2, dof)
+    stiffness: float  # N m/rad
+
+
 def attach_bearing(bearing: Bearing, rows: Matrix) -> BearingAttachment:
     """Attach a nameplate bearing, not a rigid one, to the journal that `rows` (2, dof) read."""
     tables = [value for name in bearing.model_fields_set if isinstance(value := getattr(bearing, name), OverSpeed)]
@@ -87,6 +96,11 @@ def bearing_damping(bearing: BearingAttachment, omega: float | None = None) -> M
     """Return C^b of eq. (7), (dof, dof). Raises ConfigError without a speed if it depends on that."""
     C = bearing.C if omega is None else bearing.at(omega)[1]
     return bearing.rows.T @ C @ bearing.rows
+
+
+def tilt_stiffness(tilt: TiltAttachment) -> Matrix:
+    """Return what a bearing's resistance to tilt adds to the stiffness, (dof, dof)."""
+    return tilt.stiffness * (tilt.rows.T @ tilt.rows)
 
 
 def _values(coefficient: float | OverSpeed, omega: Matrix) -> Matrix:

@@ -24,14 +24,14 @@ def reduce(model: RotorModel, *, modes: int = 10) -> RotorModel:
 
     configs/rk4.toml to 4000 rpm, 26 of 128 DOF: within 4e-7 of the peak for spring or left bearings of 1e2 to 1e7 N/m,
     Young's modulus and disk mass 5 % off. The rotor of Lalanne and Ferraris to 15 000 rpm, past its fourth critical
-    speed: 2e-5 with 10 modes.
+    speed: 2e-5 with 10 modes. A model whose geometry is to be changed: component_modes.py.
     """
-    return transform(model, _basis(model, modes))
+    return replace(transform(model, _basis(model, modes)), geometry=None)
 
 
 def _basis(model: RotorModel, modes: int) -> NDArray[np.float64]:
     """Return the basis, (dof, reduced), orthonormal with respect to the mass."""
-    held = [with_coefficients(b, _holding(b), np.zeros((2, 2))) for b in model.bearings]
+    held = [with_coefficients(b, holding_stiffness(b), np.zeros((2, 2))) for b in model.bearings]
     system = matrices(replace(model, bearings=tuple(held)))
     rows = [part.rows for kind in (model.bearings, model.disks, model.planes) for part in kind]
     loads = np.vstack([*rows, model.probes, model.weight, model.appended])
@@ -44,6 +44,6 @@ def _basis(model: RotorModel, modes: int) -> NDArray[np.float64]:
     return linalg.solve_triangular(root, left[:, size > DEPENDENT * size[0]])
 
 
-def _holding(bearing: BearingAttachment) -> NDArray[np.float64]:
+def holding_stiffness(bearing: BearingAttachment) -> NDArray[np.float64]:
     """Return a stiffness that holds the shaft, of the size of the bearing's at the lowest speed it is given at."""
     return np.diag(np.maximum(bearing.stiffness[0].diagonal(), HOLDING))

@@ -48,8 +48,8 @@ def reverse_load(load: Load) -> Load:
 
 def reverse_direction(direction: Direction) -> Direction:
     """Return the derivative of the reversed rotor's matrices."""
-    M, C, G, K, H, S, T = direction
-    return Direction(M=M.T, C=C.T, G=G.T, K=K.T, H=np.transpose(H), S=np.transpose(S), T=np.conj(T))
+    M, C, G, K, H, S, T, P = direction
+    return Direction(M=M.T, C=C.T, G=G.T, K=K.T, H=np.transpose(H), S=np.transpose(S), T=np.conj(T), P=P)
 
 
 def _reverse_bearing(bearing: BearingAttachment) -> BearingAttachment:

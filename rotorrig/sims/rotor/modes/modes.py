@@ -18,6 +18,7 @@ from rotorrig.sims.rotor.model import Matrices, RotorModel, hysteretic, matrices
 LARGE = 60  # coordinates; what scans over speeds reduces a larger model first, to half as many modes
 SCAN = 24  # speeds at which critical_modes looks for crossings
 ROUNDING = 1e-7  # of |lambda|; the two eigenvalues of a double root part by the square root of a double's precision
+HELD = 1e12  # condition of the stiffness, its diagonal scaled to one: beyond, the rotor is free but for rounding
 GRAVITY = 9.80665  # m/s^2
 DOWN = {"-x": (-GRAVITY, 0.0), "-y": (0.0, -GRAVITY), "none": (0.0, 0.0)}
 
@@ -135,13 +136,30 @@ def state_matrix(system: Matrices, omega: float) -> NDArray:
 
 def eigenvalues(model: RotorModel, omega: float) -> NDArray[np.complex128]:
     """Return every eigenvalue at shaft speed `omega`, (2 dof,) rad/s."""
-    return np.linalg.eigvals(_state(model, omega)).astype(complex)
+    matrix, inverse = _eigenproblem(model, omega)
+    values = np.linalg.eigvals(matrix).astype(np.complex128)
+    return np.reciprocal(values) if inverse else values
 
 
 def eigenpairs(model: RotorModel, omega: float) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Return every eigenvalue at shaft speed `omega`, (2 dof,) rad/s, and its (q, q'), (2 dof, 2 dof), by columns."""
-    values, vectors = np.linalg.eig(_state(model, omega))
-    return values.astype(complex), vectors.astype(complex)
+    matrix, inverse = _eigenproblem(model, omega)
+    values, vectors = (part.astype(np.complex128) for part in np.linalg.eig(matrix))
+    return (np.reciprocal(values) if inverse else values), vectors
+
+
+def _eigenproblem(model: RotorModel, omega: float) -> tuple[NDArray, bool]:
+    """Return the state matrix or, where the bearings hold the rotor, its inverse, and whether it is that.
+
+    Rounding spoils all eigenvalues by a part of the largest. Of the state matrix that is the shaft's stiffest motion,
+    of its inverse the lowest mode, the one that is asked for (Golub and Van Loan, Matrix Computations, 7.2).
+    """
+    M, C, G, K = _system(model, omega)
+    size = np.sqrt(np.abs(K.diagonal()))
+    if not size.all() or np.linalg.cond(K / np.outer(size, size)) > HELD:
+        return state_matrix(Matrices(M, C, G, K), omega), False
+    upper = -np.linalg.solve(K, np.hstack([C + omega * G, M]))
+    return np.vstack([upper, np.hstack([np.eye(len(M)), np.zeros_like(M)])]), True
 
 
 def oscillating(model: RotorModel, values: NDArray[np.complex128]) -> NDArray[np.bool_]:
@@ -163,11 +181,12 @@ def mode_of(model: RotorModel, omega: float, value: complex, vector: NDArray[np.
     return Mode(omega=omega, eigenvalue=complex(value), shape=shape / shape.flat[np.argmax(abs(shape))])
 
 
-def _state(model: RotorModel, omega: float) -> NDArray:
+def _system(model: RotorModel, omega: float) -> Matrices:
+    """Return the matrices at that speed, stiffness by speed and structural damping in K."""
     system = matrices(model, omega)
     H, S = speed_stiffness(model)
     K, D = system.K + omega * H + omega**2 * S, hysteretic(model)
-    return state_matrix(system._replace(K=K + 1j * D if D.any() else K), omega)
+    return system._replace(K=K + 1j * D if D.any() else K)
 
 
 def _loss(model: RotorModel) -> float:

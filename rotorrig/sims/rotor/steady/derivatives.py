@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rotorrig.sims.rotor.model import Complex, Direction, Load, RotorModel, patterns, unbalance_loads
+from rotorrig.sims.rotor.model import Complex, Direction, Load, RotorModel, patterns, probe_changes, unbalance_loads
 from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate
 from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, load_columns
 
@@ -30,7 +30,8 @@ def steady_derivatives(
 ) -> Derivatives:
     """Return the steady response at `order` to 1 kg m at each place of `unbalance`, then to each load, by directions.
 
-    At the speeds `omega` [rad/s]. dz = -P Z^-1 dZ Z^-1 F. Raises as harmonic.load_columns, ValueError on a load of
+    At the speeds `omega` [rad/s]. dz = dP q - P Z^-1 dZ q, q = Z^-1 F, P the
+    probes' rows. Raises as harmonic.load_columns, ValueError on a load of
     another order.
     """
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
@@ -48,4 +49,6 @@ def steady_derivatives(
     else:
         left = np.linalg.solve(Z.swapaxes(1, 2), np.broadcast_to(model.probes.T, (len(omega), *model.probes.T.shape)))
         by = [-left.swapaxes(1, 2) @ F for F in forces]
-    return Derivatives(model.probes @ q, np.array(by).reshape(len(directions), *(model.probes @ q).shape))
+    z = model.probes @ q
+    seen = probe_changes(directions, len(model.probes), model.dof)[:, None] @ q
+    return Derivatives(z, np.array(by).reshape(len(directions), *z.shape) + seen)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.model import Direction
+from rotorrig.sims.rotor.model import Direction, probe_changes
 from rotorrig.sims.rotor.swept.passed_modes import Complex, PassedModes, Spectra
 
 
@@ -44,12 +44,14 @@ def differentiate_passed_modes(spectra: Spectra, loads: Complex, directions: Seq
     dT = dW @ (D1 @ spectra.basis_slope) + W @ (F @ (D2 @ spectra.basis_slope)) + W @ D1 @ spectra.by_speed(dPhi)
     dg = dW @ by_load[:, :m] + W @ (F @ by_load[:, m:] + N.load[..., :m, :])
     d_others = V2[:, :dof] @ (lag * (N.others + N.load[..., m:, :] - E @ by_load[:, :m])) - V1[:, :dof] @ (F @ others)
+    d_probes = probe_changes(directions, len(spectra.probes), dof)[:, None]
+    d_shape = spectra.probes @ dPhi[..., :dof, :] + d_probes @ Phi[:, :dof]
     return PassedModes(
         L=spectra.fit_powers(dL),
         T=spectra.fit_powers(dT),
         g=spectra.fit_powers(dg),
-        shape=spectra.fit_powers(dPhi[..., :dof, :].swapaxes(-1, -2) @ spectra.probes.T),
-        others=spectra.fit_powers(spectra.probes @ d_others),
+        shape=spectra.fit_powers(d_shape.swapaxes(-1, -2)),
+        others=spectra.fit_powers(spectra.probes @ d_others + d_probes @ (spectra.vectors[:, :dof, m:] @ others)),
     )
 
 

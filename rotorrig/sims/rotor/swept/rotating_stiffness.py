@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rotorrig.sims.rotor.model import Direction
+from rotorrig.sims.rotor.model import Direction, probe_changes
 from rotorrig.sims.rotor.steady import solve_with_conjugate
 from rotorrig.sims.rotor.swept.envelope import Envelope, Motion, polynomial
 from rotorrig.sims.rotor.swept.passed_modes import PassedModes, Spectra
@@ -58,13 +58,15 @@ def differentiate_coupled_modes(
     An axis of directions comes after that of powers. Of what is of second order, only T is taken to change.
     """
     unit = np.eye(len(T))
-    unit_change = differentiate_passed_modes(replace(spectra, probes=unit), unit.astype(complex), directions)
+    motion_alone = [direction._replace(P=0.0) for direction in directions]
+    unit_change = differentiate_passed_modes(replace(spectra, probes=unit), unit.astype(complex), motion_alone)
     at = np.linalg.inv(spectra.fit)  # from coefficients back to values at the speeds
     d_participation, d_shape, d_others = (
         np.moveaxis(np.tensordot(at, part, 1), 1, 0) for part in (unit_change.g, unit_change.shape, unit_change.others)
     )
     inputs, outputs, G = _inputs(spectra), _outputs(spectra, loads), _flexibility(spectra)
-    d_inputs = np.concatenate([d_participation, spectra.probes @ d_others], axis=2)
+    d_probes = probe_changes(directions, len(spectra.probes), len(T))[:, None]
+    d_inputs = np.concatenate([d_participation, spectra.probes @ d_others + d_probes @ G], axis=2)
     d_outputs = np.concatenate([d_shape.swapaxes(2, 3), d_others @ loads], axis=3)
     dT = np.array([np.broadcast_to(d.T, T.shape) for d in directions], dtype=complex)[:, None]
     conjugate = -0.5 * ((d_inputs @ T + inputs @ dT) @ outputs.conj() + inputs @ T @ d_outputs.conj())

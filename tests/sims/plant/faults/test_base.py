@@ -122,10 +122,11 @@ def test_a_place_that_is_not_there_is_refused(rk4: RigConfig, name: str, values:
 
 
 def test_several_faults_add_up(rk4: RigConfig) -> None:
-    """Two unbalances of one disk, each a fault, are as good as their sum."""
-    one = FaultSpec(name="unbalance_plane", parameters={"amount": 3e-6, "angle": 0.0, "position": 0.2805})
-    two = FaultSpec(name="unbalance_plane", parameters={"amount": 4e-6, "angle": math.pi / 2, "position": 0.2805})
-    sum_ = {"amount": 5e-6, "angle": math.atan2(4, 3), "position": 0.2805}
+    """Two unbalances of one disk, each a fault, are as good as their sum, which weighs as much as both."""
+    at_disk = {"position": 0.2805, "radius": 0.01}
+    one = FaultSpec(name="unbalance_plane", parameters=at_disk | {"amount": 3e-6, "angle": 0.0})
+    two = FaultSpec(name="unbalance_plane", parameters=at_disk | {"amount": 4e-6, "angle": math.pi / 2})
+    sum_ = {"amount": 5e-6, "angle": math.atan2(4, 3), "position": 0.2805, "radius": 0.01 * 5 / 7}
     both = short_run(rk4, nameplate(rk4, faults=[one, two]))
     together = short_run(rk4, nameplate(rk4, faults=[FaultSpec(name="unbalance_plane", parameters=sum_)]))
     assert np.abs(both - together).max() <= 1

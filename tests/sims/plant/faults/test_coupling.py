@@ -38,13 +38,27 @@ def test_an_eccentric_bore_is_a_constant_force_that_turns_with_the_shaft(rk4: Ri
         assert felt(force, angle) == pytest.approx((0.3 * math.cos(angle + 0.5), 0.3 * math.sin(angle + 0.5)))
 
 
-def test_an_uneven_stiffness_turns_the_offset_s_force_twice_per_turn(rk4: RigConfig) -> None:
-    """Along its stiff diameter it pushes 0.3 N more, across it 0.3 N less, half-way it pushes sideways."""
+def test_each_arm_meets_what_lies_along_it(rk4: RigConfig) -> None:
+    """3 kN/m of variation about 3.6: arms of 6.6 and 0.6, and their bushes stiffer by 2 (0.1 / 2)^2 = 0.5 %.
+
+    Across, the motor's arm leans by 0.1 mm over 30 mm: 1 / (1 + 1.1e-5) of its pull is left.
+    """
     force = the_force(rk4, **STIFFNESS_ALONE)
-    assert felt(force, 0.0) == pytest.approx((0.3, 0.0), abs=1e-12)
-    assert felt(force, math.pi / 4) == pytest.approx((0.0, 0.3), abs=1e-12)
-    assert felt(force, math.pi / 2) == pytest.approx((-0.3, 0.0), abs=1e-12)
+    assert felt(force, 0.0) == pytest.approx((0.66 * 1.005, 0.0), abs=1e-12)
+    assert felt(force, math.pi / 2) == pytest.approx((0.06 * 1.005, 0.0), rel=2e-5, abs=1e-12)
+    at_45 = 1 + 2 * 0.05**2 / 2  # both arms have 1 / sqrt(2) of it
+    assert felt(force, math.pi / 4) == pytest.approx((0.36 * at_45, 0.3 * at_45), rel=2e-5)
     assert felt(force, 0.0, x=1e-4) == pytest.approx((0.0, 0.0), abs=1e-12)  # the shaft stands where the motor does
+
+
+def test_a_turn_of_it_has_the_fourth_order_of_the_bushes(rk4: RigConfig) -> None:
+    """cos^4 a has 1/2 cos 2a and 1/8 cos 4a: of 6.6 and 0.6 kN/m with 2 (0.1 / 2)^2 = 0.5 %, nothing odd."""
+    angles = 2 * np.pi * np.arange(64) / 64
+    fx = np.array([felt(the_force(rk4, **STIFFNESS_ALONE), a)[0] for a in angles])
+    orders = 2 * np.fft.rfft(fx)[:6].real / 64
+    assert orders[2] == pytest.approx(0.3 + 0.005 * (0.66 - 0.06) / 2, rel=1e-4)
+    assert orders[4] == pytest.approx(0.005 * (0.66 + 0.06) / 8, rel=0.01)
+    assert np.abs(orders[[1, 3, 5]]).max() < 1e-12
 
 
 def second_order(rig: RigConfig, rpm: float, faults: list[FaultSpec]) -> float:

@@ -7,10 +7,11 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.plant.draw import draw_fault, nameplate
+from rotorrig.sims.plant.faults import unbalance_step
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.plant.truth import FaultSpec, Truth, UnbalanceTruth
 
-from ..by_hand import RPM, measured, run_to
+from ..by_hand import RPM, driven, measured, run_to
 
 STEP = {"amount": 6e-6, "angle": 2.0, "speed": 1200 * RPM}
 
@@ -22,6 +23,15 @@ def test_it_happens_at_its_speed_and_stays_when_the_speed_has_gone(rk4: RigConfi
     for rpm, twin in ((1000, healthy), (1400, other), (1000, other)):
         got, want = (measured(run_to(p, rpm), 1.0) for p in (plant, twin))
         assert got == pytest.approx(want, abs=0.05e-6)
+
+
+def test_it_leaves_over_half_a_second_and_not_at_once(rk4: RigConfig) -> None:
+    """1 - exp(-t / 0.5 s) of it has gone: the law's force against that of the whole of it, along its own direction."""
+    (force,) = unbalance_step.forces(rk4, nameplate(rk4), unbalance_step.PARAMETERS | {"speed": 100.0})
+    f = driven(force, np.zeros(20_001), omega=200.0)
+    t = 1e-4 * np.arange(1, 20_002)
+    gone = (f[:, 0] * np.cos(200.0 * t - 1.2) + f[:, 1] * np.sin(200.0 * t - 1.2)) / (4e-6 * 200.0**2)
+    assert gone == pytest.approx(1 - np.exp(-t / 0.5), abs=1e-3)
 
 
 def test_before_its_time_nothing_happens(rk4: RigConfig) -> None:

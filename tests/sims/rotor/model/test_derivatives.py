@@ -46,7 +46,8 @@ def test_a_direction_is_the_difference_of_the_matrices(model, change):
     def whole(p: float) -> list[np.ndarray]:
         at = changed(model, p)
         M, C, G, K = matrices(at)
-        return [M, C, G, K + 1j * hysteretic(at), *speed_stiffness(at), np.zeros_like(M)]  # nothing turns
+        nothing_turns = np.zeros_like(M)
+        return [M, C, G, K + 1j * hysteretic(at), *speed_stiffness(at), nothing_turns, at.probes]
 
     for got, up, down in zip(direction(model), whole(0.5), whole(-0.5), strict=True):
         np.testing.assert_allclose(got, up - down, atol=1e-12 * np.abs(up).max())

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added
-from rotorrig.sims.rotor.model.derivatives import finite_difference
+from rotorrig.sims.rotor.model.assembly import Added, RotorModel, assemble, with_added, with_geometry
+from rotorrig.sims.rotor.model.derivatives import along_position, finite_difference
 from rotorrig.sims.rotor.model.loads import unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
@@ -18,6 +18,7 @@ from rotorrig.sims.rotor.steady.harmonic_response import load_columns
 from rotorrig.sims.rotor.swept.swept_response import swept_columns
 from tests.sims.rotor import jeffcott
 from tests.sims.rotor.nonlinear.test_swept_response import DOWN, U, at_disk, cubic, error, friction, laid_out, spring
+from tests.sims.rotor.swept.test_swept_derivatives import UP, rows_of
 
 OMEGA = np.linspace(180, 260, 9)  # rad/s
 OFF_CENTRE = (2e-5, -1e-5)  # m, so that the mean and 2X are in it
@@ -86,6 +87,26 @@ def test_derivatives_are_those_of_the_response(model, small, rows, law, swept):
             assert error(by[1][..., k], want[..., 0]) < 1e-3, k
         if law.force is cubic and k != 2:  # above 1X the rotor stays as it is
             assert error(by[2][..., k], want[..., 1]) < (0.2 if swept else 1e-3), k
+
+
+@pytest.mark.parametrize("swept", [True, False], ids=["swept", "steady"])
+@pytest.mark.parametrize("part", ["disk disk", "bearing left B", "probe 1x"])
+def test_they_are_so_by_positions_too(adjustable, part, swept):
+    """The law goes with the disk."""
+    model = with_geometry(adjustable, positions={"disk disk": 3e-3})
+    law, h = at_disk(model, cubic, 1e10), 2e-6
+    show, where = (response, rows_of(UP, 40)) if swept else (steady, OMEGA)
+    derive = swept_law_derivatives if swept else steady_law_derivatives
+    changes = [LawChange(direction=along_position(model, part))]
+    got = derive(model, where, unbalance_loads(model, ["disk"]), [U], [law], changes=changes).by[1][..., 0]
+    start = {"disk disk": 3e-3}
+    ahead, behind = (
+        show(with_geometry(adjustable, positions=start | {part: start.get(part, 0.0) + p}), where, U, [law])[..., 0]
+        for p in (h, -h)
+    )
+    want = (ahead - behind) / (2 * h)
+    assert np.abs(want).max() > 1e-3 * np.abs(ahead).max()
+    assert error(got, want) < 1e-3
 
 
 def test_under_a_spring_they_are_those_of_a_stiffer_rotor(model, small, rows):

@@ -17,6 +17,7 @@ from rotorrig.sims.rotor.swept.swept_response import swept_columns, swept_deriva
 from rotorrig.sims.rotor.swept.timeline import Timeline
 from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
 from tests.sims.rotor.collocation import RPM, Ramp
+from tests.sims.rotor.off_nameplate import CHANGES as OFF
 
 V = 900.0 * np.exp(0.7j)  # N/m, of some 41 kN/m at the disk
 U = 8e-6 * np.exp(0.4j)  # kg m
@@ -147,6 +148,29 @@ def test_derivatives_are_the_limit_of_differences(small: RotorModel, v: complex)
         assert np.abs(got - want).max() < 1e-3 * np.abs(want).max()
         got = steady_derivatives(model, omega, loads=loads, directions=[direction]).by[0]
         want = (load_columns(up, omega, loads) - load_columns(down, omega, loads)) / (2 * h)
+        assert np.abs(got - want).max() < 1e-3 * np.abs(want).max()
+
+
+@pytest.mark.parametrize("name", ["disk position", "probe position"])
+def test_so_are_those_by_positions_under_it(adjustable: RotorModel, name: str) -> None:
+    changed, direction = OFF[name]
+    model, load = stiffer(changed(adjustable, 0.0)), unbalance(adjustable)
+    theta, start, rate = 2 * np.pi * np.arange(500), 1900 * RPM, 30 * RPM
+    timeline = Timeline((np.sqrt(start**2 + 2 * rate * theta) - start) / rate)
+    rows = tracked_rows(timeline, t=np.linspace(timeline.t[6], timeline.t[-7], 40), revolutions=8, window="hann")
+    omega = np.array([190.0, 231.0, 250.0])
+    h = 1e-2
+    near, far = (stiffer(changed(adjustable, p)) for p in (-h, h))
+    for got, want in (
+        (
+            swept_derivatives(model, rows, loads=[load], directions=[direction(model)]).by[0],
+            (swept_columns(far, rows, loads=[load]) - swept_columns(near, rows, loads=[load])) / (2 * h),
+        ),
+        (
+            steady_derivatives(model, omega, loads=[load], directions=[direction(model)]).by[0],
+            (load_columns(far, omega, [load]) - load_columns(near, omega, [load])) / (2 * h),
+        ),
+    ):
         assert np.abs(got - want).max() < 1e-3 * np.abs(want).max()
 
 

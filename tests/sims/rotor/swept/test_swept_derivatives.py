@@ -12,6 +12,7 @@ from rotorrig.sims.rotor.steady.harmonic_response import columns
 from rotorrig.sims.rotor.swept.swept_response import swept_columns, swept_derivatives, swept_response
 from rotorrig.sims.rotor.swept.timeline import Timeline
 from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
+from tests.sims.rotor.off_nameplate import CHANGES as OFF
 
 RPM = np.pi / 30
 STEP = 1e-4
@@ -64,6 +65,17 @@ def test_derivatives_are_the_limit_of_differences(two_planes, timeline, c, toler
         want = (up - down) / (2 * step)
         error = np.abs(by - want).max(axis=(0, 1)) / np.abs(want).max(axis=(0, 1))  # by place
         assert error.max() < tolerance
+
+
+@pytest.mark.parametrize("name", OFF)
+def test_derivatives_by_what_the_nameplate_has_wrong_are_the_limit_of_differences(adjustable, name):
+    changed, direction = OFF[name]
+    model, rows, h = changed(adjustable, 0.0), rows_of(UP, 60), 2e-3
+    (got,) = swept_derivatives(model, rows, unbalance=["disk"], directions=[direction(model)]).by
+    up, down = (swept_columns(changed(adjustable, p), rows, unbalance=["disk"]) for p in (h, -h))
+    want = (up - down) / (2 * h)
+    # a probe at a node: the shear of the elements on either side differs by the inertia of half of both
+    assert np.abs(got - want).max() < (1e-4 if name == "probe position" else 2e-5) * np.abs(want).max()
 
 
 def test_steady_speed_gives_steady_derivatives(small):

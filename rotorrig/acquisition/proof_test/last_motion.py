@@ -13,7 +13,7 @@ STILL = 1.0  # s at the end of the record, which say what rest looks like
 SIGMAS = 6.0  # from their mean, which is motion
 
 
-class ProbeMotion:
+class LastMotion:
     """Samples of all probes over a run, thinned out."""
 
     def __init__(self, rig: RigConfig, info: DaqInfo) -> None:

@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.base_model.forward import Forward
 from rotorrig.identify.base_model.parameters import Parameters
-from rotorrig.identify.base_model.structure import Structure
 from rotorrig.identify.fit import identify
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import from_si
 from rotorrig.rig.errors import ConfigError
+from tests.identify.problems import problem_of
 
 
 def with_left_bearing(response: OrderTrackedResponse, **update: object) -> OrderTrackedResponse:
@@ -24,14 +23,12 @@ def with_left_bearing(response: OrderTrackedResponse, **update: object) -> Order
 def test_a_rigid_bearing_is_no_nuisance_and_holds_the_shaft_in_the_prediction(
     blind_response: OrderTrackedResponse,
 ) -> None:
-    rows = np.arange(5)
-    K, C = np.diag([33.9e3, 34.6e3])[None], np.diag([15.0, 15.0])[None]
-
     def predicted(response: OrderTrackedResponse) -> np.ndarray:
-        others = Parameters(response.rig, response.probes).others
-        values = Structure(K=K, C=C, others=(1.0,) * 2 * len(others))
-        forward = Forward(response, rows, groups=[["spring"]], others=others, planes=["disk"])
-        return forward(values).along[..., 0]
+        problem = problem_of(response)
+        p = problem.begin(np.array([33.9e3, 34.6e3, 15.0, 15.0]))
+        names = problem.parameters.base
+        p[names.unbalance], p[names.runout] = (1.0, 0.0), 0.0
+        return problem.model.predict(p)[0][1][:5]
 
     rigid = with_left_bearing(blind_response, rigid=True, kxx=None, kyy=None)
     assert Parameters(rigid.rig, rigid.probes).others == ("left B",)
@@ -43,4 +40,4 @@ def test_a_rigid_bearing_is_no_nuisance_and_holds_the_shaft_in_the_prediction(
 def test_a_bearing_given_over_speed_is_refused_before_any_work(blind_response: OrderTrackedResponse) -> None:
     table = {"speed": [0.0, 300.0], "value": [1e6, 2e6]}
     with pytest.raises(ConfigError, match="bearing 'left A' is given over speed, want constants to identify by"):
-        identify(with_left_bearing(blind_response, kxx=table))
+        identify([with_left_bearing(blind_response, kxx=table)])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from rotorrig.identify.base_fit import AssessedFit, assess_fit, fit_base
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.joint_fit import AssessedFit, assess_fit, fit_base
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
 from tests.identify.swept import C, K, U, swept_response

@@ -7,8 +7,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.plant.chain import Chain
-from rotorrig.sims.plant.latency import Latency
+from rotorrig.sims.plant.deviations import WARMING
+from rotorrig.sims.plant.sensors.chain import MAINS, STRAY, STRAY_PERIOD, Chain
+from rotorrig.sims.plant.sensors.low_pass import LowPass
 from rotorrig.sims.plant.streams import stream
 from rotorrig.sims.plant.truth import Truth
 
@@ -16,6 +17,14 @@ FULL_SCALE_COUNTS = 32768  # 16 bit
 VOLTS_PER_COUNT = 24.0 / FULL_SCALE_COUNTS  # +-24 V covers a proximity probe's supply
 
 BENT_AT = 3e-4  # m from the gap voltage, where the scale factor's curvature is stated
+#: how far the scale factor is off over displacement, as parts of what it is at `BENT_AT`: of a probe that is moved
+#: off the middle of its range, and of one whose field spreads beyond its target. Both level off towards the ends of the
+#: range, as calibration sheets of drivers of 8 mm probes show, checked every 10 mils (API 670, 5th ed., annex on
+#: calibration; the figures are an estimate after such sheets)
+OFF_AT = 1e-4 * np.array([0.0, 1.0, 2.0, 3.0, 4.5, 6.0, 9.0, 12.0])
+OFF_MIDDLE = np.array([0.0, 0.42, 0.76, 1.0, 1.22, 1.35, 1.5, 1.55])
+OFF_TARGET = np.array([0.0, 0.14, 0.51, 1.0, 1.7, 2.2, 2.8, 3.0])
+FIELD = 2e-3  # m of gap by which two probes' fields grow into each other by e: some 2/3 of the coil's mean radius
 IDLE_NOISE = 5e-4  # V rms of a channel with a shorting plug
 
 NOTCH = math.radians(20.0)  # angle of the keyphasor notch
@@ -39,33 +48,44 @@ class Sensors:
             self._rms[rig.keyphasor.channel] = truth.noise.keyphasor
         self._rng = stream(truth.seed, "sensor noise", run=truth.run)
         self._per_sample = math.tau / sample_rate
-        self._latency = Latency(chain.delay, sample_rate=sample_rate) if chain.delay.any() else None
+        self._low_pass = LowPass(chain.delay, sample_rate=sample_rate) if chain.delay.any() else None
         self._has_crosstalk = not np.array_equal(chain.mixing, np.eye(len(chain.mixing)))
         self._taken = 0  # samples so far: the tones' clock
 
     def counts(self, at_probes: NDArray[np.float64], theta: NDArray[np.float64]) -> NDArray[np.int32]:
         """Return counts (sample, channel) for deflections (sample, probe, 2) [m] and shaft angles (sample,) [rad]."""
         volts = self._rng.standard_normal((len(theta), self.channels)) * self._rms
-        near = _approach(at_probes, theta, self._per_sample * (self._taken + np.arange(len(theta))), self._chain)
+        clock = self._per_sample * (self._taken + np.arange(len(theta)))
+        near = _approach(at_probes, theta, clock, self._chain)
         if self._has_crosstalk:
             near = _mix(near, self._chain.mixing)
-        if self._latency:
-            near = self._latency.delay(near)
-        _add_probes(near, self._chain, volts)
+        if self._low_pass:
+            near = self._low_pass.filter(near)
+        _add_probes(near, clock, self._chain, volts)
         _add_keyphasor(theta, self._keyphasor, volts)
         self._taken += len(theta)
         return digitise(volts)
 
 
 @njit(cache=True)
-def apply_curvature(displacement: float, quadratic: float, cubic: float) -> float:
-    """Return a probe's reading of a displacement [m]; the curvatures are relative, at 300 um from the gap voltage.
+def apply_curvature(displacement: float, off_middle: float, off_target: float) -> float:
+    """Return a probe's reading of a displacement [m] by its calibration table, straight between its points.
+
+    The scale factor is off by `off_middle` 300 um nearer than the gap voltage and by as little 300 um further away, and
+    by `off_target` on either side. Dodd and Deeds, J. Appl. Phys. 39 (1968) 2829: the field of a coil over a conductor
+    falls off as a sum of exponentials, which no driver straightens at both ends of its range.
 
     >>> round(apply_curvature(3e-4, 0.002, -0.001) / 3e-4, 12)
     1.001
     """
-    r = displacement / BENT_AT
-    return displacement * (1.0 + r * (quadratic + r * cubic))
+    size = abs(displacement)
+    i = 1
+    while i < len(OFF_AT) - 1 and size > OFF_AT[i]:
+        i += 1
+    share = min((size - OFF_AT[i - 1]) / (OFF_AT[i] - OFF_AT[i - 1]), 1.0)
+    odd = OFF_MIDDLE[i - 1] + share * (OFF_MIDDLE[i] - OFF_MIDDLE[i - 1])
+    even = OFF_TARGET[i - 1] + share * (OFF_TARGET[i] - OFF_TARGET[i - 1])
+    return displacement * (1.0 + off_middle * math.copysign(odd, displacement) + off_target * even)
 
 
 @njit(cache=True)
@@ -117,11 +137,13 @@ def _approach(at_probes: NDArray, theta: NDArray, clock: NDArray, chain: Chain) 
     near = np.empty((len(theta), len(chain.channel)))
     for i in range(len(theta)):
         turn = complex(math.cos(theta[i]), math.sin(theta[i]))
-        tones = 0.0
-        for k in range(len(chain.tones)):
-            tones += chain.tones[k, 0] * math.cos(chain.tones[k, 1] * clock[i] + chain.tones[k, 2])
+        # the mains' own clock, which runs fast and slow by turns
+        beat = STRAY_PERIOD / math.tau
+        mains = clock[i] + STRAY * math.tau * beat * math.sin(clock[i] / (math.tau * beat) + chain.stray)
         for p in range(len(chain.channel)):
-            towards = at_probes[i, p, 0] * chain.direction[p, 0] + at_probes[i, p, 1] * chain.direction[p, 1] + tones
+            towards = at_probes[i, p, 0] * chain.direction[p, 0] + at_probes[i, p, 1] * chain.direction[p, 1]
+            for k in range(len(chain.tones)):
+                towards += chain.tones[k, p, 0] * math.cos(chain.tones[k, p, 1] * mains + chain.tones[k, p, 2])
             power = turn
             for n in range(chain.track.shape[1]):
                 towards += (chain.track[p, n] * power).real
@@ -132,21 +154,37 @@ def _approach(at_probes: NDArray, theta: NDArray, clock: NDArray, chain: Chain) 
 
 @njit(cache=True)
 def _mix(near: NDArray, mixing: NDArray) -> NDArray:
-    """Return each channel's share of all probes; in loops, as a library's product would depend on the block size."""
+    """Return each channel's share of all probes; in loops, as a library's product would depend on the block size.
+
+    What a probe takes of another's field is less the nearer the surface is to either tip, which keeps the field in.
+    """
     shown = np.zeros_like(near)
     for i in range(len(near)):
         for p in range(near.shape[1]):
             for other in range(near.shape[1]):
-                shown[i, p] += mixing[p, other] * near[i, other]
+                share = mixing[p, other]
+                if p != other and share != 0.0:
+                    share *= math.exp(-(near[i, p] + near[i, other]) / FIELD)
+                shown[i, p] += share * near[i, other]
     return shown
 
 
 @njit(cache=True)
-def _add_probes(near: NDArray, chain: Chain, volts: NDArray) -> None:
+def _add_probes(near: NDArray, clock: NDArray, chain: Chain, volts: NDArray) -> None:
+    """Add what the probes' drivers put out; they warm up from the plant's first sample on."""
+    ripple, phase = chain.ripple
+    drifts = np.any(chain.drift != 0.0)
+    warm, common = 0.0, 0.0
     for i in range(len(near)):
+        if drifts:
+            warm = 1.0 - math.exp(-clock[i] / (math.tau * WARMING))
+        if ripple != 0.0:
+            common = ripple * math.cos(2.0 * MAINS * clock[i] + phase)
         for p in range(len(chain.channel)):
-            seen = apply_curvature(near[i, p], chain.curvature[p, 0], chain.curvature[p, 1])
-            volts[i, chain.channel[p]] += chain.gap_voltage[p] + chain.volts_per_metre[p] * seen
+            place = near[i, p] + warm * chain.drift[p, 1]
+            seen = apply_curvature(place, chain.curvature[p, 0], chain.curvature[p, 1])
+            scale = chain.volts_per_metre[p] * (1.0 + warm * chain.drift[p, 0])
+            volts[i, chain.channel[p]] += chain.gap_voltage[p] + scale * seen + common
 
 
 @njit(cache=True)

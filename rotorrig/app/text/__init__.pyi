@@ -1,0 +1,65 @@
+from .causes import cause_evidence as cause_evidence
+from .causes import cause_prediction_error as cause_prediction_error
+from .causes import cause_size as cause_size
+from .causes import cause_status as cause_status
+from .causes import causes_to_list as causes_to_list
+from .causes import gain_sentence as gain_sentence
+from .causes import hidden_effect_lines as hidden_effect_lines
+from .causes import hidden_effects_sentence as hidden_effects_sentence
+from .causes import next_run_sentence as next_run_sentence
+from .causes import parameter_shifts as parameter_shifts
+from .causes import tie_sentences as tie_sentences
+from .proof_test import proof_test_remark as proof_test_remark
+from .quantities import SHOWN as SHOWN
+from .quantities import UNDETERMINED as UNDETERMINED
+from .quantities import bearing_coefficients as bearing_coefficients
+from .quantities import bound_text as bound_text
+from .quantities import change_in_sigmas as change_in_sigmas
+from .quantities import change_text as change_text
+from .quantities import estimate_text as estimate_text
+from .quantities import interval_text as interval_text
+from .quantities import is_determined as is_determined
+from .quantities import long_name as long_name
+from .quantities import p_value_text as p_value_text
+from .quantities import quantity_text as quantity_text
+from .quantities import quantity_with_sigma as quantity_with_sigma
+from .search import search_line as search_line
+from .search import stages_text as stages_text
+from .tracking import quality_lines as quality_lines
+from .tracking import spacing_remark as spacing_remark
+from .tracking import tracking_facts as tracking_facts
+from .tracking import tracking_line as tracking_line
+
+__all__ = [
+    "SHOWN",
+    "UNDETERMINED",
+    "bearing_coefficients",
+    "bound_text",
+    "cause_evidence",
+    "cause_prediction_error",
+    "cause_size",
+    "cause_status",
+    "causes_to_list",
+    "change_in_sigmas",
+    "change_text",
+    "estimate_text",
+    "gain_sentence",
+    "hidden_effect_lines",
+    "hidden_effects_sentence",
+    "interval_text",
+    "is_determined",
+    "long_name",
+    "next_run_sentence",
+    "p_value_text",
+    "parameter_shifts",
+    "proof_test_remark",
+    "quality_lines",
+    "quantity_text",
+    "quantity_with_sigma",
+    "search_line",
+    "spacing_remark",
+    "stages_text",
+    "tie_sentences",
+    "tracking_facts",
+    "tracking_line",
+]

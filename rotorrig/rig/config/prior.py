@@ -1,0 +1,38 @@
+"""How well a nameplate is known: the `[prior]` table of a config."""
+
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field
+
+from rotorrig.rig.config.nameplate import Angle, Length, Part, Time
+from rotorrig.rig.config.units import read_share, reads
+
+LATER_PRIORS = ("position", "diameter", "hub", "tilt")  # keys that a config of before does not have
+Share = Annotated[float, BeforeValidator(read_share), Field(gt=0, le=1)]
+
+
+class Prior(Part):
+    """Uncertainty of the nameplate, one standard deviation each: nuisances of every fit, never reported as causes.
+
+    What is relative is a number or text in per cent: 0.002 or "0.2 %".
+    """
+
+    youngs_modulus: Share = 0.01  # relative
+    disk_mass: Share = 0.01  # relative
+    bearing: Share = 0.05  # relative, stiffness of the bearings not identified
+    position: Length = 1e-3  # of every disk, bearing and probe along the shaft
+    diameter: Share = 0.002  # relative, of all of the shaft
+    #: of a disk's hub: share of the shaft's flexibility in bending that it takes away, one-sided from 0; 0.5 is twice
+    #: the second moment of area
+    hub: Annotated[float, BeforeValidator(read_share), Field(gt=0, le=0.9)] = 0.5
+    #: tilt stiffness of every bearing, beyond what it states, one-sided; default: 1 % of EI / diameter of the shaft
+    tilt: Annotated[float, reads("tilt stiffness"), Field(gt=0)] | None = None
+    probe_gain: Share = 0.01  # relative
+    probe_linearity: Annotated[float, BeforeValidator(read_share)] = Field(
+        0.003, ge=0, le=1
+    )  # of the reading: nonlinearity that remains after calibration
+    probe_angle: Annotated[Angle, Field(gt=0)] = 0.01745329  # 1 degree, of every probe
+    runout: Length = 10e-6  # per probe, 0-peak; the slow-roll vector narrows it
+    keyphasor_angle: Annotated[Angle, Field(gt=0)] = 0.034906585  # 2 degrees, of the mark; trial masses narrow it
+    rotating_damping: Time = 5e-6  # of the shaft: stress proportional to strain rate; of steel
+    line_hum: Length = 0.2e-6  # 0-peak, mains hum in a probe

@@ -1,0 +1,41 @@
+"""Scatter from row to row is the noise, whatever smooth misfit is under it."""
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.adequacy.row_scatter import excess_scatter, row_variance
+
+ROWS = 2_000
+RUN = np.repeat([0, 1], ROWS // 2)
+SMOOTH = 20 * np.sin(np.linspace(0, 12, ROWS))[:, None]
+
+
+def test_it_is_the_variance_of_noise_under_a_misfit_twenty_times_as_large(rng: np.random.Generator) -> None:
+    noise = 1.5 * rng.standard_normal((ROWS, 4))
+    assert row_variance(noise + SMOOTH, RUN) == pytest.approx(1.5**2, rel=0.1)
+
+
+def test_rows_of_two_runs_are_no_neighbours() -> None:
+    values = np.where(RUN == 0, 0.0, 1e3)[:, None]
+    assert row_variance(values, RUN) == 0.0
+
+
+def test_what_was_not_measured_has_no_say(rng: np.random.Generator) -> None:
+    values = rng.standard_normal((ROWS, 2))
+    values[::3, 1] = np.nan
+    assert row_variance(values, RUN) == pytest.approx(1.0, rel=0.15)
+    assert np.isnan(row_variance(np.full((5, 2), np.nan), np.zeros(5, dtype=int)))
+
+
+def test_a_run_that_scatters_more_than_stated_is_louder_and_the_other_stays(rng: np.random.Generator) -> None:
+    values = rng.standard_normal((ROWS, 4)) * np.where(RUN == 0, 0.5, 2.0)[:, None] + SMOOTH
+    factor = excess_scatter(values, RUN)
+    assert (factor[RUN == 0] == 1.0).all(), "it is never less"
+    assert factor[RUN == 1] == pytest.approx(4.0, rel=0.15)
+
+
+def test_the_few_rows_of_a_narrow_misfit_do_not_make_it_louder(rng: np.random.Generator) -> None:
+    values = rng.standard_normal((ROWS, 4))
+    values[500:520] += 1e3 * rng.standard_normal((20, 4))
+    assert excess_scatter(values, RUN)[0] < 1.15
+    assert (excess_scatter(values[:9] * 5, np.zeros(9, dtype=int)) == 1.0).all(), "nine rows do not tell"
