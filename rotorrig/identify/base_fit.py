@@ -91,9 +91,13 @@ def config_effects(rig: RigConfig) -> list[KnownEffect]:
 
 def search_and_refine(
     base: BaseProblem, options: SearchOptions, *, near: Reals | None = None
-) -> tuple[SearchResult, Solution]:
-    """Search the first recording, refine at 1X of it what was found and, if given, the vector `near`; then fit all."""
-    problem, first = base.problem, base.problem.recordings[0]
+) -> tuple[SearchResult, ExtendedProblem, Solution]:
+    """Search the first recording, refine at 1X of it what was found and, if given, the vector `near`; then fit all.
+
+    Until then the model is taken for exact: its own error is a share of a motion that is not known yet. Returned with
+    the minima found and the fit is the problem fitted in the end, which expects that error.
+    """
+    problem, first = base.problem.taken_for_exact(), base.problem.recordings[0]
     space = problem.parameters.base.space
     searched = search(
         first.response,
@@ -105,11 +109,9 @@ def search_and_refine(
     )
     optima = [np.array(o.theta[: len(space)]) for o in searched.optima]
     begun = BaseProblem(problem=problem.on([first.first_order()]), own=base.own)
-    best = _best(_refine_starts(begun, optima, near, steps=options.first_steps))
-    alone = len(problem.recordings) == 1 and first.orders == (1,)
-    if not alone:
-        best = problem.solve(best.p, tolerance=options.tolerance, max_steps=options.steps)
-    return searched, best
+    best = _best(begun.problem, _refine_starts(begun, optima, near, steps=options.first_steps))
+    problem = problem.expecting_error(best.p)
+    return searched, problem, problem.solve(best.p, tolerance=options.tolerance, max_steps=options.steps)
 
 
 def _refine_starts(base: BaseProblem, optima: list[Reals], near: Reals | None, *, steps: int) -> Iterator[Solution]:
@@ -131,12 +133,13 @@ def _refine_starts(base: BaseProblem, optima: list[Reals], near: Reals | None, *
             yield refined
 
 
-def _best(refined: Iterator[Solution]) -> Solution:
-    """Return the first that fits as the noise allows, else the best."""
+def _best(problem: ExtendedProblem, refined: Iterator[Solution]) -> Solution:
+    """Return the first that fits as noise and the model's own error allow, else the best."""
     tried = []
     for candidate in refined:
         tried.append(candidate)
-        if candidate.chi2 < candidate.dof:
+        off = problem.expecting_error(candidate.p).residual(candidate.p)
+        if off @ off < candidate.dof:
             break
     return min(tried, key=lambda polished: polished.chi2)
 
@@ -160,9 +163,9 @@ def fit_base(recordings: Sequence[Recording], effects: Sequence[KnownEffect] = (
         seed=seed, first_steps=BASE_FIT.first_steps, steps=BASE_FIT.steps, tolerance=BASE_FIT.settled
     )
     with threadpool_limits(1, user_api="blas"):
-        _, polished = search_and_refine(base, options)
-        problem = with_scatter(base.problem, polished.p)
-        if problem is not base.problem:
+        _, fitted, polished = search_and_refine(base, options)
+        problem = with_scatter(fitted, polished.p)
+        if problem is not fitted:
             polished = problem.solve(polished.p, max_steps=options.steps, tolerance=options.tolerance)
     return assess_fit(problem, polished)
 
@@ -173,7 +176,7 @@ def with_scatter(problem: ExtendedProblem, p: Reals) -> ExtendedProblem:
     for recording, predicted in zip(problem.recordings, problem.model.predict(p), strict=True):
         run = recording.response.run[recording.rows]
         factors = {
-            order: excess_scatter(measured.where_usable(measured.sigmas(predicted[order] - measured.z))[:-1], run)
+            order: excess_scatter(measured.where_usable(measured.row_sigmas(predicted[order] - measured.z))[:-1], run)
             for order, measured in recording.measured.items()
         }
         louder.append(recording.louder(factors))

@@ -64,20 +64,20 @@ def identify(
     left_out = []
     with threadpool_limits(1, user_api="blas"):  # thousands of small products: threads cost 40 times what they save
         progress(WHOLE)
-        whole = fitting.band(WHOLE)
-        searched, best = search_and_refine(whole.base, fitting.search)
-        fits = [fitting.fit(whole, whole, searched, best)]
+        whole = fitting.base()
+        searched, problem, best = search_and_refine(whole, fitting.search)
+        fits = [fitting.fit(WHOLE, problem, problem, searched, best)]
         for name, limits in known.bands.items():
             progress(name)
             try:
-                part = fitting.band(name, limits)
-                fits.append(fitting.fit(part, whole, *search_and_refine(part.base, fitting.search, near=best.p)))
+                searched, of_part, near = search_and_refine(fitting.base(limits), fitting.search, near=best.p)
+                fits.append(fitting.fit(name, of_part, problem, searched, near))
             except DataError as error:
                 left_out.append(f"The band '{name}' was left out: {error}.")
         if resampling:
             progress("bootstrap")
-            again = _Refit(whole.base, fitting.search)
-            fits[0] = with_bootstrap_intervals(fits[0], whole.base.problem, best, resampling, seed=seed, search=again)
+            again = _Refit(whole, fitting.search)
+            fits[0] = with_bootstrap_intervals(fits[0], problem, best, resampling, seed=seed, search=again)
     return Identification(
         fits=(replace(fits[0], words=(*fits[0].words, *left_out)), *fits[1:]),
         effects=tuple(effect.label for effect in rig.effects),
@@ -85,14 +85,6 @@ def identify(
         wall_s=time.perf_counter() - began,
         source=replace(responses[0].source, code_version=code_version()),
     )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Band:
-    """One band of speeds and its least-squares problem."""
-
-    name: str
-    base: BaseProblem
 
 
 @dataclass(frozen=True)
@@ -103,7 +95,7 @@ class _Refit:
     search: SearchOptions
 
     def __call__(self, problem: ExtendedProblem, start: Reals) -> Solution:
-        return search_and_refine(replace(self.base, problem=problem), self.search)[1]
+        return search_and_refine(replace(self.base, problem=problem), self.search)[-1]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,20 +106,21 @@ class _Fitting:
     search: SearchOptions
     profile: bool
 
-    def band(self, name: str, limits: tuple[float, float] | None = None) -> _Band:
-        """Lay out the problem of a band, at 1X. Raises DataError if it has too few rows."""
-        recordings = recordings_of(self.responses, orders=(1,), band=limits)
-        return _Band(name=name, base=BaseProblem.of(recordings, config_effects(self.responses[0].rig)))
+    def base(self, band: tuple[float, float] | None = None) -> BaseProblem:
+        """Lay out the problem at 1X of a band of speeds [rad/s]. Raises DataError if it has too few rows."""
+        recordings = recordings_of(self.responses, orders=(1,), band=band)
+        return BaseProblem.of(recordings, config_effects(self.responses[0].rig))
 
-    def fit(self, band: _Band, whole: _Band, searched: SearchResult, best: Solution) -> Fit:
+    def fit(
+        self, name: str, problem: ExtendedProblem, whole: ExtendedProblem, searched: SearchResult, best: Solution
+    ) -> Fit:
         """Put the results of a band into words and numbers; `whole` predicts the rows outside it too."""
-        problem = band.base.problem
         space = problem.parameters.base.space
         able = Identifiability(best, problem.parameters)
         unseen = unseen_axes(problem.recordings)
         omega = np.concatenate([r.response.omega[r.rows] for r in problem.recordings])
         return Fit(
-            name=band.name,
+            name=name,
             band=(float(omega.min()), float(omega.max())),
             estimates=with_intervals(
                 estimates.estimate_unknowns(best, problem, unseen=unseen),
@@ -146,7 +139,7 @@ class _Fitting:
             seed=self.search.seed,
             chi2=best.chi2,
             dof=best.dof,
-            prediction=_predict_all(whole.base.problem, best.p),
+            prediction=_predict_all(whole, best.p),
             directions=able.directions(),
             budget=able.budget(),
             words=(*describe_identifiability(best, problem, able, unseen=unseen), *_caveats(problem)),

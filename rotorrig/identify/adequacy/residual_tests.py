@@ -1,6 +1,7 @@
 """Tests of the residual for adequacy: global, and focused on stretches of speed.
 
-Both hold a residual against its own scatter from row to row: noise is independent there, what a model lacks is not.
+Both hold a residual, less what may be the model's own error (identify/measurement/model_error.py), against its own
+scatter from row to row: noise is independent there, what a model lacks is not.
 The global one divides the mean square of all 1X residuals by that of the differences of neighbours, the ratio of von
 Neumann (Annals of Mathematical Statistics 12 (1941) 367), whose variance is one over their number. The focused one does
 so for stretches of `ADEQUACY.stretch` neighbouring rows of one run, probe and order, as a ratio F to the scatter of
@@ -27,9 +28,10 @@ from rotorrig.identify.adequacy.mean_position import MEAN, departures
 from rotorrig.identify.adequacy.misfit import Misfit, Stretch, describe_misfit
 from rotorrig.identify.adequacy.row_scatter import excess_scatter, row_variance
 from rotorrig.identify.adequacy.settings import ADEQUACY
-from rotorrig.identify.measurement import measure
+from rotorrig.identify.measurement import Measurement, measure
 from rotorrig.processing import OrderTrackedResponse
 
+Complex = NDArray[np.complex128]
 Predicted = Mapping[int, NDArray[np.complex128]]  # order -> (speed, probe) m as measured, runout included
 
 
@@ -117,9 +119,8 @@ def _freedom() -> tuple[float, float]:
 
 def _global_ratio(response: OrderTrackedResponse, model: NDArray[np.complex128], used: float) -> tuple[float, float]:
     """Return von Neumann's ratio of all 1X residuals, and its standard deviation for noise of any level."""
-    measured = measure(response)
-    off = np.where(measured.usable[:-1], measured.z[:-1] - model[measured.rows], 0)
-    white = measured.where_usable(measured.sigmas(np.concatenate([off, np.zeros_like(off[:1])])))[:-1]
+    measured, off = _compare(response, model, order=1)
+    white = measured.where_usable(measured.sigmas(off))[:-1]
     scatter = row_variance(white, response.run[measured.rows])
     known = white[np.isfinite(white)]
     square = float(np.sum(known**2))
@@ -153,19 +154,31 @@ def residual_maps(
             residual[:, :, n], sigmas[:, :, n] = departures(response)
             sigmas[:, :, n] = np.abs(sigmas[:, :, n])
             continue
-        measured = measure(response, order=order)
-        if order in prediction:
-            model = prediction[int(order)][measured.rows]
-        else:
-            model = np.broadcast_to(np.nan_to_num(response.slow_roll[:, n]), measured.z[:-1].shape)
+        predicted = prediction.get(int(order)) if order == int(order) else None
+        measured, off = _compare(response, predicted, order=order)
         usable = measured.usable[:-1]
-        off = np.where(usable, measured.z[:-1] - model, np.nan)
-        own = np.where(usable, off, 0) / np.where(usable, measured.sigma[:-1], 1)
-        own[~usable] = np.nan
-        louder = excess_scatter(np.concatenate([own.real, own.imag], axis=1), response.run[measured.rows])
-        residual[measured.rows, :, n] = off
-        sigmas[measured.rows, :, n] = np.abs(own) / np.sqrt(2 * louder)[:, None]
+        own = np.where(usable, measured.less_error(off)[:-1] / measured.sigma[:-1], np.nan)
+        residual[measured.rows, :, n] = np.where(usable, off[:-1], np.nan)
+        sigmas[measured.rows, :, n] = np.abs(own) / np.sqrt(2)
     return residual, sigmas
+
+
+def _compare(response: OrderTrackedResponse, model: Complex | None, *, order: float) -> tuple[Measurement, Complex]:
+    """Return the measurement of an order and, (row + 1, probe) m, what it has beyond a model (speed, probe).
+
+    Its noise is at least as loud as the residual scatters from row to row, and with 1X comes the model's own error.
+    Without a model it should be its slow-roll vector.
+    """
+    measured = measure(response, order=order)
+    slow_roll = np.nan_to_num(response.slow_roll[None, :, response.orders.index(order)])
+    rows = np.repeat(slow_roll, len(measured.rows), axis=0) if model is None else model[measured.rows]
+    off = np.where(measured.usable, measured.z - np.concatenate([rows, measured.z[-1:]]), 0)
+    white = measured.where_usable(measured.row_sigmas(off))[:-1]
+    measured = measured.louder(excess_scatter(white, response.run[measured.rows]))
+    if order == 1 and (share := response.rig.prior.model_error):
+        model_and_rest = np.concatenate([rows, np.zeros_like(slow_roll) if measured.compensated else slow_roll])
+        measured = measured.expecting_error(model_and_rest, response.omega[measured.rows], share)
+    return measured, off
 
 
 def _stretches(response: OrderTrackedResponse, sigmas: NDArray[np.float64]) -> Iterator[Stretch]:

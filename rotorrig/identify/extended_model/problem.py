@@ -37,6 +37,26 @@ class ExtendedProblem:
         """Return the same problem of other vectors per recording, order -> (row + 1, probe) [m], with their noise."""
         return self.on([r.instead(z) for r, z in zip(self.recordings, vectors, strict=True)])
 
+    def expecting_error(self, p: Reals) -> "ExtendedProblem":
+        """Return the same problem with the model's own error, of its motion at `p`, in the covariance."""
+        if not self.recordings[0].rig.prior.model_error:
+            return self.taken_for_exact()
+        predicted = self.model.predict(p, orders=(1,))
+        return self.on([r.expecting_error(z) for r, z in zip(self.recordings, predicted, strict=True)])
+
+    def taken_for_exact(self) -> "ExtendedProblem":
+        """Return the same problem with noise alone in the covariance."""
+        if all(recording.measured[1].error is None for recording in self.recordings):
+            return self
+        return self.on([r.taken_for_exact() for r in self.recordings])
+
+    def less_error(self, figures: Reals) -> Reals:
+        """Return a residual or a Jacobian of a model taken for exact as of one with an error of its own."""
+        measured = [m for recording in self.recordings for m in recording.measured.values()]
+        *parts, priors = np.split(figures, np.cumsum([m.whiten[..., 0].size for m in measured]))
+        shrunk = (m.shrinkage(part) if m.shrinkage else part for part, m in zip(parts, measured, strict=True))
+        return np.concatenate([*shrunk, priors])
+
     def extended(self, effects: Sequence[Effect]) -> "ExtendedProblem":
         """Return the problem of the same recordings with these effects instead."""
         return ExtendedProblem(self.model.extended(effects))

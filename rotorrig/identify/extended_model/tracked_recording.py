@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.extended_model.mains_hum import hum_leaks
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL, ORDERS
-from rotorrig.identify.measurement import Measurement, measure, trial_unbalance
+from rotorrig.identify.measurement import Measurement, measure, told_by_falling_angle, trial_unbalance
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
@@ -99,12 +99,11 @@ class Recording:
     def only(self, keep: NDArray[np.bool_]) -> "Recording":
         """Return the same recording with nothing usable but the rows of `keep` (row,), and the slow roll."""
         kept = np.append(keep, True)[:, None]
-        return self._with({n: replace(m, usable=m.usable & kept) for n, m in self.measured.items()})
+        return self._with({n: m.only(kept) for n, m in self.measured.items()})
 
     def first_order(self) -> "Recording":
         """Return the same recording with nothing usable above 1X."""
-        none = {n: m if n == 1 else replace(m, usable=np.zeros_like(m.usable)) for n, m in self.measured.items()}
-        return self._with(none)
+        return self._with({n: m.only(np.array([[n == 1]])) for n, m in self.measured.items()})
 
     def instead(self, z: Mapping[int, Complex]) -> "Recording":
         """Return the same recording of other vectors (row + 1, probe) [m] per order, with the noise of its own."""
@@ -115,6 +114,15 @@ class Recording:
         if all((factor == 1).all() for factor in factors.values()):
             return self
         return self._with({n: m.louder(factors[n]) for n, m in self.measured.items()})
+
+    def expecting_error(self, model: Mapping[int, Complex]) -> "Recording":
+        """Return the same recording with the own error of a model that predicts these vectors (row + 1, probe) [m]."""
+        first = self.measured[1].expecting_error(model[1], self._omega, self.rig.prior.model_error)
+        return self._with({**self.measured, 1: first})
+
+    def taken_for_exact(self) -> "Recording":
+        """Return the same recording for a model without an error of its own."""
+        return self._with({**self.measured, 1: self.measured[1].taken_for_exact()})
 
     def _with(self, measured: dict[int, Measurement]) -> "Recording":
         other = copy.copy(self)
@@ -314,27 +322,6 @@ def _with_slow_roll(
 ) -> dict[int, ReadingContext]:
     """Return what a probe-side effect may know, the slow roll as measured among it."""
     return {order: replace(view, slow_roll=measured[order].z[-1]) for order, view in views.items()}
-
-
-def told_by_falling_angle(response: OrderTrackedResponse) -> OrderTrackedResponse:
-    """Return a response told as of the rig that turns the other way, x = Re(z e^{j n theta}) with an angle that falls.
-
-    Angles of trial masses are then in that rig's sense of rotation.
-    """
-    sign = np.resize([1.0, -1.0], response.covariance.shape[-1])
-    flipped = np.outer(sign, sign)
-    return replace(
-        response,
-        rig=response.rig.turned_over,
-        runs=tuple(
-            replace(run, trial_unbalance={disk: np.conj(u) for disk, u in run.trial_unbalance.items()})
-            for run in response.runs
-        ),
-        z=response.z.conj(),
-        covariance=response.covariance * flipped,
-        slow_roll=response.slow_roll.conj(),
-        slow_roll_covariance=response.slow_roll_covariance * flipped,
-    )
 
 
 def _without_turning(model: RotorModel) -> RotorModel:

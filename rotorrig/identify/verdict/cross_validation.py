@@ -22,6 +22,7 @@ class Prediction:
 
     error: float  # m, root mean square of |measured - model|
     floor: float  # m, the same of what the noise alone would be
+    expected: float  # m, of noise and the model's own error
     sigmas: float  # root mean square of the error in standard deviations of a component
     #: (block,) sum of the squared error in standard deviations, all orders, of neighbouring rows together
     blocks: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
@@ -31,6 +32,11 @@ class Prediction:
         """The error as a multiple of the noise floor."""
         return self.error / self.floor
 
+    @property
+    def over_expected(self) -> float:
+        """The error as a multiple of what a right model has."""
+        return self.error / self.expected
+
 
 def cross_validate(problem: ExtendedProblem, p: Reals) -> Prediction:
     """Return how well the model, fitted to one half of the blocks, predicts the other, both ways round.
@@ -39,13 +45,14 @@ def cross_validate(problem: ExtendedProblem, p: Reals) -> Prediction:
     only where the model is wrong that a second step is needed. Under a force law, whose derivatives take longest, one
     has to do.
     """
-    J, r = problem.jacobian(p), problem.residual(p)
+    exact = problem.taken_for_exact()
+    J, r = exact.jacobian(p), exact.residual(p)
     steps = 1 if problem.model.moving(p).laws else VERDICT.refit_steps
     sums, blocks = [], []
     for shown, hidden in _halves(problem.recordings):
         of_shown = problem.on(shown)
         mask = _usable_mask(of_shown)
-        fit = _refit(of_shown, p, mask * r, mask[:, None] * J, steps=steps)
+        fit = _refit(of_shown, p, of_shown.less_error(mask * r), of_shown.less_error(mask[:, None] * J), steps=steps)
         of_hidden, vectors = problem.on(hidden), of_shown.model.predict(fit)
         sums.append(errors(of_hidden, vectors))
         blocks.append(block_errors(of_hidden, vectors))
@@ -97,18 +104,19 @@ def measure_prediction(problem: ExtendedProblem, p: Reals) -> Prediction:
 
 
 def errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]]) -> NDArray[np.float64]:
-    """Return sums over the usable 1X vectors: |error|^2, 2 sigma^2, |error|^2 in sigmas, and their number.
+    """Return sums over the usable 1X vectors: |error|^2, 2 sigma^2, the model's own, |error|^2 in sigmas, their number.
 
     `vectors` are the model's, order -> (row + 1, probe) [m] of every recording.
     """
-    total = np.zeros(4)
+    total = np.zeros(5)
     for recording, model in zip(problem.recordings, vectors, strict=True):
         measured = recording.measured[1]
         usable = measured.usable[:-1]
         off = np.where(usable, model[1][:-1] - measured.z[:-1], 0)
         variance = np.where(usable, measured.sigma[:-1] ** 2, 0)
         white = measured.sigmas(np.where(measured.usable, model[1] - measured.z, 0))[:-1]
-        total += [np.sum(np.abs(off) ** 2), 2 * variance.sum(), np.sum(white**2) / 2, usable.sum()]
+        own = 0.0 if measured.error is None else np.sum(np.abs(measured.error[:-1][usable]) ** 2)
+        total += [np.sum(np.abs(off) ** 2), 2 * variance.sum(), own, np.sum(white**2) / 2, usable.sum()]
     return total
 
 
@@ -130,11 +138,12 @@ def block_errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Comple
 
 def _pool_errors(sums: Sequence[NDArray[np.float64]], blocks: Sequence[NDArray[np.float64]]) -> Prediction:
     """Return the prediction over all parts of `errors` and `block_errors`."""
-    square, noise, white, count = np.sum(sums, axis=0)
+    square, noise, own, white, count = np.sum(sums, axis=0)
     count = max(count, 1)
     return Prediction(
         error=float(np.sqrt(square / count)),
         floor=float(np.sqrt(noise / count)),
+        expected=float(np.sqrt((noise + own) / count)),
         sigmas=float(np.sqrt(white / count)),
         blocks=np.concatenate(blocks),
     )

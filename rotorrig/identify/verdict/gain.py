@@ -69,6 +69,8 @@ def predict_unseen(selection: Selection, *, holdout: Recording | None = None) ->
     steps = selection.steps
     base = steps[0].before if steps else selection.base
     problem = selection.start
+    if holdout:
+        holdout = problem.on([holdout]).expecting_error(base.p).recordings[0]
 
     def of(candidate: Candidate | None) -> Prediction:
         p, where = (base.p, problem) if candidate is None else (candidate.polished.p, candidate.problem)

@@ -97,6 +97,6 @@ def _separability(best: Candidate, rival: Candidate, plan: Plan) -> float:
     for i, name in enumerate(truth.parameters.names):
         p[i] = named.get(name, p[i])
     try:
-        return separability(truth, p, (*plan.unknown, *rival.problem.effects))
+        return separability(truth.expecting_error(p), p, (*plan.unknown, *rival.problem.effects))
     except DataError:  # a force law, in a rotor that turns backwards
         return 0.0

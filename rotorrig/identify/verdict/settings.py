@@ -17,7 +17,7 @@ class VerdictSettings:
 
     # conclusions
     left_over: float = 0.03  # of the excess of chi2 that causes may leave: no law is known to the last digit
-    over_floor: float = 4.0  # of the error of unseen data then: twice that of clearances and springs that were found
+    over_expected: float = 4.0  # of the error of unseen data then: twice that of clearances and springs that were found
     negligible: float = 0.15  # of a row's noise: what would explain no more is not named where the model is adequate
     enough_visible: float = 0.5  # of the known effects, at typical size: below, data that show nothing say nothing
     fewest_blocks: int = 8  # of a recording, whose errors tell the standard error of a gain

@@ -108,7 +108,7 @@ def _nearly_all(selection: Selection, predictions: Predictions) -> bool:
     """
     left = selection.polished.chi2 - selection.polished.dof
     nearly = left < VERDICT.left_over * (selection.base.chi2 - selection.base.dof)
-    return nearly and predictions.after.over_floor < VERDICT.over_floor
+    return nearly and predictions.after.over_expected < VERDICT.over_expected
 
 
 def visible_share(selection: Selection) -> float:

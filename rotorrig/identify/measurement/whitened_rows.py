@@ -1,14 +1,18 @@
 """Measurement for a fit: the rows of a response's runs, whitened by the covariance of the noise found in the data.
 
+Once a model is known, `expecting_error` adds that of its own error (model_error.py).
+
 What calibration leaves of a probe's scale factor over its range is no noise: it is the same in all rows, and a nuisance
 of the fit (`prior.probe_linearity`).
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.measurement.model_error import Shrinkage, error_vectors
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RPM
@@ -27,6 +31,9 @@ class Measurement:
     whiten: NDArray[np.float64]  # (row + 1, 2 probe, 2 probe) 1/m, of (re z_1, im z_1, ...)
     usable: NDArray[np.bool_]  # (row + 1, probe)
     compensated: bool = False  # z lacks the vectors of a slow roll that nobody kept; its last row is zero by definition
+    #: (row + 1, probe, column) m, one standard deviation each of the model's own error; None: it is taken for exact
+    error: NDArray[np.complex128] | None = None
+    shrinkage: Shrinkage | None = None  # of the whitened rows, by that error
 
     @property
     def size(self) -> int:
@@ -41,14 +48,28 @@ class Measurement:
         return z - z[-1:] if self.compensated else z
 
     def sigmas(self, residual: NDArray[np.complex128]) -> NDArray[np.float64]:
-        """Return residuals in standard deviations, as independent values.
+        """Return residuals in standard deviations of noise and the model's own error, as independent values.
 
         (row + 1, probe) become (row + 1, 2 probe), and columns of them (row + 1, probe, column) become
         (row + 1, 2 probe, column).
         """
+        white = self.row_sigmas(residual)
+        if self.shrinkage is None:
+            return white
+        return self.shrinkage(white.reshape(-1, *white.shape[2:])).reshape(white.shape)
+
+    def row_sigmas(self, residual: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Return the same in standard deviations of the noise alone, which is independent from row to row."""
         columns = self.as_stated(residual).reshape(*self.usable.shape, -1)
         pairs = _as_pairs(np.where(self.usable[..., None], columns, 0).swapaxes(1, 2)).swapaxes(1, 2)
         return (self.whiten @ pairs).reshape(len(columns), -1, *residual.shape[2:])
+
+    def less_error(self, residual: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Return a residual (row + 1, probe) [m] less what of it may be the model's own error."""
+        if self.shrinkage is None:
+            return residual
+        left = np.linalg.solve(self.whiten, self.sigmas(residual)[..., None])[..., 0]
+        return left[:, 0::2] + 1j * left[:, 1::2]
 
     def where_usable(self, sigmas: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return residuals in standard deviations (row + 1, 2 probe) with NaN where nothing was measured."""
@@ -57,13 +78,40 @@ class Measurement:
     def louder(self, factor: NDArray[np.float64]) -> "Measurement":
         """Return the same with the variance of every row but the slow roll's times `factor` (row,)."""
         by = np.sqrt(np.append(factor, 1.0))
-        return replace(self, sigma=self.sigma * by[:, None], whiten=self.whiten / by[:, None, None])
+        return self._with(sigma=self.sigma * by[:, None], whiten=self.whiten / by[:, None, None])
+
+    def only(self, usable: NDArray[np.bool_]) -> "Measurement":
+        """Return the same with nothing usable but what is so in `usable` too, (row + 1, probe) or (row + 1, 1)."""
+        return self._with(usable=self.usable & usable)
+
+    def expecting_error(self, model: NDArray[np.complex128], omega: NDArray[np.float64], share: float) -> "Measurement":
+        """Return the same with the error of a model that predicts `model` (row + 1, probe) [m], as stated, at 1X.
+
+        `omega` (row,) rad/s; `share` is the standard deviation of the error in its motion, which is what a vector has
+        beyond that of the slow roll.
+        """
+        return self._with(error=_pad_row(error_vectors(model[:-1] - model[-1], omega, share=share)))
+
+    def taken_for_exact(self) -> "Measurement":
+        """Return the same for a model without an error of its own."""
+        return self._with(error=None)
+
+    def _with(self, **changes: Any) -> "Measurement":
+        """Return the same with some changes, and the shrinkage that belongs to it."""
+        new = replace(self, **changes, shrinkage=None)
+        if new.error is None:
+            return new
+        figures = new.row_sigmas(new.error)
+        return replace(new, shrinkage=Shrinkage.of(figures.reshape(-1, figures.shape[-1])))
 
     def noise(self, rng: np.random.Generator) -> NDArray[np.complex128]:
-        """Draw errors (row + 1, probe) [m] of the covariance; none of what is not usable."""
+        """Draw errors (row + 1, probe) [m] of the noise, and of the model if it has any; none of what is not usable."""
         white = rng.standard_normal((len(self.z), 2 * self.z.shape[1], 1))
         pairs = np.linalg.solve(self.whiten, white)[..., 0]
-        return np.where(self.usable, pairs[:, 0::2] + 1j * pairs[:, 1::2], 0)
+        drawn = pairs[:, 0::2] + 1j * pairs[:, 1::2]
+        if self.error is not None:
+            drawn += self.error @ rng.standard_normal(self.error.shape[-1])
+        return np.where(self.usable, drawn, 0)
 
 
 def measure(
@@ -96,6 +144,11 @@ def measure(
         usable=usable,
         compensated=compensated,
     )
+
+
+def _pad_row(vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Append a row of nothing, that of the slow roll."""
+    return np.concatenate([vectors, np.zeros_like(vectors[:1])])
 
 
 def _as_pairs(z: NDArray[np.complex128]) -> NDArray[np.float64]:

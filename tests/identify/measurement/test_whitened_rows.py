@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rotorrig.identify.measurement import measure, trial_unbalance
+from rotorrig.identify.measurement.whitened_rows import measure, trial_unbalance
 from rotorrig.processing.response import OrderTrackedResponse, Run
 
 

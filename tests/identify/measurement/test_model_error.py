@@ -1,0 +1,130 @@
+"""The model's own error: its covariance over speed, what whitens it, and what a fit then says of a wandering probe."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rotorrig.identify.base_fit import AssessedFit, fit_base
+from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.measurement.model_error import LENGTH, Shrinkage, error_vectors
+from rotorrig.identify.measurement.whitened_rows import measure
+from rotorrig.identify.verdict.cross_validation import cross_validate
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.config.description import RigConfig
+from tests.identify.swept import SIGMA, C, K, swept_response
+
+SHARE = 0.005
+
+
+def test_the_error_of_one_probe_is_a_share_of_its_motion_and_alike_at_like_speeds() -> None:
+    speed = 100 * np.exp(np.array([0.0, 0.05, LENGTH, 2 * LENGTH, 2.0]))
+    motion = np.array([[1 + 2j, 5.0], [3.0, 5j], [-4j, 1.0], [2.0, 2.0], [1.0, 7.0]]) * 1e-6
+    vectors = error_vectors(motion, speed, share=SHARE)
+    covariance = np.einsum("ipc,jqc->ipjq", vectors, vectors.conj())
+    apart = np.log(speed)[:, None] - np.log(speed)
+    for probe in range(2):
+        z = motion[:, probe]
+        alike = 2 * SHARE**2 * np.outer(z, z.conj()) * np.exp(-(apart**2) / (2 * LENGTH**2))
+        np.testing.assert_allclose(covariance[:, probe, :, probe], alike, atol=2e-3 * np.abs(alike).max())
+    assert np.abs(covariance[:, 0, :, 1]).max() == 0
+
+
+def test_noise_and_error_together_come_out_white(blind_response: OrderTrackedResponse) -> None:
+    model = np.nan_to_num(blind_response.z[..., blind_response.orders.index(1.0)])
+    measured = measure(blind_response)
+    omega = blind_response.omega[measured.rows]
+    both = measured.expecting_error(np.concatenate([model[measured.rows], measured.z[-1:]]), omega, SHARE)
+    rng = np.random.default_rng(0)
+    drawn = [both.sigmas(both.noise(rng)) for _ in range(200)]
+    assert np.std(drawn) == pytest.approx(1.0, abs=0.01)
+    plain = [measured.sigmas(both.noise(rng))[:-1].std() for _ in range(20)]
+    assert np.mean(plain) > 1.5  # in the noise alone they are not
+    assert both.taken_for_exact().shrinkage is None
+
+
+def test_what_may_be_the_models_error_leaves_the_figures_that_are_none() -> None:
+    rng = np.random.default_rng(1)
+    error = rng.standard_normal((40, 3)) * 5
+    white = Shrinkage.of(error)
+    covariance = np.eye(40) + error @ error.T
+    whole = white(np.eye(40))
+    np.testing.assert_allclose(whole @ covariance @ whole, np.eye(40), atol=1e-12)
+    other = rng.standard_normal(40)
+    other -= error @ np.linalg.lstsq(error, other, rcond=None)[0]
+    np.testing.assert_allclose(white(other), other, atol=1e-12)
+
+
+def test_rows_left_out_have_no_part_in_it(blind_response: OrderTrackedResponse) -> None:
+    expecting = _expecting(blind_response, SHARE)
+    recording = Recording(expecting)
+    model = {1: recording.measured[1].z}
+    some = np.arange(len(recording.rows)) % 3 == 0
+    shown = recording.expecting_error(model).only(some).measured[1]
+    off = np.where(shown.usable, 1e-6 + 0j, 0)
+    assert (shown.sigmas(off)[:-1][~some] == 0).all()
+    again = recording.only(some).expecting_error(model).measured[1]
+    np.testing.assert_allclose(shown.sigmas(off), again.sigmas(off), atol=1e-9)
+
+
+@pytest.fixture(scope="module")
+def quiet(rig: RigConfig) -> OrderTrackedResponse:
+    """A run-up and run-down by the model itself, with a tenth of the noise that other tests have."""
+    exact = swept_response(rig)
+    noise = np.random.default_rng(2).standard_normal((2, *exact.z.shape))
+    z = exact.z + SIGMA / 10 * (noise[0] + 1j * noise[1])
+    return replace(exact, z=z, covariance=exact.covariance / 100)
+
+
+def test_a_rig_that_is_its_model_is_fitted_with_the_models_error_or_without(quiet: OrderTrackedResponse) -> None:
+    for share in (0.0, SHARE):
+        fit = fit_base([Recording(_expecting(quiet, share))])
+        assert fit.adequacy.adequate
+        assert _errors(fit).max() < 3
+
+
+@pytest.mark.parametrize("turns", [4.0, 8.0])
+def test_where_probes_wander_with_speed_damping_is_wrong_for_a_model_taken_for_exact_and_no_other(
+    quiet: OrderTrackedResponse, turns: float
+) -> None:
+    wandering = _off_by_a_sine(quiet, 0.006, turns=turns)
+    exact, expecting = (fit_base([Recording(_expecting(wandering, share))]) for share in (0.0, SHARE))
+    assert not exact.adequacy.adequate
+    assert _errors(exact).max() > 3
+    assert expecting.adequacy.adequate
+    assert _errors(expecting).max() < 2
+
+
+def test_unseen_rows_are_predicted_within_what_noise_and_the_models_error_make_expected(
+    quiet: OrderTrackedResponse,
+) -> None:
+    wandering = _expecting(_off_by_a_sine(quiet, 0.006), SHARE)
+    fit = fit_base([Recording(wandering)])
+    found = cross_validate(fit.problem, fit.polished.p)
+    assert found.over_floor > 1.3
+    assert found.over_expected < 1.2
+    assert found.sigmas == pytest.approx(1.0, abs=0.25)
+
+
+def _expecting(response: OrderTrackedResponse, share: float) -> OrderTrackedResponse:
+    prior = response.rig.prior.model_copy(update={"model_error": share})
+    return replace(response, rig=response.rig.model_copy(update={"prior": prior}))
+
+
+def _off_by_a_sine(response: OrderTrackedResponse, size: float, *, turns: float = 4.0) -> OrderTrackedResponse:
+    """Return 1X with a complex share of its motion added, a sine in the logarithm of speed: no draw of the model's."""
+    n = response.orders.index(1.0)
+    probes = np.arange(len(response.probes))
+    off = size * np.sin(turns * np.log(response.omega)[:, None] + probes) * np.exp(1j * probes)
+    z = response.z.copy()
+    z[..., n] += off * (z[..., n] - response.slow_roll[:, n])
+    return replace(response, z=z)
+
+
+def _errors(fit: AssessedFit) -> NDArray[np.float64]:
+    """Return by how many of its standard deviations each coefficient is off."""
+    names = fit.problem.parameters.base
+    values = names.values(fit.polished.p[: len(names)])
+    sigma = fit.polished.sigma[names.sought] * names.space.slopes(values)
+    return np.abs(values - np.array([*K, *C])) / sigma
