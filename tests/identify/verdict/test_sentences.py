@@ -56,8 +56,8 @@ BOW = Cause(
 )
 OTHER = replace(BOW, label="runout, plane 1", words="the surface runs out", chosen=False)
 BOUGHT = Predictions(
-    before=Prediction(error=2e-6, floor=5e-7, sigmas=4.0, blocks=np.full(9, 16.0)),
-    after=Prediction(error=5e-7, floor=5e-7, sigmas=1.0, blocks=np.full(9, 1.0)),
+    before=Prediction(error=2e-6, floor=5e-7, expected=5e-7, sigmas=4.0, blocks=np.full(9, 16.0)),
+    after=Prediction(error=5e-7, floor=5e-7, expected=5e-7, sigmas=1.0, blocks=np.full(9, 1.0)),
     by_label={},
     on="blocks of speeds in turn",
 )
@@ -70,7 +70,7 @@ def said(verdict: Verdict, *causes: Cause, tied: tuple[tuple[str, ...], ...] = (
 
 
 def test_a_cause_that_predicts_worse_is_said_to() -> None:
-    worse = Prediction(error=3e-6, floor=5e-7, sigmas=6.0, blocks=np.full(9, 36.0))
+    worse = Prediction(error=3e-6, floor=5e-7, expected=5e-7, sigmas=6.0, blocks=np.full(9, 36.0))
     words = said(Verdict.UNEXPLAINED, BOW, bought=replace(BOUGHT, after=worse))
     assert "With bow it fits better, but does not clearly predict data no fit saw" in words
     assert "better: to 3 um, not 2 um" in words

@@ -88,7 +88,8 @@ def predicts(*, before: float = 5.0, after: float = 0.8) -> Predictions:
     """Errors of unseen data as multiples of the noise floor, the same in four blocks but for a tenth."""
     spread = np.array([0.9, 1.1, 0.95, 1.05])
     was, now = (
-        Prediction(error=error * 1e-6, floor=1e-6, sigmas=error, blocks=error**2 * spread) for error in (before, after)
+        Prediction(error=error * 1e-6, floor=1e-6, expected=1e-6, sigmas=error, blocks=error**2 * spread)
+        for error in (before, after)
     )
     return Predictions(before=was, after=now, by_label={}, on="blocks")
 
@@ -157,7 +158,9 @@ def test_what_explains_no_more_than_is_let_pass_or_predicts_no_better_is_not_wor
 def test_a_gain_within_its_own_standard_error_is_none() -> None:
     """Blocks count as independent: of four that gain 6, -1, 4 and -3, 6 in all, the standard error is 8.4."""
     gained = np.array([6.0, -1.0, 4.0, -3.0])
-    was, now = (Prediction(error=1e-6, floor=1e-6, sigmas=1.0, blocks=b) for b in (10 + gained, np.full(4, 10.0)))
+    was, now = (
+        Prediction(error=1e-6, floor=1e-6, expected=1e-6, sigmas=1.0, blocks=b) for b in (10 + gained, np.full(4, 10.0))
+    )
     assert not Predictions(before=was, after=now, by_label={}, on="blocks").better
     larger = replace(was, blocks=was.blocks + 1.0)
     assert Predictions(before=larger, after=now, by_label={}, on="blocks").better
