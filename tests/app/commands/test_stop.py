@@ -97,10 +97,10 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.campaign
 def test_a_rotor_that_another_program_left_turning_is_brought_to_rest(tmp_path: Path) -> None:
-    """In real time: it has to be seen as it slows down."""
+    """In real time: it has to be seen as it slows down, so its drive does not stop it before a busy machine comes."""
     with simulated_bench(RK4, seed=3, rate=1.0) as ports:
         config = tmp_path / "rig.toml"
-        config.write_text(wired(RK4, ports))
+        config.write_text(wired(RK4, ports).replace("guardian =", 'watchdog = "30 s"\nguardian ='))
         spin_up(load(config))
         wait_for(lambda: speed(ports) > 300)
         status, last, complaint = run_rotor("stop", config)
