@@ -157,9 +157,9 @@ def residual_maps(
         predicted = prediction.get(int(order)) if order == int(order) else None
         measured, off = _compare(response, predicted, order=order)
         usable = measured.usable[:-1]
-        own = np.where(usable, measured.less_error(off)[:-1] / measured.sigma[:-1], np.nan)
+        own = np.abs(measured.less_error(off)[:-1]) / np.where(usable, measured.sigma[:-1], np.nan)
         residual[measured.rows, :, n] = np.where(usable, off[:-1], np.nan)
-        sigmas[measured.rows, :, n] = np.abs(own) / np.sqrt(2)
+        sigmas[measured.rows, :, n] = own / np.sqrt(2)
     return residual, sigmas
 
 
