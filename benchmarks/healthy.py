@@ -129,7 +129,7 @@ def page(summary: dict[str, Any]) -> str:
             "Written by `benchmarks/healthy.py --write`; do not edit.",
             "",
             f"A model is called adequate if p is at least {ADEQUACY.false_alarm_rate:g}: the probability that a right",
-            f"model, right within {ADEQUACY.negligible:g} of the noise of a row, leaves residuals as large as it does.",
+            "model leaves residuals as large as it does, its own error of `prior.model_error` taken off.",
             "They are held against their own scatter from row to row, all 1X rows together and every stretch of",
             f"{ADEQUACY.stretch} neighbouring rows of one run, probe and order; the number of stretches is paid for.",
             "The diagnosis was run on healthy simulated rigs of `configs/rk4.toml`, each with its own stiffness,",

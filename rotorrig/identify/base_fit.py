@@ -111,7 +111,8 @@ def search_and_refine(
     begun = BaseProblem(problem=problem.on([first.first_order()]), own=base.own)
     best = _best(begun.problem, _refine_starts(begun, optima, near, steps=options.first_steps))
     problem = problem.expecting_error(best.p)
-    return searched, problem, problem.solve(best.p, tolerance=options.tolerance, max_steps=options.steps)
+    start = problem.solve_linear(best.p, problem.parameters.free)  # other orders and recordings have not been looked at
+    return searched, problem, problem.solve(start, tolerance=options.tolerance, max_steps=options.steps)
 
 
 def _refine_starts(base: BaseProblem, optima: list[Reals], near: Reals | None, *, steps: int) -> Iterator[Solution]:

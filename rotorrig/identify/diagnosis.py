@@ -27,7 +27,7 @@ from rotorrig.identify.verdict import (
     conclude,
     gain,
     hidden_effects,
-    is_worth_naming,
+    is_supported,
     moving_speed,
     next_run,
     rank_causes,
@@ -113,7 +113,7 @@ def diagnose(
         progress("unseen data", 0.7)
         unseen = recordings_of([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
         predictions = gain.predict_unseen(selection, holdout=unseen)
-        if base.adequacy.adequate and not is_worth_naming(selection, predictions):
+        if base.adequacy.adequate and not is_supported(selection, predictions):
             selection, extended = selection.without_causes(), base
         verdict = conclude(
             selection,

@@ -10,8 +10,8 @@ through a run: it sees an effect that is loud in a narrow band of speeds and los
 have no source in the linear model but runout, which their slow-roll vector gives.
 
 p is the probability that a right model has one of them as large, the number of stretches looked at paid for (Sidak,
-Journal of the American Statistical Association 62 (1967) 626). Right within `ADEQUACY.negligible` of a row's noise: no
-rig is its model to the last digit. How often healthy simulated rigs fail: benchmarks/healthy.py, docs/adequacy.md.
+Journal of the American Statistical Association 62 (1967) 626). How often healthy simulated rigs fail:
+benchmarks/healthy.py, docs/adequacy.md.
 
 How the mean position moves (0X, mean_position.py) is described by the same stretches, and decides nothing: no effect
 says what it should be, so a model that explains everything else would be called wrong for it.
@@ -100,14 +100,14 @@ def focused_limit(stretches: int) -> float:
     """Return the rms of a stretch [sigma] that the worst of so many exceeds by chance at the false-alarm rate."""
     single = 1 - (1 - ADEQUACY.false_alarm_rate / 2) ** (1 / max(stretches, 1))
     freedom, of_scatter = _freedom()
-    return float(np.sqrt((1 + ADEQUACY.negligible**2) * fdtri(freedom, of_scatter, 1 - single)))
+    return float(np.sqrt(fdtri(freedom, of_scatter, 1 - single)))
 
 
 def _probability_of_worst(worst: float, stretches: int) -> float:
     """Return the probability that the worst of so many is as loud."""
     if not stretches:
         return 1.0
-    single = fdtrc(*_freedom(), worst**2 / (1 + ADEQUACY.negligible**2))
+    single = fdtrc(*_freedom(), worst**2)
     return float(-np.expm1(stretches * np.log1p(-min(single, 1 - 1e-16))))
 
 
@@ -132,7 +132,7 @@ def _global_ratio(response: OrderTrackedResponse, model: NDArray[np.complex128],
 
 def _probability_of_ratio(ratio: float, sigma: float) -> float:
     """Return the probability that a ratio of that standard deviation is as large."""
-    return float(ndtr(-(ratio - 1 - ADEQUACY.negligible**2) / sigma))
+    return float(ndtr(-(ratio - 1) / sigma))
 
 
 def _combine(each: Sequence[float]) -> float:
@@ -175,9 +175,9 @@ def _compare(response: OrderTrackedResponse, model: Complex | None, *, order: fl
     off = np.where(measured.usable, measured.z - np.concatenate([rows, measured.z[-1:]]), 0)
     white = measured.where_usable(measured.row_sigmas(off))[:-1]
     measured = measured.louder(excess_scatter(white, response.run[measured.rows]))
-    if order == 1 and (share := response.rig.prior.model_error):
+    if order == 1:
         model_and_rest = np.concatenate([rows, np.zeros_like(slow_roll) if measured.compensated else slow_roll])
-        measured = measured.expecting_error(model_and_rest, response.omega[measured.rows], share)
+        measured = measured.expecting_error(model_and_rest, response)
     return measured, off
 
 

@@ -10,7 +10,6 @@ class AdequacySettings:
     stretch: int = 8  # neighbouring rows tested together: an effect that is loud in a narrow band is seen
     neighbours: int = 1  # stretches on either side that tell its noise
     false_alarm_rate: float = 0.01  # of both tests together
-    negligible: float = 0.25  # of a row's noise: a misfit that is let pass, as no rig is its model to the digit
     position_limit: float = 2.5  # rms sigma of a stretch of the mean position from which it is told: mean_position.py
     alike: float = 0.35  # of the residual: two runs that differ by less are wrong in the same way
     one_sided: float = 0.8  # of the residual's square, from which it is called forward or backward

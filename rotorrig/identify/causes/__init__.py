@@ -1,6 +1,6 @@
 """Search for the causes of a misfit: candidates, score test, fits of single candidates, stepwise selection."""
 
-from rotorrig.identify.causes.candidate_fit import Candidate, plausible
+from rotorrig.identify.causes.candidate_fit import Candidate, plausible, price
 from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.causes.selection_step import SelectionStep
 from rotorrig.identify.causes.settings import SELECTION
@@ -14,5 +14,6 @@ __all__ = [
     "candidates",
     "is_significant",
     "plausible",
+    "price",
     "select",
 ]

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.causes.candidate_fit import Candidate, fit_candidate, plausible
 from rotorrig.identify.causes.force_law_starts import score_force_laws
 from rotorrig.identify.causes.pinned_nuisances import fit_with_pinned_nuisances, nuisances_biased
@@ -70,7 +69,7 @@ def _excess(problem: ExtendedProblem, polished: Solution) -> float:
     """Return by how much chi2 of 1X is more than adequate, priors included; negative where it is less."""
     r = problem.residual(polished.p, orders=(1,))
     size = sum(recording.measured[1].size for recording in problem.recordings)
-    return float(r @ r) - (1 + ADEQUACY.negligible**2) * size
+    return float(r @ r) - size
 
 
 def _fit_all(

@@ -111,6 +111,11 @@ class ExtendedParameters:
             if p.low == p.high or p.grid_searched
         }
 
+    @property
+    def free(self) -> NDArray[np.intp]:
+        """All others."""
+        return np.setdiff1d(np.arange(len(self)), list(self.frozen))
+
     def start(self, base: Reals) -> Reals:
         """Return a vector with the base parameters of another one, (>= base,), and every effect at nothing."""
         p = np.zeros(len(self))

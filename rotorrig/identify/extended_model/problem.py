@@ -39,8 +39,6 @@ class ExtendedProblem:
 
     def expecting_error(self, p: Reals) -> "ExtendedProblem":
         """Return the same problem with the model's own error, of its motion at `p`, in the covariance."""
-        if not self.recordings[0].rig.prior.model_error:
-            return self.taken_for_exact()
         predicted = self.model.predict(p, orders=(1,))
         return self.on([r.expecting_error(z) for r, z in zip(self.recordings, predicted, strict=True)])
 

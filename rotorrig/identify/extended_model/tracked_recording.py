@@ -97,8 +97,9 @@ class Recording:
         return self._tracked is not None
 
     def only(self, keep: NDArray[np.bool_]) -> "Recording":
-        """Return the same recording with nothing usable but the rows of `keep` (row,), and the slow roll."""
-        kept = np.append(keep, True)[:, None]
+        """Return the same recording with nothing usable but `keep`, (row,) or (row, probe), and its slow roll."""
+        rows = keep.reshape(len(keep), -1)
+        kept = np.concatenate([rows, rows.any(axis=0, keepdims=True)])
         return self._with({n: m.only(kept) for n, m in self.measured.items()})
 
     def first_order(self) -> "Recording":
@@ -117,8 +118,7 @@ class Recording:
 
     def expecting_error(self, model: Mapping[int, Complex]) -> "Recording":
         """Return the same recording with the own error of a model that predicts these vectors (row + 1, probe) [m]."""
-        first = self.measured[1].expecting_error(model[1], self._omega, self.rig.prior.model_error)
-        return self._with({**self.measured, 1: first})
+        return self._with({**self.measured, 1: self.measured[1].expecting_error(model[1], self.response)})
 
     def taken_for_exact(self) -> "Recording":
         """Return the same recording for a model without an error of its own."""

@@ -4,8 +4,10 @@ No rig is its model to the last digit: couplings, foundations and temperature mo
 the same in neighbouring rows. Taken for noise that is independent from row to row it would be averaged away, and what
 is left be named a cause. So the 1X motion at every probe may be off by a complex factor 1 + e(speed), e normally
 distributed with a standard deviation of `prior.model_error` in either part, correlated over speed as a squared
-exponential in its logarithm, independent from probe to probe and from recording to recording. Its covariance is added
-to the noise's (Kennedy and O'Hagan, Journal of the Royal Statistical Society B 63 (2001) 425).
+exponential in its logarithm, independent from probe to probe and from recording to recording. Nor does a rig do the
+same twice: a cabinet warms, grease moves, a coupling settles. By a share of `prior.repeatability` every run is off once
+more. Their covariance is added to the noise's (Kennedy and O'Hagan, Journal of the Royal Statistical Society B 63
+(2001) 425).
 
 The motion is the model's, not the measured one: errors in proportion to a measured value favour what is measured too
 small (Peelle's puzzle; D'Agostini, Nuclear Instruments and Methods A 346 (1994) 306).
@@ -24,18 +26,30 @@ NODES = 2 / 3  # of LENGTH, from one node of its basis to the next: leaves out a
 DEAD = 1e-9  # of the largest: singular values of the basis that are rounding
 
 
-def error_vectors(motion: Complex, omega: Reals, *, share: float) -> Complex:
+def error_vectors(
+    motion: Complex, omega: Reals, run: NDArray[np.intp], *, share: float, repeatability: float
+) -> Complex:
     """Return vectors (row, probe, column) m whose sum with independent standard normal amounts is the error.
 
-    Of the model's 1X `motion` (row, probe) [m] at `omega` (row,) [rad/s]; `share` is the standard deviation.
+    Of the model's 1X `motion` (row, probe) [m] at `omega` (row,) [rad/s]; `share` is the standard deviation of what all
+    runs have in common, `repeatability` that of what every `run` (row,) has for itself.
     """
-    smooth = share * _basis(np.log(omega))
+    numbers, of_row = np.unique(run, return_inverse=True)
+    between = np.full((len(numbers), len(numbers)), share**2) + np.eye(len(numbers)) * repeatability**2
+    smooth = np.einsum("rn,rc->rnc", _basis(np.log(omega)), _root(between)[of_row]).reshape(len(omega), -1)
     rows, probes = motion.shape
     vectors = np.zeros((rows, probes, probes, smooth.shape[1], 2), complex)
     own = motion[:, :, None] * smooth[:, None, :]
     for probe in range(probes):
         vectors[:, probe, probe] = own[:, probe, :, None] * np.array([1, 1j])
     return vectors.reshape(rows, probes, -1)
+
+
+def _root(covariance: Reals) -> Reals:
+    """Return columns whose sum with standard normal amounts has a covariance, which may be of any rank."""
+    square, directions = np.linalg.eigh(covariance)
+    kept = square > DEAD * square[-1]
+    return directions[:, kept] * np.sqrt(square[kept])
 
 
 def _basis(x: Reals) -> Reals:

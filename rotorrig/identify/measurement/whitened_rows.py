@@ -84,13 +84,18 @@ class Measurement:
         """Return the same with nothing usable but what is so in `usable` too, (row + 1, probe) or (row + 1, 1)."""
         return self._with(usable=self.usable & usable)
 
-    def expecting_error(self, model: NDArray[np.complex128], omega: NDArray[np.float64], share: float) -> "Measurement":
+    def expecting_error(self, model: NDArray[np.complex128], response: OrderTrackedResponse) -> "Measurement":
         """Return the same with the error of a model that predicts `model` (row + 1, probe) [m], as stated, at 1X.
 
-        `omega` (row,) rad/s; `share` is the standard deviation of the error in its motion, which is what a vector has
-        beyond that of the slow roll.
+        It is a share of its motion, which is what a vector has beyond that of the slow roll: `model_error` and
+        `repeatability` of the priors in the rig of the `response`.
         """
-        return self._with(error=_pad_row(error_vectors(model[:-1] - model[-1], omega, share=share)))
+        prior = response.rig.prior
+        if not (prior.model_error or prior.repeatability):
+            return self.taken_for_exact()
+        motion, omega, run = model[:-1] - model[-1], response.omega[self.rows], response.run[self.rows]
+        vectors = error_vectors(motion, omega, run, share=prior.model_error, repeatability=prior.repeatability)
+        return self._with(error=_pad_row(vectors))
 
     def taken_for_exact(self) -> "Measurement":
         """Return the same for a model without an error of its own."""

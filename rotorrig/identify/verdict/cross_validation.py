@@ -1,7 +1,7 @@
-"""Cross-validation: prediction of what a fit never saw, speeds in blocks or a whole recording."""
+"""Cross-validation: prediction of what a fit never saw, every third block of speeds in turn or a whole recording."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
-from rotorrig.identify.least_squares import LinearModel, Point, take_step
+from rotorrig.identify.verdict.part_fits import PartFits
 from rotorrig.identify.verdict.settings import VERDICT
-from rotorrig.rig import DataError
 
 Complex = NDArray[np.complex128]
 
@@ -26,6 +25,7 @@ class Prediction:
     sigmas: float  # root mean square of the error in standard deviations of a component
     #: (block,) sum of the squared error in standard deviations, all orders, of neighbouring rows together
     blocks: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    folds: tuple["Fold", ...] = ()  # of which it was put together; none of a whole recording
 
     @property
     def over_floor(self) -> float:
@@ -38,69 +38,34 @@ class Prediction:
         return self.error / self.expected
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fold:
+    """One fit of a cross-validation, to the rows it was shown, and what it makes of those hidden from it."""
+
+    shown: float  # chi2 of its rows, priors included
+    errors: NDArray[np.float64]  # see `errors`
+    blocks: NDArray[np.float64]  # (block,) see `block_errors`; 0 where nothing was hidden
+
+
 def cross_validate(problem: ExtendedProblem, p: Reals) -> Prediction:
-    """Return how well the model, fitted to one half of the blocks, predicts the other, both ways round.
+    """Return how well the model, fitted to all blocks but every third, predicts those, in turn.
 
-    `p` is its fit to all rows. Half of them moves that by little, so the derivatives there serve both halves; it is
-    only where the model is wrong that a second step is needed. Under a force law, whose derivatives take longest, one
-    has to do.
+    `p` is its fit to all rows.
     """
-    exact = problem.taken_for_exact()
-    J, r = exact.jacobian(p), exact.residual(p)
-    steps = 1 if problem.model.moving(p).laws else VERDICT.refit_steps
-    sums, blocks = [], []
-    for shown, hidden in _halves(problem.recordings):
-        of_shown = problem.on(shown)
-        mask = _usable_mask(of_shown)
-        fit = _refit(of_shown, p, of_shown.less_error(mask * r), of_shown.less_error(mask[:, None] * J), steps=steps)
-        of_hidden, vectors = problem.on(hidden), of_shown.model.predict(fit)
-        sums.append(errors(of_hidden, vectors))
-        blocks.append(block_errors(of_hidden, vectors))
-    return _pool_errors(sums, blocks)
-
-
-def _refit(problem: ExtendedProblem, p: Reals, r: Reals, J: Reals, *, steps: int) -> Reals:
-    """Return the fit of `problem` from `p`, its residual `r` and its Jacobian `J` there, in `steps` or fewer."""
-    free = np.setdiff1d(np.arange(len(p)), list(problem.parameters.frozen))
-    bounds = tuple(bound[free] for bound in problem.bounds)
-
-    def full(part: Reals) -> Reals:
-        whole = p.copy()
-        whole[free] = part
-        return whole
-
-    def evaluate(part: Reals) -> Point:
-        try:
-            with np.errstate(over="ignore", invalid="ignore"):  # of a step that goes too far, and is taken back
-                reached = problem.residual(full(part))
-        except DataError:  # a step too far, to where there is no motion
-            reached = np.full(len(r), np.inf)
-        return Point(part, reached, lambda: problem.jacobian(full(part))[:, free])
-
-    enough = max(VERDICT.accurate, VERDICT.nearly * float(r @ r))
-    for step in range(1, steps + 1):
-        model = LinearModel(J[:, free], r, p[free], bounds)
-        promise = model.promise(model.best(0.0))
-        taken = take_step(evaluate, model) if promise > enough else None
-        if taken is None:
-            break
-        p, r = full(taken.point.p), taken.point.r
-        if step == steps or (promise < VERDICT.close * enough and promise - (model.cost - float(r @ r)) < enough):
-            break
-        J = problem.jacobian(p)
-    return p
-
-
-def _usable_mask(problem: ExtendedProblem) -> Reals:
-    """Return 1 for every element of the residual that is usable, and every prior, 0 for the others."""
-    usable = [np.repeat(m.usable, 2, axis=1).ravel() for r in problem.recordings for m in r.measured.values()]
-    return np.concatenate([*usable, np.ones(len(problem.parameters.priors))]).astype(float)
+    fits = PartFits(problem, p)
+    folds = []
+    for shown, hidden in _folds(problem.recordings):
+        fit = fits.fit(shown)
+        of_hidden, vectors = problem.on(hidden), fit.problem.model.predict(fit.p)
+        folds.append(Fold(shown=fit.chi2, errors=errors(of_hidden, vectors), blocks=block_errors(of_hidden, vectors)))
+    return pool_folds(folds)
 
 
 def measure_prediction(problem: ExtendedProblem, p: Reals) -> Prediction:
     """Return how well the model at `p` predicts the recordings of `problem`, nothing fitted."""
     vectors = problem.model.predict(p)
-    return _pool_errors([errors(problem, vectors)], [block_errors(problem, vectors)])
+    whole = Fold(shown=np.nan, errors=errors(problem, vectors), blocks=block_errors(problem, vectors))
+    return replace(pool_folds([whole]), folds=())
 
 
 def errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]]) -> NDArray[np.float64]:
@@ -136,29 +101,35 @@ def block_errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Comple
     return np.concatenate(blocks)
 
 
-def _pool_errors(sums: Sequence[NDArray[np.float64]], blocks: Sequence[NDArray[np.float64]]) -> Prediction:
-    """Return the prediction over all parts of `errors` and `block_errors`."""
-    square, noise, own, white, count = np.sum(sums, axis=0)
+def pool_folds(folds: Sequence[Fold]) -> Prediction:
+    """Return the prediction over all parts."""
+    square, noise, own, white, count = np.sum([fold.errors for fold in folds], axis=0)
     count = max(count, 1)
     return Prediction(
         error=float(np.sqrt(square / count)),
         floor=float(np.sqrt(noise / count)),
         expected=float(np.sqrt((noise + own) / count)),
         sigmas=float(np.sqrt(white / count)),
-        blocks=np.concatenate(blocks),
+        blocks=np.sum([fold.blocks for fold in folds], axis=0),
+        folds=tuple(folds),
     )
 
 
-def _halves(recordings: Sequence[Recording]) -> list[tuple[list[Recording], list[Recording]]]:
-    """Return what is shown and what is hidden, both ways round: every other block of rows, of every recording.
+def _folds(recordings: Sequence[Recording]) -> Iterator[tuple[list[Recording], list[Recording]]]:
+    """Yield what is shown and what is hidden, in turn every third block of rows, of every recording.
 
     Not recording by recording: how large a trial mass shows up is known from its own recording alone.
     """
-    odd = [(np.arange(len(r.rows)) // _block(len(r.rows))) % 2 == 1 for r in recordings]
-    first = [r.only(keep) for r, keep in zip(recordings, odd, strict=True)]
-    second = [r.only(~keep) for r, keep in zip(recordings, odd, strict=True)]
-    return [(first, second), (second, first)]
+    of_row = [divide(len(r.rows), VERDICT.folds) for r in recordings]
+    for number in range(VERDICT.folds):
+        hidden = [fold == number for fold in of_row]
+        yield (
+            [r.only(~hide) for r, hide in zip(recordings, hidden, strict=True)],
+            [r.only(hide) for r, hide in zip(recordings, hidden, strict=True)],
+        )
 
 
-def _block(rows: int) -> int:
-    return max(1, min(VERDICT.block, rows // VERDICT.blocks))
+def divide(rows: int, parts: int) -> NDArray[np.intp]:
+    """Return the part (row,) each row is in: blocks of neighbours, which share their noise, in turn."""
+    block = max(1, min(VERDICT.block, rows // VERDICT.blocks))
+    return (np.arange(rows) // block) % parts

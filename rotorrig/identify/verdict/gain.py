@@ -1,16 +1,18 @@
 """Gain by the extended model: prediction of data no fit saw, and what the base parameters had absorbed."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from rotorrig.identify.base_fit import AssessedFit
-from rotorrig.identify.causes import Candidate, Selection, is_significant
-from rotorrig.identify.extended_model import Recording
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.causes import Candidate, Selection, is_significant, plausible, price
+from rotorrig.identify.extended_model import ExtendedProblem, Recording
 from rotorrig.identify.least_squares import Stop
-from rotorrig.identify.verdict.cross_validation import Prediction, cross_validate, measure_prediction
+from rotorrig.identify.verdict.cross_validation import Prediction, cross_validate, measure_prediction, pool_folds
+from rotorrig.identify.verdict.disjoint_parts import Agreement, agreement
 from rotorrig.identify.verdict.settings import VERDICT
 
 
@@ -47,15 +49,26 @@ class Predictions:
     before: Prediction
     after: Prediction
     by_label: dict[str, tuple[Prediction, Prediction]]
+    chosen_again: Prediction | None = None  # by the first cause, chosen anew by each fit; None: nothing to choose from
+    agreement: Agreement | None = None  # of disjoint parts of the data; None: the model was not extended
     on: str  # the unseen data, in words
+
+    @property
+    def agreed(self) -> bool:
+        """True if the extended model finds one and the same rotor in disjoint parts of the data."""
+        return self.agreement is None or self.agreement.p >= VERDICT.agreeing
 
     @property
     def better(self) -> bool:
         """True if the extended model predicts better than the base, by more than the standard error of that.
 
-        At all orders, in standard deviations; blocks of neighbouring rows count as independent.
+        So does the first cause if each fit chooses it by its own rows: what is hidden from a fit has then no part in
+        the choice either. At all orders, in standard deviations; blocks of neighbouring rows count as independent.
         """
-        lower = self.before.blocks - self.after.blocks
+        return all(self._is_better(by) for by in (self.after, self.chosen_again) if by is not None)
+
+    def _is_better(self, by: Prediction) -> bool:
+        lower = self.before.blocks - by.blocks
         return float(lower.sum()) > float(lower.std(ddof=1)) * math.sqrt(len(lower))
 
     def one_no_worse(self, labels: Iterable[str]) -> bool:
@@ -72,26 +85,43 @@ def predict_unseen(selection: Selection, *, holdout: Recording | None = None) ->
     if holdout:
         holdout = problem.on([holdout]).expecting_error(base.p).recordings[0]
 
-    def of(candidate: Candidate | None) -> Prediction:
-        p, where = (base.p, problem) if candidate is None else (candidate.polished.p, candidate.problem)
-        return measure_prediction(where.on([holdout]), p) if holdout else cross_validate(where, p)
+    def of(model: ExtendedProblem, p: Reals) -> Prediction:
+        return measure_prediction(model.on([holdout]), p) if holdout else cross_validate(model, p)
 
-    before = of(None)
-    able = [c for c in (steps[0].tried if steps else ()) if _is_complete(c) and is_significant(c)]
-    tried = able[: VERDICT.measured]
-    by_label = {candidate.effect.label: (before, of(candidate)) for candidate in tried}
-    after = before
-    if tried and selection.problem is tried[0].problem:
-        after = by_label[tried[0].effect.label][1]
-    elif selection.problem.effects != problem.effects:
-        p, where = selection.polished.p, selection.problem
-        after = measure_prediction(where.on([holdout]), p) if holdout else cross_validate(where, p)
+    before = of(problem, base.p)
+    tried = _worth_predicting(steps[0].tried if steps else ())
+    by_label = {c.effect.label: (before, of(c.problem, c.polished.p)) for c in tried}
+    after, agreed = before, None
+    if selection.problem.effects != problem.effects:
+        known = tried and selection.problem is tried[0].problem
+        after = by_label[tried[0].effect.label][1] if known else of(selection.problem, selection.polished.p)
+        agreed = agreement(selection.problem, selection.polished.p)
+    again = None
+    if before.folds and tried:
+        offered = [(price(c.problem, c.effect), by_label[c.effect.label][1]) for c in tried if plausible(c)]
+        again = choose_again([(0.0, before), *offered])
     on = "the recording no fit saw" if holdout else "blocks of speeds in turn"
-    return Predictions(before=before, after=after, by_label=by_label, on=on)
+    return Predictions(before=before, after=after, by_label=by_label, chosen_again=again, agreement=agreed, on=on)
 
 
-def _is_complete(candidate: Candidate) -> bool:
-    return candidate.polished.stop is not Stop.GIVEN_UP
+def _worth_predicting(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Return the causes, best first, that a part of the rows might choose, and a few that are told."""
+    able = [c for c in tried if c.polished.stop is not Stop.GIVEN_UP and is_significant(c)]
+    return [
+        c
+        for i, c in enumerate(able)
+        if i < VERDICT.measured or (plausible(c) and able[0].evidence - c.evidence < VERDICT.might_lead)
+    ]
+
+
+def choose_again(models: Sequence[tuple[float, Prediction]]) -> Prediction:
+    """Return the prediction if in every fold that model is taken which suits the rows shown there best.
+
+    `models` are the prices of their unknowns and their predictions; all have the same folds.
+    """
+    folds = range(len(models[0][1].folds))
+    best = [min(models, key=lambda model: model[1].folds[i].shown + model[0])[1] for i in folds]
+    return pool_folds([found.folds[i] for i, found in enumerate(best)])
 
 
 def measure_gain(base: AssessedFit, selection: Selection, unseen: Predictions) -> Gain:

@@ -30,18 +30,9 @@ def sentence(
             "would show in it if they were there."
         )
     if verdict is Verdict.UNEXPLAINED:
-        chosen = [cause for cause in causes if cause.chosen]
-        tried = "None of the known causes explains it"
-        if chosen:
-            labels = " and ".join(cause.label for cause in chosen)
-            if not predictions.better:
-                errors = f"{micrometres(predictions.after.error)} um, not {micrometres(predictions.before.error)} um"
-                return (
-                    f"The model is NOT adequate: {_figures(before)}. {_worst(before)} With {labels} it fits better, "
-                    f"but does not clearly predict data no fit saw ({predictions.on}) better: to {errors}."
-                )
-            tried = f"Not even with {labels} is it adequate"
-        return f"The model is NOT adequate: {_figures(before)}. {_worst(before)} {tried}: {_figures(after)}."
+        return (
+            f"The model is NOT adequate: {_figures(before)}. {_worst(before)} {_attempt(after, causes, predictions)}."
+        )
     words = "; ".join(cause.words for cause in causes if cause.chosen)
     bought = (
         f"With that the error on data no fit saw ({predictions.on}) goes from {micrometres(predictions.before.error)} "
@@ -53,6 +44,21 @@ def sentence(
         others = " or ".join(", ".join(group[1:]) for group in tied)
         return f"The model is wrong here: {words} - or as likely, for all this data can tell: {others}. {bought}"
     return f"The model is wrong here: {words}. {bought}"
+
+
+def _attempt(after: Adequacy, causes: Sequence[Cause], predictions: Predictions) -> str:
+    """Say what was tried in vain."""
+    labels = " and ".join(cause.label for cause in causes if cause.chosen)
+    if not labels:
+        return f"None of the known causes explains it: {_figures(after)}"
+    if not predictions.better:
+        errors = f"{micrometres(predictions.after.error)} um, not {micrometres(predictions.before.error)} um"
+        better = f"does not clearly predict data no fit saw ({predictions.on}) better: to {errors}"
+        return f"With {labels} it fits better, but {better}"
+    if predictions.agreement and not predictions.agreed:
+        parts = f"{predictions.agreement.between}, p = {predictions.agreement.p:.2g}"
+        return f"With {labels} it fits better, but finds another rotor in each part of the data ({parts})"
+    return f"Not even with {labels} is it adequate: {_figures(after)}"
 
 
 def moving(cause: Cause, rest: str) -> str:

@@ -18,14 +18,16 @@ class VerdictSettings:
     # conclusions
     left_over: float = 0.03  # of the excess of chi2 that causes may leave: no law is known to the last digit
     over_expected: float = 4.0  # of the error of unseen data then: twice that of clearances and springs that were found
-    negligible: float = 0.15  # of a row's noise: what would explain no more is not named where the model is adequate
     enough_visible: float = 0.5  # of the known effects, at typical size: below, data that show nothing say nothing
+    agreeing: float = 0.01  # probability that base parameters from disjoint parts of the data differ as much
     fewest_blocks: int = 8  # of a recording, whose errors tell the standard error of a gain
     measured: int = 3  # best causes whose prediction is measured: each costs a cross-validation
+    might_lead: float = 48.0  # of BIC: one further behind the best leads in no part of the rows, three times `nameable`
 
     # cross-validation
     block: int = 24  # rows that are left out together, at most: neighbours share their noise
     blocks: int = 6  # that a recording is divided into at least
+    folds: int = 3  # in each of which every third block is hidden
     accurate: float = 0.3  # of chi2, where a refit ends
     nearly: float = 5e-4  # of the chi2 of a model that is wrong
     close: int = 20  # times that: what so short a step leaves, the derivatives before it tell

@@ -41,31 +41,26 @@ def conclude(
 ) -> Verdict:
     """Draw the verdict; `visible` is the share of the known effects that this data could show.
 
-    If the extended model predicts data no fit saw no better than the base, it is no explanation.
+    If the extended model predicts data no fit saw no better than the base, or finds another rotor in each part of the
+    data, it is no explanation.
     """
     if selection.problem.effects == selection.start.effects:
         if not adequate_before:
             return Verdict.UNEXPLAINED
         return Verdict.ADEQUATE if visible >= VERDICT.enough_visible else Verdict.CANNOT_TELL
-    if not _has_gained(selection, predictions) or not (adequate_after or _nearly_all(selection, predictions)):
+    explained = adequate_after or _nearly_all(selection, predictions)
+    if not (explained and is_supported(selection, predictions)):
         return Verdict.UNEXPLAINED
     return Verdict.TIED if tied_labels(selection) else Verdict.NAMED
 
 
-def is_worth_naming(selection: Selection, predictions: Predictions) -> bool:
-    """Say whether causes of a model that is adequate without them are more than what every rig has.
+def is_supported(selection: Selection, predictions: Predictions) -> bool:
+    """Say whether unseen data are predicted better, and disjoint parts of the data agree on the rotor.
 
-    They have to explain more than a misfit of `VERDICT.negligible` would leave, and to gain on what no fit saw.
+    Where causes are tied it is enough that one of them predicts no worse.
     """
-    size = sum(recording.measured[1].size for recording in selection.start.recordings)
-    fell = selection.base.chi2 - selection.polished.chi2
-    return fell > VERDICT.negligible**2 * size and _has_gained(selection, predictions)
-
-
-def _has_gained(selection: Selection, predictions: Predictions) -> bool:
-    """Say whether unseen data are predicted better; where causes are tied it is enough that one predicts no worse."""
     tied = [label for group in tied_labels(selection) for label in group]
-    return predictions.better or (bool(tied) and predictions.one_no_worse(tied))
+    return predictions.agreed and (predictions.better or (bool(tied) and predictions.one_no_worse(tied)))
 
 
 def tied_labels(selection: Selection) -> tuple[tuple[str, ...], ...]:

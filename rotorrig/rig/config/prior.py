@@ -7,7 +7,14 @@ from pydantic import BeforeValidator, Field
 from rotorrig.rig.config.nameplate import Angle, Length, Part, Time
 from rotorrig.rig.config.units import read_share, reads
 
-LATER_PRIORS = ("position", "diameter", "hub", "tilt", "model_error")  # keys that a config of before does not have
+LATER_PRIORS = (
+    "position",
+    "diameter",
+    "hub",
+    "tilt",
+    "model_error",
+    "repeatability",
+)  # keys that a config of before does not have
 Share = Annotated[float, BeforeValidator(read_share), Field(gt=0, le=1)]
 
 
@@ -36,5 +43,7 @@ class Prior(Part):
     keyphasor_angle: Annotated[Angle, Field(gt=0)] = 0.034906585  # 2 degrees, of the mark; trial masses narrow it
     rotating_damping: Time = 5e-6  # of the shaft: stress proportional to strain rate; of steel
     #: of the model itself: share by which its 1X motion may be off at a speed, smooth over speed; 0: it is exact
-    model_error: Annotated[float, BeforeValidator(read_share)] = Field(0.0, ge=0, le=1)
+    model_error: Annotated[float, BeforeValidator(read_share)] = Field(0.005, ge=0, le=1)
+    #: of the rig: share by which that motion differs from run to run, smooth over speed
+    repeatability: Annotated[float, BeforeValidator(read_share)] = Field(0.0025, ge=0, le=1)
     line_hum: Length = 0.2e-6  # 0-peak, mains hum in a probe

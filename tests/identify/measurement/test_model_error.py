@@ -16,12 +16,13 @@ from rotorrig.rig.config.description import RigConfig
 from tests.identify.swept import SIGMA, C, K, swept_response
 
 SHARE = 0.005
+REPEATABILITY = 0.003
 
 
 def test_the_error_of_one_probe_is_a_share_of_its_motion_and_alike_at_like_speeds() -> None:
     speed = 100 * np.exp(np.array([0.0, 0.05, LENGTH, 2 * LENGTH, 2.0]))
     motion = np.array([[1 + 2j, 5.0], [3.0, 5j], [-4j, 1.0], [2.0, 2.0], [1.0, 7.0]]) * 1e-6
-    vectors = error_vectors(motion, speed, share=SHARE)
+    vectors = error_vectors(motion, speed, np.zeros(5, int), share=SHARE, repeatability=0.0)
     covariance = np.einsum("ipc,jqc->ipjq", vectors, vectors.conj())
     apart = np.log(speed)[:, None] - np.log(speed)
     for probe in range(2):
@@ -31,11 +32,20 @@ def test_the_error_of_one_probe_is_a_share_of_its_motion_and_alike_at_like_speed
     assert np.abs(covariance[:, 0, :, 1]).max() == 0
 
 
+def test_runs_share_one_part_of_the_error_and_have_another_each_for_itself() -> None:
+    speed, run = np.full(4, 200.0), np.array([0, 0, 3, 7])
+    motion = np.full((4, 1), 2e-6 + 0j)
+    vectors = error_vectors(motion, speed, run, share=SHARE, repeatability=REPEATABILITY)[:, 0]
+    covariance = (vectors @ vectors.conj().T).real / (2 * 4e-12)
+    same = run[:, None] == run
+    np.testing.assert_allclose(covariance, SHARE**2 + REPEATABILITY**2 * same, rtol=2e-3)
+
+
 def test_noise_and_error_together_come_out_white(blind_response: OrderTrackedResponse) -> None:
     model = np.nan_to_num(blind_response.z[..., blind_response.orders.index(1.0)])
     measured = measure(blind_response)
-    omega = blind_response.omega[measured.rows]
-    both = measured.expecting_error(np.concatenate([model[measured.rows], measured.z[-1:]]), omega, SHARE)
+    predicted = np.concatenate([model[measured.rows], measured.z[-1:]])
+    both = measured.expecting_error(predicted, _expecting(blind_response, SHARE))
     rng = np.random.default_rng(0)
     drawn = [both.sigmas(both.noise(rng)) for _ in range(200)]
     assert np.std(drawn) == pytest.approx(1.0, abs=0.01)
@@ -108,7 +118,7 @@ def test_unseen_rows_are_predicted_within_what_noise_and_the_models_error_make_e
 
 
 def _expecting(response: OrderTrackedResponse, share: float) -> OrderTrackedResponse:
-    prior = response.rig.prior.model_copy(update={"model_error": share})
+    prior = response.rig.prior.model_copy(update={"model_error": share, "repeatability": share / 2})
     return replace(response, rig=response.rig.model_copy(update={"prior": prior}))
 
 

@@ -46,7 +46,7 @@ def test_what_is_predicted_was_not_fitted_and_all_is_predicted_once(
     problem = watched([Recording(healthy, number=i) for i in range(count)])
     cross_validate(problem, problem.parameters.start(hidden))
     fitted, told = problem.shown[::2], problem.shown[1::2]
-    assert len(fitted) == len(told) > 1
+    assert len(fitted) == len(told) == VERDICT.folds > 1
     for number in range(count):
         for seen, unseen in zip(fitted, told, strict=True):
             assert not (rows(seen, number) & rows(unseen, number)).any()
@@ -103,9 +103,7 @@ def test_the_error_of_a_known_offset_is_that_offset(rig: RigConfig, hidden: np.n
 
 
 @pytest.mark.parametrize("known", [True, False])
-def test_the_halves_are_fitted_as_well_as_if_carried_to_the_end(
-    rig: RigConfig, hidden: np.ndarray, known: bool
-) -> None:
+def test_the_folds_are_fitted_as_well_as_if_carried_to_the_end(rig: RigConfig, hidden: np.ndarray, known: bool) -> None:
     effect = find(rig, "skew_stiffness")
     theta = {q.name: 0.5 * q.size for q in effect.parameters}
     response = swept_response(rig, rng=np.random.default_rng(21), hidden=[(effect, theta)])
@@ -114,9 +112,9 @@ def test_the_halves_are_fitted_as_well_as_if_carried_to_the_end(
     recording = problem.recordings[0]
     block = np.arange(len(recording.rows)) // min(VERDICT.block, len(recording.rows) // VERDICT.blocks)
     square = count = 0.0
-    for hide in (0, 1):
-        unseen = problem.on([recording.only(block % 2 == hide)])
-        end = problem.on([recording.only(block % 2 != hide)]).solve(fit.p, tolerance=1e-3)
+    for hide in range(VERDICT.folds):
+        unseen = problem.on([recording.only(block % VERDICT.folds == hide)])
+        end = problem.on([recording.only(block % VERDICT.folds != hide)]).solve(fit.p, tolerance=1e-3)
         error = measure_prediction(unseen, end.p).error
         rows = np.sum(unseen.recordings[0].measured[1].usable[:-1])
         square, count = square + rows * error**2, count + rows

@@ -15,7 +15,6 @@ from rotorrig.identify.verdict.verdict import (
     Verdict,
     conclude,
     hidden_effects,
-    is_worth_naming,
     parameter_values,
     tied_labels,
     visible_share,
@@ -135,24 +134,6 @@ def test_what_predicts_no_better_is_no_explanation(after: float) -> None:
         ALONE, adequate_before=False, adequate_after=True, visible=0.9, predictions=predicts(before=5.0, after=after)
     )
     assert found is Verdict.UNEXPLAINED
-
-
-@pytest.mark.parametrize(
-    ("fell", "after", "worth"), [(30.0, 0.8, False), (200.0, 0.8, True), (200.0, 5.0, False)], ids=str
-)
-def test_what_explains_no_more_than_is_let_pass_or_predicts_no_better_is_not_worth_naming(
-    fell: float, after: float, worth: bool
-) -> None:
-    """Of 2000 values a misfit of 15 % of their noise leaves 45 of chi2."""
-    recording = SimpleNamespace(measured={1: SimpleNamespace(size=2000)})
-    found = SimpleNamespace(
-        start=SimpleNamespace(recordings=[recording]),
-        problem=ALONE.problem,
-        base=SimpleNamespace(chi2=2000.0 + fell),
-        polished=SimpleNamespace(chi2=2000.0),
-        steps=ALONE.steps,
-    )
-    assert is_worth_naming(cast(Selection, found), predicts(after=after)) is worth
 
 
 def test_a_gain_within_its_own_standard_error_is_none() -> None:

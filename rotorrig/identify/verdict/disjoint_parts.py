@@ -1,0 +1,75 @@
+"""Agreement of disjoint parts of the data: whether one and the same rotor moves in all of them.
+
+A cause that is not there may take up a misfit, and leave it to the bearings and the unbalance to take up the rest,
+differently at other speeds, in another run and at another plane. So the model is fitted to parts that share no row or
+no probe, and the difference of what they say of the base is held against its covariance.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtrc
+
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.extended_model import ExtendedProblem, Recording
+from rotorrig.identify.least_squares import inverse_information
+from rotorrig.identify.verdict.cross_validation import divide
+from rotorrig.identify.verdict.part_fits import PartFit, PartFits
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Agreement:
+    """The parts of the data that agree least."""
+
+    p: float  # that base parameters of one rotor differ as much, the number of divisions paid for
+    between: str  # "runs", "planes of probes" or "every other block of speeds"
+
+
+def agreement(problem: ExtendedProblem, p: Reals) -> Agreement:
+    """Return how well coefficients and unbalance agree between parts of the data; `p` is the fit to all of it.
+
+    Both parts know the same priors, so their difference scatters less than the sum of their covariances: the
+    probability is too large rather than too small.
+    """
+    fits = PartFits(problem, p)
+    each = []
+    for between, masks in _divisions(problem.recordings):
+        (one, of_one), (other, of_other) = (
+            _base_of(fits.fit([r.only(mask) for r, mask in zip(problem.recordings, part, strict=True)]))
+            for part in (masks, [~mask for mask in masks])
+        )
+        off = one - other
+        each.append((float(chdtrc(len(off), off @ np.linalg.solve(of_one + of_other, off))), between))
+    least, between = min(each)
+    return Agreement(p=float(-np.expm1(len(each) * np.log1p(-min(least, 1 - 1e-16)))), between=between)
+
+
+def _base_of(fit: PartFit) -> tuple[Reals, Reals]:
+    """Return the base parameters of a fit and their covariance, scaled up where it is bad."""
+    names = fit.problem.parameters
+    free = names.free
+    covariance = inverse_information(fit.jacobian[:, free]) * max(1.0, fit.chi2 / max(fit.problem.size - len(free), 1))
+    of_base = np.intersect1d(np.r_[names.base.sought, names.base.unbalance], free)
+    own = np.searchsorted(free, of_base)
+    return fit.p[of_base], covariance[np.ix_(own, own)]
+
+
+def _divisions(recordings: Sequence[Recording]) -> Iterator[tuple[str, list[Mask]]]:
+    """Yield, in words and as masks (row, probe) per recording, what of the data makes one part."""
+    yield "every other block of speeds", [_every_probe(r, divide(len(r.rows), 2) == 0) for r in recordings]
+    runs = [r.response.run[r.rows] for r in recordings]
+    if all(len(np.unique(run)) > 1 for run in runs):
+        yield "runs", [_every_probe(r, run == run[0]) for r, run in zip(recordings, runs, strict=True)]
+    response = recordings[0].response
+    positions = np.array([response.rig.probe(name).position for name in response.probes])
+    if np.ptp(positions) > 0:
+        first = positions == positions[0]
+        yield "planes of probes", [np.repeat(first[None], len(r.rows), axis=0) for r in recordings]
+
+
+def _every_probe(recording: Recording, keep: Mask) -> Mask:
+    return np.repeat(keep[:, None], len(recording.response.probes), axis=1)

@@ -1,0 +1,52 @@
+"""Agreement of disjoint parts of the data on one rotor."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.base_fit import fit_base
+from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.verdict.disjoint_parts import Agreement, agreement
+from rotorrig.identify.verdict.settings import VERDICT
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.config.description import RigConfig
+from tests.identify.swept import swept_response
+
+
+def agreed(response: OrderTrackedResponse) -> Agreement:
+    fit = fit_base([Recording(response)])
+    return agreement(fit.problem, fit.polished.p)
+
+
+def with_down_run_of(response: OrderTrackedResponse, other: OrderTrackedResponse) -> OrderTrackedResponse:
+    down = response.run == 1
+    return replace(response, z=np.where(down[:, None, None], other.z, response.z))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_parts_of_what_one_rotor_did_agree(rig: RigConfig, seed: int) -> None:
+    assert agreed(swept_response(rig, rng=np.random.default_rng(seed))).p > VERDICT.agreeing
+
+
+def test_a_rotor_that_was_another_in_the_second_run_is_none(rig: RigConfig) -> None:
+    """Unbalance of 11 g mm that is 10 % more and 10 degrees further round on the way down."""
+    first, second = (
+        swept_response(rig, rng=np.random.default_rng(5), unbalance=11e-6 * factor)
+        for factor in (1.0, 1.1 * np.exp(0.17j))
+    )
+    found = agreed(with_down_run_of(first, second))
+    assert found.p < VERDICT.agreeing
+    assert found.between == "runs"
+
+
+def test_planes_that_tell_of_two_rotors_do_not_agree(rig: RigConfig) -> None:
+    """The second plane is shown the motion of a rotor whose unbalance is 30 % larger: no gain is so far off."""
+    first, second = (
+        swept_response(rig, rng=np.random.default_rng(6), unbalance=11e-6 * factor) for factor in (1.0, 1.3)
+    )
+    positions = np.array([rig.probe(name).position for name in first.probes])
+    other = positions != positions[0]
+    found = agreed(replace(first, z=np.where(other[None, :, None], second.z, first.z)))
+    assert found.p < VERDICT.agreeing
+    assert found.between == "planes of probes"
