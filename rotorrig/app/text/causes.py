@@ -18,7 +18,12 @@ def causes_to_list(diagnosis: Diagnosis) -> tuple[Cause, ...]:
 
 
 def cause_size(cause: Cause) -> str:
-    """Return the estimated parameters of a cause: "18.0 ± 0.3 µm at 110 ± 2°", named where there are several."""
+    """Return the estimated parameters of a cause: "18.0 ± 0.3 µm at 110 ± 2°", named where there are several.
+
+    A size that no rig has is that of a misfit, not of the cause: "–".
+    """
+    if not cause.plausible:
+        return "–"
     values = {name: quantity_with_sigma(f.value, f.sigma, f.unit) for name, f in cause.parameters.items()}
     angles = {name: values.pop(f"{name} angle") for name in cause.parameters if f"{name} angle" in values}
     phasors = {name: f"{value} at {angles[name]}" if name in angles else value for name, value in values.items()}

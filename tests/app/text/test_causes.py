@@ -43,6 +43,10 @@ def test_several_figures_are_told_apart_by_their_names() -> None:
     )
 
 
+def test_a_size_that_no_rig_has_is_not_told() -> None:
+    assert cause_size(dataclasses.replace(BOW, plausible=False)) == "–"
+
+
 @pytest.mark.parametrize(
     ("before", "after", "said"), [(1.234e-4, 2e-6, "123 → 2.00 µm"), (5.2e-6, 4.1e-7, "5.20 → 0.410 µm")]
 )
