@@ -1,9 +1,10 @@
 """What a case's data could show at all: lam of its effect against the base model, and against its nearest rival.
 
 The *analyst's* effect at the size that was hidden is predicted without noise, on the rows and with the noise of a
-healthy rig of the same design, and the prediction is fitted again: by the base model alone, with all its nuisances, and
-by the base model with each rival. What misfit is left, weighted, is lam; it decides which cases are fair to ask for and
-is no part of any diagnosis. Of two faults it is computed for each alone, and the lesser counts.
+healthy rig of the same design and the model's own error that its config expects, and the prediction is fitted again: by
+the base model alone, with all its nuisances, and by the base model with each rival. What misfit is left, weighted, is
+lam; it decides which cases are fair to ask for and is no part of any diagnosis. Of two faults it is computed for each
+alone, and the lesser counts.
 
 Rivals are the candidates of a diagnosis but the right answers, and but the same cause at another place along the
 shaft. Their scores say by how much each could lower the misfit; those that could come below `ENOUGH` are fitted in
@@ -82,7 +83,8 @@ def lam(
     slight = nuisance_effects(recordings)
     problem = ExtendedProblem(ExtendedModel(recordings, (*slight, find(rig, hidden.exact))))
     p = _vector(problem, expected_estimates(rig, truth), hidden)
-    seen = [r.instead(z) for r, z in zip(recordings, problem.model.predict(p), strict=True)]
+    problem = problem.expecting_error(p)
+    seen = [r.instead(z) for r, z in zip(problem.recordings, problem.model.predict(p), strict=True)]
     base = ExtendedProblem(ExtendedModel(seen, slight, models=problem.model.models))
     best = fit_from_starts(base, p[: base.parameters.own.start])
     left = max(0.0, best.chi2 - _floor(problem, p))
