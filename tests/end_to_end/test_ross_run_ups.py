@@ -5,6 +5,7 @@ Truths are those of make.py there. The tolerances are the fit's own standard dev
 
 import sys
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import catalogue
+from tests.identify.matched import taken_for_exact
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "tests/data/ross-run-ups"
@@ -55,7 +57,7 @@ def healthy(imported: Imported) -> OrderTrackedResponse:
 
 @pytest.fixture(scope="module")
 def fit(healthy: OrderTrackedResponse) -> AssessedFit:
-    return base_fit.fit_base([Recording(healthy)])
+    return base_fit.fit_base([Recording(replace(healthy, rig=taken_for_exact(healthy.rig)))])
 
 
 def judged(response: OrderTrackedResponse, *tried: str) -> Diagnosis:

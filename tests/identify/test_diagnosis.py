@@ -17,6 +17,7 @@ from rotorrig.sims.effects.base import catalogue, find
 from rotorrig.sims.plant.truth import FaultSpec
 from rotorrig.sims.rotor.model.loads import ONE_RECORDING
 from tests.conftest import CONFIGS
+from tests.identify.matched import taken_for_exact
 from tests.identify.swept import DRAWN, SIGMA, C, K, U, swept_response
 
 KINDS = {effect.name for effect in catalogue(load(CONFIGS / "rk4.toml"))}
@@ -116,7 +117,9 @@ def test_a_cause_in_one_recording_of_two_is_named_there(rig: RigConfig) -> None:
 @pytest.mark.parametrize(("moment", "run"), [(7.31, "up"), (14.62, "down")])
 def test_a_step_within_a_run_is_found_at_its_moment(rig: RigConfig, moment: float, run: str) -> None:
     theta = {"step re": 1.6e-6, "step im": -1.2e-6, "time": moment}
-    broken = swept_response(rig, rng=np.random.default_rng(34), hidden=[(find(rig, "unbalance_step"), theta)])
+    broken = swept_response(
+        taken_for_exact(rig), rng=np.random.default_rng(34), hidden=[(find(rig, "unbalance_step"), theta)]
+    )
     found = judged(broken, tried={"unbalance_step", "skew_stiffness", "bow"})
     assert found.verdict is Verdict.NAMED
     (step,) = (cause for cause in found.causes if cause.chosen)

@@ -36,7 +36,8 @@ def test_the_plants_hidden_values_are_found_within_their_uncertainty(
         off = math.remainder(estimate.value - value, math.tau) if name == "phase" else estimate.value - value
         assert abs(off) < 4 * estimate.sigma, f"{name}: {estimate.value:.6g} ± {estimate.sigma:.2g}, truth {value:.6g}"
         scale = 1.0 if name == "phase" else value
-        assert estimate.sigma < 0.03 * scale, f"{name} is hardly known: ± {estimate.sigma / scale:.1%}"
+        #: half a per cent by which the model may be off is 4 % of damping
+        assert estimate.sigma < 0.05 * scale, f"{name} is hardly known: ± {estimate.sigma / scale:.1%}"
 
 
 def test_the_whole_sweep_comes_first_and_the_configs_bands_follow(found: Identification) -> None:

@@ -12,6 +12,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import find
+from tests.identify.matched import taken_for_exact
 from tests.identify.swept import C, K, U, swept_response
 
 GAIN = 1.02  # of all probes: alone, a recording takes that for a larger unbalance
@@ -59,9 +60,10 @@ def test_effects_of_the_config_are_in_the_model(rig: RigConfig) -> None:
     skew = find(rig, "skew_stiffness")
     (unknown,) = skew.parameters
     theta = {unknown.name: 2 * unknown.size}
-    made = swept_response(rig, rng=np.random.default_rng(4), hidden=[(skew, theta)], orders=(1,))
-    known = rig.model_copy(update={"effects": (Extension(name="skew_stiffness", parameters=theta),)})
-    plain, extended = (identify([replace(made, rig=config)]) for config in (rig, known))
+    exact = taken_for_exact(rig)
+    made = swept_response(exact, rng=np.random.default_rng(4), hidden=[(skew, theta)], orders=(1,))
+    known = exact.model_copy(update={"effects": (Extension(name="skew_stiffness", parameters=theta),)})
+    plain, extended = (identify([replace(made, rig=config)]) for config in (exact, known))
     assert extended.effects == ("skew_stiffness",)
     assert plain.effects == ()
     assert plain.fits[0].chi2 > 3 * extended.fits[0].chi2

@@ -96,7 +96,7 @@ def draw(rig: RigConfig, design: Design, *, rng: np.random.Generator) -> Case:
 def _searched(rig: RigConfig, design: Design) -> RigConfig:
     table = rig.model_dump(mode="json")
     table["identify"] |= {"bands": {}, "c_bounds": [design.c_lowest, 1e3]}
-    table["prior"]["probe_linearity"] = design.linearity
+    table["prior"] |= {"probe_linearity": design.linearity, "model_error": 0.0, "repeatability": 0.0}  # none is drawn
     return from_si(table)
 
 

@@ -33,7 +33,7 @@ def describe_identifiability(
             settled.update(names)
             sentences.append(sentence)
     sentences += _describe_ties(able)
-    if limited := _describe_limits(able):
+    if limited := _describe_limits(able, settled):
         sentences.append(limited)
     return tuple(sentences)
 
@@ -91,11 +91,11 @@ def _describe_ties(able: Identifiability) -> Iterator[str]:
                 )
 
 
-def _describe_limits(able: Identifiability) -> str:
-    """Say which estimates the nameplate's tolerances limit, not the noise."""
+def _describe_limits(able: Identifiability, settled: Collection[str]) -> str:
+    """Say which estimates the nameplate's tolerances limit, not the noise, but for those of which more was said."""
     limited = []
     for name, shares in able.budget().items():
-        if shares["noise"] < 1 - UNCERTAINTY.limited:
+        if name not in settled and shares["noise"] < 1 - UNCERTAINTY.limited:
             cause = max((kind for kind in shares if kind != "noise"), key=lambda kind: shares[kind])
             limited.append(f"{name} ({cause})")
     return (

@@ -75,7 +75,8 @@ class _Point:
         self.p = p
         self.coordinate = quantity.read(p)
         self.r = problem.residual(p)
-        self.chi2 = float(self.r @ self.r)
+        with np.errstate(over="ignore"):  # of a step that goes too far, and is shortened
+            self.chi2 = float(self.r @ self.r)
         self.gradient = quantity.gradient(p)
         self._problem = problem
         self._quantity = quantity

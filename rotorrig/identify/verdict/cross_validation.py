@@ -120,7 +120,7 @@ def _folds(recordings: Sequence[Recording]) -> Iterator[tuple[list[Recording], l
 
     Not recording by recording: how large a trial mass shows up is known from its own recording alone.
     """
-    of_row = [divide(len(r.rows), VERDICT.folds) for r in recordings]
+    of_row = [divide(r, VERDICT.folds) for r in recordings]
     for number in range(VERDICT.folds):
         hidden = [fold == number for fold in of_row]
         yield (
@@ -129,7 +129,15 @@ def _folds(recordings: Sequence[Recording]) -> Iterator[tuple[list[Recording], l
         )
 
 
-def divide(rows: int, parts: int) -> NDArray[np.intp]:
-    """Return the part (row,) each row is in: blocks of neighbours, which share their noise, in turn."""
-    block = max(1, min(VERDICT.block, rows // VERDICT.blocks))
-    return (np.arange(rows) // block) % parts
+def divide(recording: Recording, parts: int) -> NDArray[np.intp]:
+    """Return the part (row,) each row is in: blocks of neighbours in speed, which share their noise, in turn.
+
+    The next run begins with the next part, so that no part has one and the same resonance in all runs.
+    """
+    omega, run = recording.response.omega[recording.rows], recording.response.run[recording.rows]
+    part = np.empty(len(run), dtype=np.intp)
+    for turn, number in enumerate(np.unique(run)):
+        mine = np.flatnonzero(run == number)
+        block = max(1, min(VERDICT.block, len(mine) // VERDICT.blocks))
+        part[mine[np.argsort(omega[mine], kind="stable")]] = (np.arange(len(mine)) // block + turn) % parts
+    return part

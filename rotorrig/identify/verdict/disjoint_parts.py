@@ -60,7 +60,7 @@ def _base_of(fit: PartFit) -> tuple[Reals, Reals]:
 
 def _divisions(recordings: Sequence[Recording]) -> Iterator[tuple[str, list[Mask]]]:
     """Yield, in words and as masks (row, probe) per recording, what of the data makes one part."""
-    yield "every other block of speeds", [_every_probe(r, divide(len(r.rows), 2) == 0) for r in recordings]
+    yield "every other block of speeds", [_every_probe(r, divide(r, 2) == 0) for r in recordings]
     runs = [r.response.run[r.rows] for r in recordings]
     if all(len(np.unique(run)) > 1 for run in runs):
         yield "runs", [_every_probe(r, run == run[0]) for r, run in zip(recordings, runs, strict=True)]

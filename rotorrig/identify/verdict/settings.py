@@ -26,7 +26,7 @@ class VerdictSettings:
 
     # cross-validation
     block: int = 24  # rows that are left out together, at most: neighbours share their noise
-    blocks: int = 6  # that a recording is divided into at least
+    blocks: int = 6  # that a run is divided into at least
     folds: int = 3  # in each of which every third block is hidden
     accurate: float = 0.3  # of chi2, where a refit ends
     nearly: float = 5e-4  # of the chi2 of a model that is wrong

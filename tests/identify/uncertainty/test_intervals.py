@@ -11,7 +11,7 @@ from rotorrig.identify.uncertainty.quantities import quantities
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
-from tests.identify.matched import matched_response, sought
+from tests.identify.matched import matched_response, sought, taken_for_exact
 from tests.identify.problems import problem_of
 
 K = np.diag([33e3, 36e3])
@@ -26,13 +26,13 @@ def measured(rig: RigConfig, rng: np.random.Generator, *, noise: float) -> Order
 def ordinary(rig_config: RigConfig, rng: np.random.Generator) -> OrderTrackedResponse:
     """Of a rig without hubs and tilt stiffness, which bend chi2: they are never below zero."""
     plain = rig_config.prior.model_copy(update={"hub": 1e-4, "tilt": 1e-4})
-    return measured(sought(rig_config.model_copy(update={"prior": plain})), rng, noise=1e-6)
+    return measured(taken_for_exact(sought(rig_config.model_copy(update={"prior": plain}))), rng, noise=1e-6)
 
 
 @pytest.fixture
 def bounded(rig_config: RigConfig, rng: np.random.Generator) -> OrderTrackedResponse:
     """Of a rig whose cxx is its lowest allowed value, and whose noise hides it."""
-    return measured(sought(rig_config, c_bounds=[14.0, 1e3]), rng, noise=1e-5)
+    return measured(taken_for_exact(sought(rig_config, c_bounds=[14.0, 1e3])), rng, noise=1e-5)
 
 
 def interval(found: Fit, name: str) -> tuple[float, float]:

@@ -8,7 +8,7 @@ import pytest
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.cross_validation import cross_validate, measure_prediction
+from rotorrig.identify.verdict.cross_validation import cross_validate, divide, measure_prediction
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
@@ -58,9 +58,21 @@ def test_neighbours_which_a_fit_could_copy_are_left_out_together(
 ) -> None:
     problem = watched([Recording(healthy)])
     cross_validate(problem, problem.parameters.start(hidden))
-    changes = np.flatnonzero(np.diff(rows(problem.shown[0], 0).astype(int)))
+    up = rows(problem.shown[0], 0)[healthy.run == 0]
+    changes = np.flatnonzero(np.diff(up.astype(int)))
     assert len(changes)
-    assert (np.diff(changes) >= VERDICT.block // 2).all()
+    assert (np.diff(changes) >= len(up) // VERDICT.blocks).all()
+
+
+def test_what_is_hidden_in_one_run_is_shown_in_the_next(healthy: OrderTrackedResponse, hidden: np.ndarray) -> None:
+    """Else a fit may have seen nothing of a resonance."""
+    problem = watched([Recording(healthy)])
+    cross_validate(problem, problem.parameters.start(hidden))
+    for unseen in problem.shown[1::2]:
+        up, down = (rows(unseen, 0)[healthy.run == number] for number in (0, 1))
+        speeds = [healthy.omega[healthy.run == number] for number in (0, 1)]
+        nearest = np.argmin(np.abs(speeds[0][up][:, None] - speeds[1]), axis=1)
+        assert down[nearest].mean() < 0.1
 
 
 def test_the_right_model_predicts_a_healthy_rig_as_well_as_the_noise_allows(
@@ -110,11 +122,11 @@ def test_the_folds_are_fitted_as_well_as_if_carried_to_the_end(rig: RigConfig, h
     problem = ExtendedProblem(ExtendedModel([Recording(response)])).extended([effect] if known else [])
     fit = problem.solve(problem.parameters.start(hidden))
     recording = problem.recordings[0]
-    block = np.arange(len(recording.rows)) // min(VERDICT.block, len(recording.rows) // VERDICT.blocks)
+    fold = divide(recording, VERDICT.folds)
     square = count = 0.0
     for hide in range(VERDICT.folds):
-        unseen = problem.on([recording.only(block % VERDICT.folds == hide)])
-        end = problem.on([recording.only(block % VERDICT.folds != hide)]).solve(fit.p, tolerance=1e-3)
+        unseen = problem.on([recording.only(fold == hide)])
+        end = problem.on([recording.only(fold != hide)]).solve(fit.p, tolerance=1e-3)
         error = measure_prediction(unseen, end.p).error
         rows = np.sum(unseen.recordings[0].measured[1].usable[:-1])
         square, count = square + rows * error**2, count + rows
