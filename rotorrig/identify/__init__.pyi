@@ -2,9 +2,11 @@ from .diagnosis import Diagnosis as Diagnosis
 from .diagnosis import Verdict as Verdict
 from .diagnosis import diagnose as diagnose
 from .fit import identify as identify
+from .identification import Deviation as Deviation
 from .identification import Estimate as Estimate
 from .identification import Fit as Fit
 from .identification import Identification as Identification
+from .identification import NameplateCheck as NameplateCheck
 from .result_files import diagnosis_table as diagnosis_table
 from .result_files import identification_table as identification_table
 from .result_files import read_diagnosis as read_diagnosis
@@ -13,10 +15,12 @@ from .result_files import write_diagnosis as write_diagnosis
 from .result_files import write_identification as write_identification
 
 __all__ = [
+    "Deviation",
     "Diagnosis",
     "Estimate",
     "Fit",
     "Identification",
+    "NameplateCheck",
     "Verdict",
     "diagnose",
     "diagnosis_table",

@@ -185,12 +185,15 @@ def with_scatter(problem: ExtendedProblem, p: Reals) -> ExtendedProblem:
     return problem if same else problem.on(louder)
 
 
-def assess_fit(problem: ExtendedProblem, polished: Solution) -> AssessedFit:
-    """Test a fit: adequate if it is for every recording."""
+def assess_fit(problem: ExtendedProblem, polished: Solution, *, fitted_alone: bool = False) -> AssessedFit:
+    """Test a fit: adequate if it is for every recording; with `fitted_alone` by the orders it is of and no others."""
     used = _count_values_followed(problem, polished)
     each = []
     for recording, predicted in zip(problem.recordings, problem.model.predict(polished.p), strict=True):
         whole = {order: recording.in_response(z) for order, z in predicted.items()}
+        if fitted_alone:
+            nothing = np.full(recording.response.z.shape[:2], np.nan + 0j)
+            whole = {int(order): nothing for order in recording.response.orders if order == int(order)} | whole
         each.append(assess(recording.response, whole, used=used[recording.number]))
     return AssessedFit(problem=problem, polished=polished, adequacy=assess_all(each))
 

@@ -16,23 +16,30 @@ from threadpoolctl import threadpool_limits
 from rotorrig.identify import base_fit
 from rotorrig.identify.adequacy import ADEQUACY, Adequacy, Misfit
 from rotorrig.identify.base_fit import AssessedFit, config_effects
-from rotorrig.identify.causes import Selection, candidates, select
+from rotorrig.identify.causes import candidates
 from rotorrig.identify.extended_model import recordings_of
+from rotorrig.identify.identification import NO_CHECK, NameplateCheck
+from rotorrig.identify.uncertainty import check_nameplate
 from rotorrig.identify.verdict import (
     Cause,
     Gain,
     HiddenEffect,
+    NameplateSelection,
     NextRun,
     Verdict,
     conclude,
+    conclude_with_nameplate,
+    effect_ties,
     gain,
     hidden_effects,
     is_supported,
     moving_speed,
+    nameplate_ties,
     next_run,
     rank_causes,
+    rank_with_nameplate,
+    select_beside_nameplate,
     sentences,
-    tied_labels,
     visible_share,
 )
 from rotorrig.processing import OrderTrackedResponse
@@ -62,6 +69,7 @@ class Diagnosis:
     tied: tuple[tuple[str, ...], ...] = ()  # sets of labels the data cannot separate
     next_run: NextRun | None = None  # the cheapest to separate them, or why there is none; None: nothing is tied
     gain: Gain | None = None  # what the extended model bought on data no fit saw; None: it was not extended
+    nameplate: NameplateCheck = NO_CHECK  # pulls of the final model, and what of the config they contradict
     hidden: tuple[HiddenEffect, ...] = ()  # effects this data would not show, with the size that would
     character: str = ""  # of the residual, where no known cause explains it
     extended_residual: NDArray[np.complex128] | None = None  # as `residual`, of the extended model; None: there is none
@@ -100,31 +108,27 @@ def diagnose(
         known = candidates(recordings, without=without)
         base = base_fit.fit_base(recordings, config_effects(responses[0].rig), seed=seed)
         progress("causes", 0.1)
-        selection = select(
-            base.problem,
-            base.polished,
-            known,
-            wrong=not base.adequacy.adequate,
-            progress=lambda stage, share: progress(stage, 0.1 + 0.6 * share),
-        )
-        extended = base
-        if selection.problem is not base.problem:
+        found = select_beside_nameplate(base, known, lambda stage, share: progress(stage, 0.1 + 0.6 * share))
+        start, selection = found.start, found.selection
+        extended = start
+        if selection.problem is not start.problem:
             extended = base_fit.assess_fit(selection.problem, selection.polished)
         progress("unseen data", 0.7)
         unseen = recordings_of([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
         predictions = gain.predict_unseen(selection, holdout=unseen)
-        if base.adequacy.adequate and not is_supported(selection, predictions):
-            selection, extended = selection.without_causes(), base
+        if start.adequacy.adequate and not is_supported(selection, predictions):
+            selection, extended = selection.without_causes(), start
         verdict = conclude(
             selection,
-            adequate_before=base.adequacy.adequate,
+            adequate_before=start.adequacy.adequate,
             adequate_after=extended.adequacy.adequate,
             visible=visible_share(selection),
             predictions=predictions,
         )
         progress("next run", 0.9)
         further = next_run.find_next_run(selection) if verdict is Verdict.TIED else None
-        diagnosis = _assemble(responses, selection, base, extended, verdict, predictions)
+        found = replace(found, selection=selection)
+        diagnosis = _assemble(responses, found, base, extended, verdict, predictions)
         diagnosis = replace(diagnosis, model=model, next_run=further)
     progress("done", 1.0)
     return diagnosis
@@ -168,20 +172,24 @@ def _add_moving_speed(diagnosis: Diagnosis, still: AssessedFit, cause: Cause) ->
 
 def _assemble(
     responses: Sequence[OrderTrackedResponse],
-    selection: Selection,
+    found: NameplateSelection,
     base: AssessedFit,
     extended: AssessedFit,
     verdict: Verdict,
     predictions: gain.Predictions,
 ) -> Diagnosis:
-    adequacy: Adequacy = base.adequacy
+    adequacy, selection = base.adequacy, found.selection
+    check = check_nameplate(extended.polished, extended.problem)
+    named = found.named(check)
+    ties, of_nameplate = effect_ties(found), nameplate_ties(found, named)
     causes = rank_causes(selection, predictions.by_label)
-    tied = tied_labels(selection)
     source = responses[0].source
     was_extended = selection.problem.effects != base.problem.effects
-    concluded = sentences.sentence(verdict, adequacy, extended.adequacy, causes, tied, predictions)
+    verdict = conclude_with_nameplate(verdict, (), ties)
+    concluded = sentences.sentence(verdict, found.start.adequacy, extended.adequacy, causes, ties, predictions)
+    concluded = sentences.with_nameplate(concluded, verdict, extended.adequacy, named, of_nameplate)
     return Diagnosis(
-        verdict=verdict,
+        verdict=conclude_with_nameplate(verdict, named, of_nameplate),
         sentence=f"{concluded} {sentences.centreline(adequacy)}".rstrip(),
         false_alarm_rate=ADEQUACY.false_alarm_rate,
         noise_floor=adequacy.noise_floor,
@@ -191,8 +199,9 @@ def _assemble(
         worst=_worst(adequacy),
         residual=adequacy.residual,
         sigmas=adequacy.sigmas,
-        causes=causes,
-        tied=tied,
+        causes=rank_with_nameplate(causes, found, check, named),
+        tied=(*ties, *of_nameplate),
+        nameplate=check,
         gain=gain.measure_gain(base, selection, predictions) if was_extended else None,
         hidden=hidden_effects(selection),
         character=sentences.character(extended.adequacy) if verdict is Verdict.UNEXPLAINED else "",

@@ -11,7 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.base_fit import BaseProblem, SearchOptions, check_rig, config_effects, search_and_refine
+from rotorrig.identify.base_fit import (
+    BaseProblem,
+    SearchOptions,
+    assess_fit,
+    check_rig,
+    config_effects,
+    search_and_refine,
+)
 from rotorrig.identify.base_model import ObjectiveName, Reals, SearchName, SearchResult
 from rotorrig.identify.extended_model import ExtendedProblem, Recording, recordings_of
 from rotorrig.identify.identification import Fit, Identification
@@ -19,6 +26,7 @@ from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty import (
     Identifiability,
     Resampling,
+    check_nameplate,
     describe_identifiability,
     estimates,
     with_bootstrap_intervals,
@@ -118,6 +126,7 @@ class _Fitting:
         space = problem.parameters.base.space
         able = Identifiability(best, problem.parameters)
         unseen = unseen_axes(problem.recordings)
+        adequacy = assess_fit(problem, best, fitted_alone=True).adequacy
         omega = np.concatenate([r.response.omega[r.rows] for r in problem.recordings])
         return Fit(
             name=name,
@@ -139,6 +148,10 @@ class _Fitting:
             seed=self.search.seed,
             chi2=best.chi2,
             dof=best.dof,
+            p=adequacy.p,
+            scatter_ratio=adequacy.scatter_ratio,
+            adequate=adequacy.adequate,
+            nameplate=check_nameplate(best, problem),
             prediction=_predict_all(whole, best.p),
             directions=able.directions(),
             budget=able.budget(),

@@ -1,5 +1,6 @@
 """`Identification`: what a fit found, and its file `fit.json`."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,6 +18,7 @@ class Estimate:
     sigma: float
     unit: str  # SI: "N/m", "N s/m", "kg m", "rad", "" for a ratio
     nameplate: float  # NaN: the nameplate does not say
+    pull: float = math.nan  # of a nuisance: signed, in standard deviations of what a right config would show
     determined: bool = True  # False: at a bound, or the data hardly restrict it
     bounds: tuple[float, float] | None = None  # within which it was looked for
     interval: tuple[float, float] | None = None  # 95 %; an end equal to that of `bounds` is open
@@ -64,6 +66,66 @@ class Direction:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Deviation:
+    """One statement of the config, and how far off it is by the data alone, all other priors kept."""
+
+    kind: str  # "bearing_position"
+    where: str  # "spring"; empty where there is one only
+    title: str  # "position of bearing spring"
+    words: str  # "bearing spring sits 2.1 ± 0.2 mm further from the coupling than the config says"
+    value: float  # true value less the stated one, SI; relative to it where `unit` is ""
+    sigma: float  # one standard deviation; infinite if the data say nothing
+    unit: str
+    nameplate: float  # as the config states it, SI; NaN: not as a single number
+    nameplate_unit: str
+    pull: float  # signed, in standard deviations of what a right config would show
+    evidence: float  # 2 ln of the odds that it is wrong by several sigmas of its prior, not within one
+    nuisances: tuple[str, ...] = ()  # of the fit, that say so
+    parameter: str = "off"  # its name among a cause's parameters
+
+    @property
+    def label(self) -> str:
+        """Kind and place: "bearing_position, spring"."""
+        return f"{self.kind}, {self.where}" if self.where else self.kind
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pull:
+    """Joint pull of a group of statements that the data hardly tell apart."""
+
+    group: str  # "positions"
+    sigmas: float  # standard deviations of one normal variable as improbable
+    deviations: tuple[Deviation, ...]  # of its members, each taken alone, the most pulled first
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NameplateFinding:
+    """A statement of the config that the data contradict, as what they pull at is explained best by it."""
+
+    group: str
+    sigmas: float  # joint pull of that group, earlier findings taken into account
+    deviation: Deviation
+    alternatives: tuple[Deviation, ...] = ()  # which explain nearly as much, the best first
+
+    @property
+    def words(self) -> str:
+        """The finding and what else may be off instead, as a sentence without its end."""
+        others = "".join(f"; or {other.words}" for other in self.alternatives)
+        return f"{self.deviation.words}{others} ({self.sigmas:.1f} sigma)"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NameplateCheck:
+    """The config against a fit: every group's pull, and what is off beyond doubt."""
+
+    pulls: tuple[Pull, ...] = ()  # the largest first
+    findings: tuple[NameplateFinding, ...] = ()
+
+
+NO_CHECK = NameplateCheck()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Fit:
     """The fit of one band of speeds."""
 
@@ -79,8 +141,12 @@ class Fit:
     seed: int
     chi2: float  # of the refined fit, whitened complex residual of 1X
     dof: int
+    p: float = math.nan  # of the adequacy test: that a right model has residuals as large
+    scatter_ratio: float = math.nan  # of 1X residuals over their scatter from row to row: 1 where only noise is left
+    adequate: bool = True  # it passed that test
     prediction: NDArray[np.complex128]  # (speed, probe) m, 1X as measured, all responses one after the other
     directions: tuple[Direction, ...] = ()  # what the data and priors determine, least known first
+    nameplate: NameplateCheck = NO_CHECK  # pulls, and what of the config they contradict
     budget: dict[str, dict[str, float]] = field(default_factory=dict)  # estimate -> "noise".. -> part of variance
     trace: SearchTrace = field(default_factory=SearchTrace)  # of the global search
     words: tuple[str, ...]  # what the data cannot tell, in sentences

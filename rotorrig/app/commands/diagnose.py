@@ -8,8 +8,15 @@ from typing import Literal
 
 from rotorrig.app.commands.config_model import check_effects
 from rotorrig.app.terminal import out, progress_bars, tables
-from rotorrig.app.text import gain_sentence, hidden_effects_sentence, next_run_sentence, tie_sentences
-from rotorrig.identify import Diagnosis, Verdict, diagnose
+from rotorrig.app.text import (
+    NOTHING_PULLED,
+    finding_sentences,
+    gain_sentence,
+    hidden_effects_sentence,
+    next_run_sentence,
+    tie_sentences,
+)
+from rotorrig.identify import Diagnosis, NameplateCheck, Verdict, diagnose
 from rotorrig.identify.verdict import Cause
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import read_response
@@ -70,6 +77,7 @@ def show(diagnosis: Diagnosis) -> None:
         out.print(f"  {misfit.sentence}", highlight=False, markup=False)
     if diagnosis.causes:
         out.print(tables.causes_table(diagnosis))
+    show_nameplate(diagnosis.nameplate, told=diagnosis.sentence)
     in_sentence = diagnosis.verdict in (Verdict.NAMED, Verdict.TIED)  # it has the gain
     sentences = [
         *tie_sentences(diagnosis),
@@ -80,6 +88,18 @@ def show(diagnosis: Diagnosis) -> None:
     ]
     for words in filter(None, sentences):
         out.print(words, highlight=False, markup=False)
+
+
+def show_nameplate(check: NameplateCheck, *, told: str = "") -> None:
+    """Print what the fit pulls at in the config, and the findings that are not in the text `told`."""
+    table = tables.nameplate_table(check)
+    if table is None:
+        out.print(NOTHING_PULLED, highlight=False, markup=False)
+    else:
+        out.print(table)
+    for finding, words in zip(check.findings, finding_sentences(check), strict=True):
+        if finding.words not in told:
+            out.print(words, highlight=False, markup=False)
 
 
 def write_extended(path: Path, rig: RigConfig, diagnosis: Diagnosis) -> RigConfig:
@@ -93,7 +113,7 @@ def write_extended(path: Path, rig: RigConfig, diagnosis: Diagnosis) -> RigConfi
 
 def extend_rig(rig: RigConfig, diagnosis: Diagnosis) -> RigConfig | None:
     """Return the rig with the chosen causes added to the effects of its model; None if none was chosen."""
-    chosen = {cause.label: _extension(cause) for cause in diagnosis.causes if cause.chosen}
+    chosen = {cause.label: _extension(cause) for cause in diagnosis.causes if cause.chosen and not cause.nameplate}
     if not chosen:
         return None
     return extend(rig, tuple(({effect.label: effect for effect in rig.effects} | chosen).values()))

@@ -1,20 +1,23 @@
-"""Causes section, with ties and the next run; effects below the detection limit of this data."""
+"""Causes section, with ties and the next run; pulls at the config; effects below the detection limit of this data."""
 
 from rotorrig.app.report.html import Section, items, paragraph, section, table
 from rotorrig.app.text import (
+    NOTHING_PULLED,
     cause_evidence,
     cause_prediction_error,
     cause_size,
     cause_status,
     causes_to_list,
+    finding_sentences,
     gain_sentence,
     hidden_effect_lines,
     long_name,
     next_run_sentence,
     parameter_shifts,
+    pull_rows,
     tie_sentences,
 )
-from rotorrig.identify import Diagnosis, Identification
+from rotorrig.identify import Diagnosis, Identification, Verdict
 
 
 def causes_section(diagnosis: Diagnosis | None) -> Section | None:
@@ -22,6 +25,23 @@ def causes_section(diagnosis: Diagnosis | None) -> Section | None:
     if diagnosis is None or not (parts := [part for part in (_causes_table(diagnosis), _gain(diagnosis)) if part]):
         return None
     return section("causes", "Causes", *parts)
+
+
+def nameplate_section(identification: Identification | None, diagnosis: Diagnosis | None) -> Section | None:
+    """Return the section, of the diagnosis if there is one; None without a fit that tells of its pulls."""
+    check = diagnosis.nameplate if diagnosis else identification.fits[0].nameplate if identification else None
+    if check is None or not check.pulls:
+        return None
+    rows = list(pull_rows(check))
+    header = ["pulled most", "config", "by the data alone ± 1 σ", "pull of its group"]
+    unexplained = diagnosis is not None and diagnosis.verdict is Verdict.UNEXPLAINED
+    return section(
+        "config",
+        "The config against the data",
+        items(finding_sentences(check)),
+        table("Statements of the config that the fit pulls at, by group", header, rows) if rows else "",
+        paragraph(_PULL_LEGEND if rows else NOTHING_PULLED, _BIASED if rows and unexplained else ""),
+    )
 
 
 def undetectable_section(identification: Identification | None, diagnosis: Diagnosis | None) -> Section | None:
@@ -72,6 +92,11 @@ def _gain(diagnosis: Diagnosis) -> str:
     return paragraph(gain_sentence(diagnosis)) + shifts
 
 
+_PULL_LEGEND = (
+    "A pull is how far the data move what the config states, in standard deviations of what a config right within its "
+    "tolerances would show. What the data hardly tell apart is judged as a group; beyond 3 σ it is a finding."
+)
+_BIASED = "The residual is not explained: its cause may pull at the config as well."
 _LEGEND = (
     "Evidence is the gain in the Bayesian information criterion (BIC), above 0 in favour. The error on unseen data is "
     "the RMS prediction error of data the fit did not use, without → with the cause. ≥: the fit was stopped early, far "

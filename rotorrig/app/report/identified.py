@@ -102,11 +102,16 @@ def _limits(fit: Fit) -> str:
 
 def _nuisances(fit: Fit) -> str:
     """Return the nuisance parameters, adjusted within the nameplate's tolerance."""
-    rows = [[long_name(e.name), estimate_text(e)] for e in fit.nuisances]
+    rows = [[long_name(e.name), estimate_text(e), _pull(e)] for e in fit.nuisances]
     caption = "Deviations from the nameplate, adjusted within its tolerance"
     return details(
-        f"Nameplate deviations adjusted by the fit ({len(rows)})", table(caption, ["quantity", "deviation ± 1 σ"], rows)
+        f"Nameplate deviations adjusted by the fit ({len(rows)})",
+        table(caption, ["quantity", "deviation ± 1 σ", "pull"], rows),
     )
+
+
+def _pull(estimate: Estimate) -> str:
+    return f"{estimate.pull:+.1f} σ" if math.isfinite(estimate.pull) else "–"
 
 
 _WRONG_MODEL = (

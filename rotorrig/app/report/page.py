@@ -16,7 +16,7 @@ from string import Template
 from plotly.offline import get_plotlyjs
 
 from rotorrig.app.plot_data import fits_of, part_of
-from rotorrig.app.report.causes import causes_section, undetectable_section
+from rotorrig.app.report.causes import causes_section, nameplate_section, undetectable_section
 from rotorrig.app.report.html import Section
 from rotorrig.app.report.identified import identified_section
 from rotorrig.app.report.motion import centreline_section, orbits_section
@@ -52,6 +52,7 @@ def write_report(
         residuals_section(response, diagnosis),
         synchronous_section(response, identification, diagnosis),
         causes_section(diagnosis),
+        nameplate_section(identification, diagnosis),
         identified_section(identification, diagnosis, truth=truth),
         full_spectrum_section(response),
         other_orders_section(response),

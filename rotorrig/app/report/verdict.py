@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from html import escape
 
 from rotorrig.app.report.html import Section, items, paragraph
-from rotorrig.app.text import next_run_sentence, p_value_text
+from rotorrig.app.text import misfit_sentence, next_run_sentence, p_value_text
 from rotorrig.identify import Diagnosis, Identification, Verdict
 from rotorrig.identify.adequacy import Misfit
 from rotorrig.rig.config import UM
@@ -19,12 +19,17 @@ HEADLINES = {
     Verdict.UNEXPLAINED: ("bad", "The model does NOT describe this run"),
     Verdict.CANNOT_TELL: ("unsure", "This data cannot decide whether the model is right"),
 }
+CONFIG_WRONG = "The config is wrong about this rig; with what it should say, the model describes this run"
 
 
 def banner(identification: Identification | None, diagnosis: Diagnosis | None) -> Section:
     """Return the verdict as HTML: a headline, a sentence, and the values behind them."""
     if diagnosis is not None:
         tone, headline = HEADLINES[diagnosis.verdict]
+        if diagnosis.verdict in (Verdict.NAMED, Verdict.TIED) and all(
+            c.nameplate for c in diagnosis.causes if c.chosen
+        ):
+            headline = CONFIG_WRONG
         if diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.causes:
             headline += ", and none of the causes tried explains it"
         words = [*_worst(diagnosis), *_next(diagnosis)]
@@ -33,8 +38,10 @@ def banner(identification: Identification | None, diagnosis: Diagnosis | None) -
         fit = identification.fits[0]
         ratio = fit.chi2 / fit.dof if fit.dof > 0 else float("nan")
         values = f"χ² per degree of freedom {ratio:.3g} ({fit.chi2:.4g} over {fit.dof})"
-        if ratio > POOR:
+        if ratio > POOR or not fit.adequate:
             sentence = f"Its RMS residual is {ratio**0.5:.1f} times the noise; 1 is expected."
+            if math.isfinite(fit.p):
+                sentence = misfit_sentence(fit)
             return _banner("bad", "Poor fit: the model does NOT describe this run", sentence, [values], [])
         sentence = "There is a fit but no diagnosis of where it fails: run rotor diagnose."
         return _banner("unsure", "Fitted, not diagnosed", sentence, [values], [])

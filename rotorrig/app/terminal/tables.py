@@ -16,8 +16,9 @@ from rotorrig.app.text import (
     causes_to_list,
     change_text,
     interval_text,
+    pull_rows,
 )
-from rotorrig.identify import Diagnosis, Estimate, Fit, Identification
+from rotorrig.identify import Diagnosis, Estimate, Fit, Identification, NameplateCheck
 from rotorrig.rig.config import RPM, RigConfig
 
 MINIMA = 4  # columns that fit a terminal
@@ -70,6 +71,19 @@ def causes_table(diagnosis: Diagnosis) -> Table:
     for cause in causes_to_list(diagnosis):
         cells = (cause.label, cause_size(cause), cause_evidence(cause), cause_prediction_error(cause))
         table.add_row(*cells, cause_status(cause, diagnosis), style="bold" if cause.chosen else "")
+    return table
+
+
+def nameplate_table(check: NameplateCheck) -> Table | None:
+    """Return a table of what the fit pulls at in the config; None where it pulls at nothing."""
+    rows = list(pull_rows(check))
+    if not rows:
+        return None
+    table = Table(title="Pulled in the config, by group", box=box.SIMPLE_HEAD, title_justify="left")
+    for heading in ("pulled most", "config", "by the data alone", "group's pull"):
+        table.add_column(heading)
+    for row in rows:
+        table.add_row(*row)
     return table
 
 

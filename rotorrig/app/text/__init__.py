@@ -1,4 +1,4 @@
-"""Results as text, shared by terminal, report and viewer: quantities, causes, tracking, global search, proof test."""
+"""Results as text, shared by terminal, report and viewer: quantities, causes, pulls, tracking, search, proof test."""
 
 import lazy_loader
 

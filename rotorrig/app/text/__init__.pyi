@@ -9,6 +9,10 @@ from .causes import hidden_effects_sentence as hidden_effects_sentence
 from .causes import next_run_sentence as next_run_sentence
 from .causes import parameter_shifts as parameter_shifts
 from .causes import tie_sentences as tie_sentences
+from .nameplate import NOTHING_PULLED as NOTHING_PULLED
+from .nameplate import finding_sentences as finding_sentences
+from .nameplate import misfit_sentence as misfit_sentence
+from .nameplate import pull_rows as pull_rows
 from .proof_test import proof_test_remark as proof_test_remark
 from .quantities import SHOWN as SHOWN
 from .quantities import UNDETERMINED as UNDETERMINED
@@ -31,6 +35,7 @@ from .tracking import tracking_facts as tracking_facts
 from .tracking import tracking_line as tracking_line
 
 __all__ = [
+    "NOTHING_PULLED",
     "SHOWN",
     "UNDETERMINED",
     "bearing_coefficients",
@@ -43,16 +48,19 @@ __all__ = [
     "change_in_sigmas",
     "change_text",
     "estimate_text",
+    "finding_sentences",
     "gain_sentence",
     "hidden_effect_lines",
     "hidden_effects_sentence",
     "interval_text",
     "is_determined",
     "long_name",
+    "misfit_sentence",
     "next_run_sentence",
     "p_value_text",
     "parameter_shifts",
     "proof_test_remark",
+    "pull_rows",
     "quality_lines",
     "quantity_text",
     "quantity_with_sigma",

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+from rotorrig.app.text.nameplate import off_text
 from rotorrig.app.text.quantities import quantity_text, quantity_with_sigma, unit_of
 from rotorrig.identify import Diagnosis
 from rotorrig.identify.verdict import VERDICT, Cause, HiddenEffect
@@ -24,6 +25,8 @@ def cause_size(cause: Cause) -> str:
     """
     if not cause.plausible:
         return "–"
+    if cause.nameplate:
+        return ", ".join(off_text(f.value, f.sigma, f.unit) for f in cause.parameters.values())
     values = {name: quantity_with_sigma(f.value, f.sigma, f.unit) for name, f in cause.parameters.items()}
     angles = {name: values.pop(f"{name} angle") for name in cause.parameters if f"{name} angle" in values}
     phasors = {name: f"{value} at {angles[name]}" if name in angles else value for name, value in values.items()}
@@ -44,9 +47,9 @@ def cause_prediction_error(cause: Cause) -> str:
 
 
 def cause_status(cause: Cause, diagnosis: Diagnosis) -> str:
-    """Return "in the model", "tied", "not plausible", or nothing for a rejected cause."""
+    """Return "in the model", "config wrong", "tied", "not plausible", or nothing for a rejected cause."""
     tied = any(cause.label in group for group in diagnosis.tied)
-    status = ["in the model"] if cause.chosen else []
+    status = ["config wrong" if cause.nameplate else "in the model"] if cause.chosen else []
     status += ["tied"] if tied else []
     status += [] if cause.plausible else ["not plausible"]
     return ", ".join(status)

@@ -41,7 +41,7 @@ def identify(
     """Fit bearing stiffness, damping and unbalance to one or more responses of a rig."""
     from rotorrig.app.commands import diagnose, identify
     from rotorrig.app.terminal import tables
-    from rotorrig.app.text import search_line, stages_text
+    from rotorrig.app.text import misfit_sentence, search_line, stages_text
     from rotorrig.identify import identification_table, write_identification
 
     measured = diagnose.read_responses(responses)
@@ -56,6 +56,8 @@ def identify(
     for part in (search_line(identification.fits[0]), tables.search_table(identification.fits[0])):
         out.print(part, highlight=False)
     out.print(stages_text(identification.fits[0]), highlight=False)
+    out.print(misfit_sentence(identification.fits[0]), highlight=False)
+    diagnose.show_nameplate(identification.fits[0].nameplate)
     for words in identification.fits[0].words:
         out.print(words, highlight=False)
     number = len(identification.fits)

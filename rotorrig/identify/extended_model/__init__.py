@@ -7,13 +7,16 @@ from rotorrig.identify.extended_model.excited_rotor import Moving, halved_loads
 from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.nuisance_effects import nuisance_effects
-from rotorrig.identify.extended_model.parameters import ExtendedParameters
+from rotorrig.identify.extended_model.parameters import KEYPHASOR, ExtendedParameters
 from rotorrig.identify.extended_model.probe_curve import CURVED_AT
 from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.identify.extended_model.tracked_recording import Recording, recordings_of
 
 __all__ = [
     "CURVED_AT",
+    "EXTENDED_MODEL",
+    "KEYPHASOR",
     "ExtendedModel",
     "ExtendedParameters",
     "ExtendedProblem",

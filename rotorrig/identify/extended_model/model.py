@@ -4,7 +4,7 @@ Vectors are predicted from a vector of ExtendedParameters.
 """
 
 import copy
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,10 +40,12 @@ class ExtendedModel:
         recent: Recent | None = None,
         count: int = 0,
         exact: bool = False,
+        widened: Collection[str] = (),
     ) -> None:
         """Set up; `models` keeps the reduced rotors that several models of one rig share, `recent` those of vectors.
 
-        `count` is how many recordings there are in all, if more than these; `exact` as of UnitResponses.
+        `count` is how many recordings there are in all, if more than these; `exact` as of UnitResponses; `widened` as
+        of ExtendedParameters.
         """
         first = recordings[0].response
         self.recordings = tuple(recordings)
@@ -51,8 +53,9 @@ class ExtendedModel:
         orders = recordings[0].orders
         self._count = max(count, 1 + max(r.number for r in recordings))
         self.parameters = ExtendedParameters(
-            recordings[0].rig, first.probes, orders=orders, recordings=self._count, effects=effects
+            recordings[0].rig, first.probes, orders=orders, recordings=self._count, effects=effects, widened=widened
         )
+        self.widened = frozenset(widened)
         self.probes = ProbeSide(self.parameters)
         self.units = UnitResponses(self.parameters, self.effects, exact=exact)
         self._marched: dict[tuple[Hashable, ...], dict[int, Complex]] = {}  # motions under force laws, the latest
@@ -76,9 +79,22 @@ class ExtendedModel:
         """Return the model of the same recordings with these effects instead."""
         return self._of(self.recordings, effects)
 
-    def _of(self, recordings: Sequence[Recording], effects: Sequence[Effect]) -> "ExtendedModel":
-        models, recent, exact = self.models, self._recent, self.units.exact
-        return ExtendedModel(recordings, effects, models=models, recent=recent, count=self._count, exact=exact)
+    def with_wider_priors(self, nuisances: Collection[str]) -> "ExtendedModel":
+        """Return the same model with wider priors of these nuisances too."""
+        return self._of(self.recordings, self.effects, widened=nuisances)
+
+    def _of(
+        self, recordings: Sequence[Recording], effects: Sequence[Effect], *, widened: Collection[str] = ()
+    ) -> "ExtendedModel":
+        return ExtendedModel(
+            recordings,
+            effects,
+            models=self.models,
+            recent=self._recent,
+            count=self._count,
+            exact=self.units.exact,
+            widened=self.widened.union(widened),
+        )
 
     def seeing(self, places: Mapping[str, float]) -> "ExtendedModel":
         """Return the same model with a rotor that has these places [m] too."""

@@ -4,7 +4,7 @@ The nuisances more than a fit of one recording at 1X has: runout at higher order
 which a known trial mass shows, a little hum of the mains in every recording, and the curvature of a probe's scale.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +33,9 @@ class ExtendedParameters:
         orders: Sequence[int],
         recordings: int,
         effects: Sequence[Effect],
+        widened: Collection[str] = (),
     ) -> None:
-        """Lay out the vector. Raises ConfigError if the rig has no [identify] table."""
+        """Lay out the vector; nuisances in `widened` get wider priors. Raises ConfigError without [identify]."""
         self.base = Parameters(rig, probes)
         self.effects = tuple(effects)
         self._own = [p for effect in effects for p in effect.parameters]
@@ -67,7 +68,9 @@ class ExtendedParameters:
                 [q.prior / q.size for q in self._own],
             ]
         )
-        self.prior_sigma = np.maximum(sigmas, EXACT)
+        self.stated_sigma = np.maximum(sigmas, EXACT)
+        wider = [EXTENDED_MODEL.wider if name in widened else 1.0 for name in self.names]
+        self.prior_sigma = self.stated_sigma * wider
         self.priors = np.flatnonzero(np.isfinite(self.prior_sigma))
         self._nothing = np.zeros(len(self.names))
         self._nothing[self.own] = [q.at_zero / q.size for q in self._own]

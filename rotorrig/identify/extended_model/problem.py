@@ -5,7 +5,7 @@ parameters are exact; so are those by an effect's matrices and by loads that are
 force law the motion is not linear in anything: its columns come from the march, force_law_jacobian.py.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -54,6 +54,10 @@ class ExtendedProblem:
         *parts, priors = np.split(figures, np.cumsum([m.whiten[..., 0].size for m in measured]))
         shrunk = (m.shrinkage(part) if m.shrinkage else part for part, m in zip(parts, measured, strict=True))
         return np.concatenate([*shrunk, priors])
+
+    def with_wider_priors(self, nuisances: Collection[str]) -> "ExtendedProblem":
+        """Return the same problem with wider priors of these nuisances."""
+        return ExtendedProblem(self.model.with_wider_priors(nuisances))
 
     def extended(self, effects: Sequence[Effect]) -> "ExtendedProblem":
         """Return the problem of the same recordings with these effects instead."""

@@ -1,13 +1,20 @@
-"""Uncertainty of the estimates: sigmas and intervals, profile likelihood, bootstrap, what the data cannot tell."""
+"""Uncertainty of the estimates: sigmas and intervals, profile likelihood, bootstrap, what the data cannot tell.
+
+And what they contradict: pulls of the nuisances, against the config's statements.
+"""
 
 from rotorrig.identify.uncertainty.bootstrap import Resampling, with_bootstrap_intervals
 from rotorrig.identify.uncertainty.identifiability import Identifiability
 from rotorrig.identify.uncertainty.identifiability_text import describe_identifiability
 from rotorrig.identify.uncertainty.intervals import with_intervals
+from rotorrig.identify.uncertainty.nameplate_pulls import check_nameplate
+from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
 __all__ = [
+    "UNCERTAINTY",
     "Identifiability",
     "Resampling",
+    "check_nameplate",
     "describe_identifiability",
     "with_bootstrap_intervals",
     "with_intervals",

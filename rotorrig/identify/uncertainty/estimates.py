@@ -8,6 +8,7 @@ from rotorrig.identify.base_model import Unknown
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.identification import Estimate
 from rotorrig.identify.least_squares import Solution
+from rotorrig.identify.uncertainty.nameplate_pulls import nuisance_pulls
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 from rotorrig.rig.config import Unbalance
 
@@ -57,6 +58,7 @@ def estimate_nuisances(best: Solution, problem: ExtendedProblem) -> tuple[Estima
     sought = (names.base.sought, names.base.unbalance)
     skipped = {i for part in sought for i in range(part.start, part.stop)}
     own = [q for effect in names.effects for q in effect.parameters]
+    pulls = nuisance_pulls(best, names)
     sizes = np.append(np.ones(names.own.start), [q.size for q in own])
     units = [*(_unit(name) for name in names.names[: names.own.start]), *(q.unit for q in own)]
     return tuple(
@@ -66,6 +68,7 @@ def estimate_nuisances(best: Solution, problem: ExtendedProblem) -> tuple[Estima
             sigma=float(best.sigma[i] * sizes[i]),
             unit=units[i],
             nameplate=own[i - names.own.start].at_zero if i >= names.own.start else 0.0,
+            pull=pulls.get(name, math.nan),
         )
         for i, name in enumerate(names.names)
         if i not in skipped

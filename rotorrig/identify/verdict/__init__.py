@@ -2,6 +2,14 @@
 
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
+from rotorrig.identify.verdict.nameplate import (
+    NameplateSelection,
+    conclude_with_nameplate,
+    effect_ties,
+    nameplate_ties,
+    rank_with_nameplate,
+    select_beside_nameplate,
+)
 from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.sweep_lag import moving_speed
@@ -21,15 +29,21 @@ __all__ = [
     "Cause",
     "Gain",
     "HiddenEffect",
+    "NameplateSelection",
     "NextRun",
     "ParameterValue",
     "Shift",
     "Verdict",
     "conclude",
+    "conclude_with_nameplate",
+    "effect_ties",
     "hidden_effects",
     "is_supported",
     "moving_speed",
+    "nameplate_ties",
     "rank_causes",
+    "rank_with_nameplate",
+    "select_beside_nameplate",
     "tied_labels",
     "visible_share",
 ]

@@ -30,4 +30,5 @@ class Cause:
     parameters: dict[str, ParameterValue]
     theta: dict[str, float]  # the effect's own unknowns, as a config carries them
     sigmas: dict[str, float]  # of those
+    nameplate: bool = False  # no effect: a statement of the config that is wrong
     given_up: bool = False  # its fit was left before its end, far behind the best: evidence and lam are the least

@@ -91,7 +91,8 @@ def _rate(best: Candidate, rivals: Sequence[Candidate], plan: Plan) -> tuple[flo
 def _separability(best: Candidate, rival: Candidate, plan: Plan) -> float:
     """Return lambda of a rival in the recordings of a plan; none where nobody knows what these would show."""
     recordings = plan_recordings(best.problem.recordings[0].response, plan)
-    truth = ExtendedProblem(ExtendedModel(recordings, (*plan.unknown, *best.problem.effects)))
+    effects = (*plan.unknown, *best.problem.effects)
+    truth = ExtendedProblem(ExtendedModel(recordings, effects, widened=best.problem.model.widened))
     named = dict(zip(best.problem.parameters.names, best.polished.p, strict=True))
     p = truth.parameters.start(best.polished.p[:0])
     for i, name in enumerate(truth.parameters.names):

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rotorrig.identify.adequacy import Adequacy
+from rotorrig.identify.identification import NameplateFinding
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.gain import Predictions
 from rotorrig.identify.verdict.verdict import Verdict
@@ -33,7 +34,7 @@ def sentence(
         return (
             f"The model is NOT adequate: {_figures(before)}. {_worst(before)} {_attempt(after, causes, predictions)}."
         )
-    words = "; ".join(cause.words for cause in causes if cause.chosen)
+    words = "; ".join(cause.words for cause in causes if cause.chosen and not cause.nameplate)
     bought = (
         f"With that the error on data no fit saw ({predictions.on}) goes from {micrometres(predictions.before.error)} "
         f"to {micrometres(predictions.after.error)} um, {predictions.after.over_floor:.1f} times the noise floor."
@@ -59,6 +60,31 @@ def _attempt(after: Adequacy, causes: Sequence[Cause], predictions: Predictions)
         parts = f"{predictions.agreement.between}, p = {predictions.agreement.p:.2g}"
         return f"With {labels} it fits better, but finds another rotor in each part of the data ({parts})"
     return f"Not even with {labels} is it adequate: {_figures(after)}"
+
+
+def with_nameplate(
+    concluded: str,
+    verdict: Verdict,
+    after: Adequacy,
+    named: Sequence[NameplateFinding],
+    tied: Sequence[Sequence[str]],
+) -> str:
+    """Say what of the config is wrong, with the conclusion on effects; `tied` are the sets of `nameplate_ties`."""
+    if not named:
+        return concluded
+    told = "; ".join(_with_rivals(finding, tied) for finding in named)
+    if verdict in (Verdict.ADEQUATE, Verdict.CANNOT_TELL):
+        return f"The config is wrong here: {told}. With that the model is adequate: {_figures(after)}."
+    if verdict is Verdict.UNEXPLAINED:
+        return f"{concluded} The fit pulls at the config as well, perhaps for that same unknown reason: {told}."
+    return f"{concluded} The config is wrong as well: {told}."
+
+
+def _with_rivals(finding: NameplateFinding, tied: Sequence[Sequence[str]]) -> str:
+    """Return a finding with the effects that explain nearly as much."""
+    own = {finding.deviation.label, *(other.label for other in finding.alternatives)}
+    group = next((group for group in tied if group[0] == finding.deviation.label), ())
+    return "; or ".join([finding.words, *(label for label in group if label not in own)])
 
 
 def moving(cause: Cause, rest: str) -> str:

@@ -24,7 +24,7 @@ def separability(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect], *, e
     A fit that could not come below `enough` is given up: what is returned is then some value above it.
     """
     recordings = [r.instead(z) for r, z in zip(truth.recordings, truth.model.predict(p), strict=True)]
-    problem = ExtendedProblem(ExtendedModel(recordings, rival, models=truth.model.models))
+    problem = ExtendedProblem(ExtendedModel(recordings, rival, models=truth.model.models, widened=truth.model.widened))
     own = truth.parameters.prior_residual(p)
     floor = float(own @ own)
     hoped = VERDICT.hoped_of_laws if problem.curved or truth.curved else VERDICT.hoped

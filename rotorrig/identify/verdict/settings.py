@@ -18,6 +18,7 @@ class VerdictSettings:
     # conclusions
     left_over: float = 0.03  # of the excess of chi2 that causes may leave: no law is known to the last digit
     over_expected: float = 4.0  # of the error of unseen data then: twice that of clearances and springs that were found
+    pulled: float = 4.0  # sigmas: what of the config is pulled further is named whatever the verdict is
     enough_visible: float = 0.5  # of the known effects, at typical size: below, data that show nothing say nothing
     agreeing: float = 0.01  # probability that base parameters from disjoint parts of the data differ as much
     fewest_blocks: int = 8  # of a recording, whose errors tell the standard error of a gain

@@ -1,0 +1,145 @@
+"""The nameplate as a cause: statements of the config that the data contradict, beside the effects.
+
+A group of statements that the base fit pulls beyond three sigmas is a candidate as an effect is. If the evidence for
+its best member is more than that for the best effect, the prior of that member is widened, the base refitted and the
+effects are searched for once more, beside it: a bearing that sits elsewhere is not to be taken for one whose stiffness
+is skew. The pulls that count are those of the final model: under a cause the model lacks, nuisances are off for its
+sake.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from rotorrig.identify.base_fit import BASE_FIT, AssessedFit, assess_fit
+from rotorrig.identify.causes import Candidate, Selection, is_significant, select
+from rotorrig.identify.identification import Deviation, NameplateCheck, NameplateFinding
+from rotorrig.identify.uncertainty import check_nameplate
+from rotorrig.identify.verdict.cause import Cause, ParameterValue
+from rotorrig.identify.verdict.settings import VERDICT
+from rotorrig.identify.verdict.verdict import Verdict, tied_labels
+from rotorrig.sims.effects import Effect
+
+Progress = Callable[[str, float], None]
+Ties = tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NameplateSelection:
+    """The causes selected, and how the nameplate fared against them."""
+
+    start: AssessedFit  # the base, with wider priors of what of the nameplate explains more than any effect
+    selection: Selection  # of effects beside it
+    rivals: tuple[Candidate, ...] = ()  # effects that explain nearly as much as that
+    instead: tuple[Deviation, ...] = ()  # or what of the nameplate explains nearly as much as the best effect
+
+    @property
+    def widened(self) -> frozenset[str]:
+        """Nuisances with wider priors."""
+        return self.start.problem.model.widened
+
+    def named(self, check: NameplateCheck) -> tuple[NameplateFinding, ...]:
+        """Return the findings of the final model that have to be named: pulled far, or better than any effect."""
+        return tuple(
+            finding
+            for finding in check.findings
+            if finding.sigmas > VERDICT.pulled or self.widened.issuperset(finding.deviation.nuisances)
+        )
+
+
+def select_beside_nameplate(base: AssessedFit, known: Sequence[Effect], progress: Progress) -> NameplateSelection:
+    """Select effects for a base fit, those last that explain less than what of the nameplate the fit pulls at."""
+
+    def search(start: AssessedFit) -> Selection:
+        return select(start.problem, start.polished, known, wrong=not start.adequacy.adequate, progress=progress)
+
+    selection, findings = search(base), check_nameplate(base.polished, base.problem).findings
+    able = [c for c in (selection.steps[0].tried if selection.steps else ()) if is_significant(c)]
+    if not findings or (base.adequacy.adequate and not able):
+        return NameplateSelection(start=base, selection=selection)
+    deviations = (findings[0].deviation, *findings[0].alternatives)
+    if able and able[0].evidence > deviations[0].evidence:
+        instead = tuple(d for d in deviations if able[0].evidence - d.evidence < VERDICT.nameable)
+        return NameplateSelection(start=base, selection=selection, instead=instead)
+    rivals = tuple(c for c in able if deviations[0].evidence - c.evidence < VERDICT.nameable)
+    start = _with_wider_prior(base, deviations[0])
+    return NameplateSelection(start=start, selection=search(start), rivals=rivals)
+
+
+def _with_wider_prior(base: AssessedFit, deviation: Deviation) -> AssessedFit:
+    """Return the base refitted with a wider prior of one statement."""
+    problem = base.problem.with_wider_priors(deviation.nuisances)
+    return assess_fit(problem, problem.solve(base.polished.p, max_steps=BASE_FIT.steps, tolerance=BASE_FIT.settled))
+
+
+def conclude_with_nameplate(verdict: Verdict, named: Sequence[NameplateFinding], ties: Ties) -> Verdict:
+    """Return the verdict on effects with what the nameplate adds: what is named is no longer adequate."""
+    if named and verdict in (Verdict.ADEQUATE, Verdict.CANNOT_TELL):
+        verdict = Verdict.NAMED
+    return Verdict.TIED if verdict is Verdict.NAMED and ties else verdict
+
+
+def effect_ties(found: NameplateSelection) -> Ties:
+    """Return the sets of labels that fit alike, one for every chosen effect with a rival, of the nameplate or not."""
+    ties = tied_labels(found.selection)
+    if not found.instead or found.selection.problem.effects == found.selection.start.effects:
+        return ties
+    best = found.selection.steps[0].tried[0].effect.label
+    mine = next((group for group in ties if group[0] == best), (best,))
+    more = tuple(deviation.label for deviation in found.instead)
+    return ((*mine, *more), *(group for group in ties if group is not mine))
+
+
+def nameplate_ties(found: NameplateSelection, named: Sequence[NameplateFinding]) -> Ties:
+    """Return the sets of labels that fit alike, one for every named finding with an alternative, itself first."""
+    ties = []
+    for finding in named:
+        rivals = found.rivals if found.widened.issuperset(finding.deviation.nuisances) else ()
+        others = [*(d.label for d in finding.alternatives), *(candidate.effect.label for candidate in rivals)]
+        if others:
+            ties.append((finding.deviation.label, *dict.fromkeys(others)))
+    return tuple(ties)
+
+
+def rank_with_nameplate(
+    causes: Sequence[Cause], found: NameplateSelection, check: NameplateCheck, named: Sequence[NameplateFinding]
+) -> tuple[Cause, ...]:
+    """Return the causes with the findings among them: what is chosen first, then all others by their evidence."""
+    chosen = {cause.label for cause in causes if cause.chosen}
+    mine: dict[str, Cause] = {}
+    for deviation, is_named in _deviations(found, check, named):
+        if deviation.label not in chosen:
+            mine.setdefault(deviation.label, _cause(deviation, chosen=is_named))
+    every = [*(cause for cause in causes if cause.label not in mine), *mine.values()]
+    return tuple(sorted(every, key=lambda c: (not c.chosen, not (c.chosen or c.plausible), -c.evidence)))
+
+
+def _deviations(
+    found: NameplateSelection, check: NameplateCheck, named: Sequence[NameplateFinding]
+) -> Iterator[tuple[Deviation, bool]]:
+    """Yield what is found of the nameplate, whether it is named, then what else may be."""
+    for finding in check.findings:
+        yield finding.deviation, finding in named
+    for finding in check.findings:
+        yield from ((other, False) for other in finding.alternatives)
+    yield from ((other, False) for other in found.instead)
+
+
+def _cause(deviation: Deviation, *, chosen: bool) -> Cause:
+    name = deviation.parameter
+    return Cause(
+        label=deviation.label,
+        effect=deviation.kind,
+        where=deviation.where,
+        title=deviation.title,
+        words=deviation.words,
+        chosen=chosen,
+        plausible=True,
+        evidence=deviation.evidence,
+        lam=deviation.pull**2,
+        heldout_before=float("nan"),
+        heldout_after=float("nan"),
+        parameters={name: ParameterValue(value=deviation.value, unit=deviation.unit, sigma=deviation.sigma)},
+        theta={name: deviation.value},
+        sigmas={name: deviation.sigma},
+        nameplate=True,
+    )
