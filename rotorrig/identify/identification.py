@@ -105,7 +105,7 @@ class NameplateFinding:
     group: str
     sigmas: float  # joint pull of that group, earlier findings taken into account
     deviation: Deviation
-    alternatives: tuple[Deviation, ...] = ()  # which explain nearly as much, the best first
+    alternatives: tuple[Deviation, ...] = ()  # which explain the pull of the group as well, the best first
 
     @property
     def words(self) -> str:

@@ -10,7 +10,18 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
-from rotorrig.identify.identification import Estimate, Fit, Identification, Optimum, SearchTrace, Stage
+from rotorrig.identify.identification import (
+    Deviation,
+    Estimate,
+    Fit,
+    Identification,
+    NameplateCheck,
+    NameplateFinding,
+    Optimum,
+    Pull,
+    SearchTrace,
+    Stage,
+)
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
 from rotorrig.identify.verdict.next_run import NextRun
@@ -114,6 +125,25 @@ def make_diagnosis(response: OrderTrackedResponse, prediction: NDArray[np.comple
         sigmas=np.abs(residual) / (np.sqrt(2) * SIGMA),
         source=SOURCE,
     )
+
+
+OFF = Deviation(
+    kind="bearing_position",
+    where="spring",
+    title="position of bearing spring",
+    words="bearing spring sits 2.10 ± 0.20 mm further from the coupling than the config says",
+    value=2.1e-3,
+    sigma=2e-4,
+    unit="m",
+    nameplate=0.481,
+    nameplate_unit="m",
+    pull=5.1,
+    evidence=19.0,
+)
+WRONG_CONFIG = NameplateCheck(
+    pulls=(Pull(group="positions", sigmas=4.6, deviations=(OFF,)),),
+    findings=(NameplateFinding(group="positions", sigmas=4.6, deviation=OFF),),
+)
 
 
 def make_cause(label: str, title: str, *, chosen: bool = False, evidence: float, after: float) -> Cause:

@@ -1,7 +1,7 @@
 """Pulls of a fit by groups of the config's statements, and the statements that the data contradict.
 
 A group is judged by its joint pull. Beyond `UNCERTAINTY.pulled` sigmas the one statement is sought that, without its
-prior, explains most: that is a finding, and what explains nearly as much is its alternative. The rest is then judged
+prior, explains most: that is a finding, and what without its own leaves no pull is an alternative. The rest is judged
 with that prior taken away, so one wrong position does not make findings of all that the fit moved to make up for it.
 
 Members at their bound of zero, hubs and tilt stiffness, are not pulled: they are taken to be there.
@@ -134,18 +134,19 @@ def _findings(posterior: NuisancePosterior, groups: Groups) -> list[NameplateFin
         if best is None:
             break
         group, deviation = best
+        instead = [
+            other
+            for name, other in ranked
+            if other is not deviation and _explains(posterior, groups[name][other.title][1], groups[group])
+        ]
         found.append(
-            NameplateFinding(
-                group=group,
-                sigmas=pulls[group],
-                deviation=deviation,
-                alternatives=tuple(
-                    other
-                    for _, other in ranked
-                    if other is not deviation and deviation.evidence - other.evidence < UNCERTAINTY.nameable
-                ),
-            )
+            NameplateFinding(group=group, sigmas=pulls[group], deviation=deviation, alternatives=tuple(instead))
         )
         posterior = posterior.without_prior(groups[group][deviation.title][1])
         groups = {name: {t: of for t, of in part.items() if t != deviation.title} for name, part in groups.items()}
     return found
+
+
+def _explains(posterior: NuisancePosterior, direction: Reals, group: Mapping[str, tuple[Member, Reals]]) -> bool:
+    """Say whether a group is pulled no more once the prior along a direction is taken away."""
+    return _joint_pull(posterior.without_prior(direction), group) <= UNCERTAINTY.pulled

@@ -69,7 +69,8 @@ class NuisancePosterior:
         members = np.flatnonzero(np.any([u != 0 for u in directions], axis=0)) if len(directions) else np.zeros(0, int)
         left, vectors = np.linalg.eigh(self.covariance[np.ix_(members, members)])
         known = vectors[:, left < 1 - KNOWN]
-        tests = [(pull**2, 1) for pull in (self.along(u).pull for u in directions) if pull]
+        alone = [self.along(u) for u in directions]
+        tests = [(each.pull**2, 1) for each in alone if np.isfinite(each.sigma)]
         if known.shape[1] > 1:
             moved = known.T @ self.x[members]
             scatter = known.T @ self._scatter()[np.ix_(members, members)] @ known

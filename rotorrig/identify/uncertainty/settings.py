@@ -34,7 +34,6 @@ class UncertaintySettings:
     inseparable: float = 0.99  # correlation from which two determined quantities are better known together
     limited: float = 0.9  # share of a variance that is the nameplate's, from which on less noise would not help
     pulled: float = 3.0  # sigmas: a group of the config's statements pulled further is a finding
-    nameable: float = 16.0  # of evidence to the next best explanation: four standard deviations, as of causes
     known: float = 0.1  # relative standard deviation up to which a combination is worth naming
     shown: float = 0.1  # relative change in an example
     profile: ProfileSettings = field(default_factory=ProfileSettings)

@@ -7,7 +7,7 @@ is skew. The pulls that count are those of the final model: under a cause the mo
 sake.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from rotorrig.identify.base_fit import BASE_FIT, AssessedFit, assess_fit
@@ -52,17 +52,25 @@ def select_beside_nameplate(base: AssessedFit, known: Sequence[Effect], progress
     def search(start: AssessedFit) -> Selection:
         return select(start.problem, start.polished, known, wrong=not start.adequacy.adequate, progress=progress)
 
-    selection, findings = search(base), check_nameplate(base.polished, base.problem).findings
+    selection = search(base)
     able = [c for c in (selection.steps[0].tried if selection.steps else ()) if is_significant(c)]
-    if not findings or (base.adequacy.adequate and not able):
+    deviations = _explanations(base, but={effect.label for effect in known})
+    if not deviations or (base.adequacy.adequate and not able):
         return NameplateSelection(start=base, selection=selection)
-    deviations = (findings[0].deviation, *findings[0].alternatives)
     if able and able[0].evidence > deviations[0].evidence:
         instead = tuple(d for d in deviations if able[0].evidence - d.evidence < VERDICT.nameable)
         return NameplateSelection(start=base, selection=selection, instead=instead)
     rivals = tuple(c for c in able if deviations[0].evidence - c.evidence < VERDICT.nameable)
     start = _with_wider_prior(base, deviations[0])
     return NameplateSelection(start=start, selection=search(start), rivals=rivals)
+
+
+def _explanations(base: AssessedFit, *, but: Collection[str]) -> tuple[Deviation, ...]:
+    """Return the first finding that is none of the labels `but`, which are tried as effects, and its alternatives."""
+    for finding in check_nameplate(base.polished, base.problem).findings:
+        if finding.deviation.label not in but:
+            return (finding.deviation, *(d for d in finding.alternatives if d.label not in but))
+    return ()
 
 
 def _with_wider_prior(base: AssessedFit, deviation: Deviation) -> AssessedFit:

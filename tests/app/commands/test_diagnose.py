@@ -13,6 +13,7 @@ from rotorrig.app import cli
 from rotorrig.app.commands import diagnose as diagnosing
 from rotorrig.app.commands.config_model import check_effects
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
+from rotorrig.identify.identification import NameplateCheck
 from rotorrig.identify.result_files import read_diagnosis
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
@@ -20,6 +21,7 @@ from rotorrig.rig.config.description import load, parse
 from rotorrig.rig.config.extended_config import extend
 from rotorrig.rig.config.extension import Extension
 from rotorrig.rig.errors import ConfigError
+from tests.app.conftest import WRONG_CONFIG
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -119,6 +121,22 @@ def test_with_nothing_named_no_config_is_written(
     assert err.startswith("error: e.toml: not written: no cause was named")
     assert not Path("e.toml").exists()
     assert Path("d.json").exists()
+
+
+def test_what_of_the_config_is_wrong_is_printed_and_extends_no_model(
+    rotor: Run, asked: dict[str, Any], file: str, named: Diagnosis
+) -> None:
+    cause = dataclasses.replace(named.causes[0], label="bearing_position, spring", nameplate=True, chosen=True)
+    asked["answer"] = dataclasses.replace(named, causes=(cause,), nameplate=WRONG_CONFIG)
+    code, out, err = rotor("diagnose", file, "--out", "d.json", "--rig-out", "e.toml")
+    rows = [" ".join(line.split()) for line in out.splitlines()]
+    assert "position of bearing spring 481 mm 483.10 ± 0.20 mm 4.6 σ (positions)" in rows
+    assert "Bearing spring sits 2.10 ± 0.20 mm further from the coupling than the config says (4.6 sigma)." in rows
+    assert (code, err.startswith("error: e.toml: not written")) == (1, True)
+    asked["answer"] = dataclasses.replace(named, nameplate=NameplateCheck())
+    assert (
+        "The fit pulls at nothing the config states by more than 2 sigma." in rotor("diagnose", file, "-o", "e.json")[1]
+    )
 
 
 def test_held_out_and_quasi_static_are_passed_on(rotor: Run, asked: dict[str, Any], file: str) -> None:

@@ -11,14 +11,14 @@ from rotorrig.app.plot_data.curves import curves
 from rotorrig.app.plot_data.diagnosis_of_response import part_of
 from rotorrig.app.report.page import write_report
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
-from rotorrig.identify.identification import Identification
+from rotorrig.identify.identification import Identification, NameplateCheck
 from rotorrig.identify.verdict.cause import ParameterValue
 from rotorrig.identify.verdict.gain import Shift
 from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.errors import DataError
-from tests.app.conftest import make_cause, make_gain
+from tests.app.conftest import WRONG_CONFIG, make_cause, make_gain
 
 TRUTH = {"kxx": 34000.0, "kyy": 34100.0, "cxx": 14.8, "cyy": 15.0, "u": 1.61e-5, "phase": 0.70}
 
@@ -135,6 +135,37 @@ def test_a_poor_fit_nobody_diagnosed_is_still_called_poor(
     page = Page(path.read_text())
     assert page.first("h2").startswith("Poor fit")
     assert "10.1 times the noise" in page.said()  # sqrt(295000 / 2910)
+
+
+def test_a_fit_that_fails_its_test_is_called_poor_and_says_what_to_do(
+    path: Path, response: OrderTrackedResponse, identification: Identification
+) -> None:
+    fit = dataclasses.replace(identification.fits[0], p=1e-9, scatter_ratio=1.8, adequate=False)
+    write_report(path, response=response, identification=dataclasses.replace(identification, fits=(fit,)))
+    page = Page(path.read_text())
+    assert page.first("h2").startswith("Poor fit")
+    assert "Run rotor diagnose" in page.said()
+
+
+def test_what_of_the_config_is_wrong_has_its_section(
+    path: Path, response: OrderTrackedResponse, identification: Identification, good: Diagnosis
+) -> None:
+    cause = dataclasses.replace(make_cause("tilt, spring", "", chosen=True, evidence=20.0, after=1e-6), nameplate=True)
+    wrong = dataclasses.replace(good, verdict=Verdict.NAMED, causes=(cause,), nameplate=WRONG_CONFIG)
+    write_report(path, response=response, identification=identification, diagnosis=wrong)
+    page = Page(path.read_text())
+    assert page.first("h2").startswith("The config is wrong about this rig")
+    assert [words for _, words in page.words if words in ("481 mm", "483.10 ± 0.20 mm", "4.6 σ (positions)")]
+    assert "Bearing spring sits 2.10 ± 0.20 mm further" in page.said()
+
+
+def test_a_config_that_nothing_pulls_at_is_said_to_be_so(
+    path: Path, response: OrderTrackedResponse, identification: Identification, good: Diagnosis
+) -> None:
+    slight = NameplateCheck(pulls=(dataclasses.replace(WRONG_CONFIG.pulls[0], sigmas=0.4),))
+    right = dataclasses.replace(good, nameplate=slight)
+    write_report(path, response=response, identification=identification, diagnosis=right)
+    assert "pulls at nothing the config states" in Page(path.read_text()).said()
 
 
 def test_a_good_fit_nobody_diagnosed_is_not_called_good(

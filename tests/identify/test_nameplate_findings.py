@@ -1,0 +1,99 @@
+"""Rigs of the blind plant put together otherwise than their config says: what is found of it, and what is not."""
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.parts.blind.run import record
+from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
+from rotorrig.identify.fit import identify
+from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
+from rotorrig.processing.pipeline import track
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.config.description import RigConfig, parse
+from rotorrig.sims.effects.base import catalogue
+from rotorrig.sims.plant.truth import Geometry
+
+TRIED = {"delay", "skew_stiffness", "unbalance_plane", "probe_gain", "probe_angle"}
+TRUE = 2.5e-3  # m
+WITHIN = 1.96  # standard deviations: 95 %
+
+
+def with_prior(rig: RigConfig, position: str) -> RigConfig:
+    old = "[prior] "
+    assert old in rig.text
+    before, _, after = rig.text.partition(old)
+    head, _, keys = after.partition("\n")
+    return parse(f'{before}{old}{head}\nposition = "{position}"\n{keys}', where="careful rk4.toml")
+
+
+def swept(rig: RigConfig, geometry: Geometry) -> OrderTrackedResponse:
+    return track(record(rig, seed=7, geometry=geometry, unmodelled=False))
+
+
+def judged(response: OrderTrackedResponse) -> Diagnosis:
+    every = {effect.name for effect in catalogue(response.rig)}
+    return diagnose([response], without=every - TRIED)
+
+
+@pytest.fixture(scope="module")
+def off(hurried_rig: RigConfig) -> OrderTrackedResponse:
+    """The outer bracket sits elsewhere, on a rig whose positions are said to be known to 0.3 mm."""
+    return swept(with_prior(hurried_rig, "0.3 mm"), Geometry(probe_shifts=(0.0, 0.0, TRUE, TRUE)))
+
+
+@pytest.fixture(scope="module")
+def found(off: OrderTrackedResponse) -> Diagnosis:
+    return judged(off)
+
+
+def test_a_bracket_that_sits_elsewhere_is_named_with_where_it_is(found: Diagnosis) -> None:
+    assert found.verdict is Verdict.NAMED
+    assert found.sentence.startswith("The config is wrong here: probes 2x and 2y sit 2.")
+    assert "mm further from the coupling than the config says" in found.sentence
+    (cause,) = [cause for cause in found.causes if cause.chosen]
+    assert (cause.label, cause.nameplate) == ("probe_position, 2x", True)
+    assert abs(cause.theta["off"] - TRUE) < WITHIN * cause.sigmas["off"] < TRUE / 2
+
+
+def test_it_is_the_one_finding_and_its_group_the_most_pulled(found: Diagnosis) -> None:
+    (finding,) = found.nameplate.findings
+    assert finding.group == found.nameplate.pulls[0].group == "positions"
+    assert finding.sigmas > 4
+    assert finding.deviation.nameplate == pytest.approx(0.3805)
+
+
+def test_a_diagnosis_with_findings_comes_back_from_its_file(found: Diagnosis, tmp_path: Path) -> None:
+    write_diagnosis(tmp_path / "d.json", found)
+    back = read_diagnosis(tmp_path / "d.json")
+    assert back.nameplate == found.nameplate
+    assert back.causes[0].nameplate
+
+
+def test_an_identification_finds_it_too(off: OrderTrackedResponse, tmp_path: Path) -> None:
+    found = identify([off])
+    whole = found.fits[0]
+    assert whole.adequate
+    assert whole.p > 0.01
+    assert [finding.deviation.label for finding in whole.nameplate.findings] == ["probe_position, 2x"]
+    pulls = {nuisance.name: nuisance.pull for nuisance in whole.nuisances}
+    assert pulls["position probe 2x"] > 2 > abs(pulls["gain 1x"])
+    write_identification(tmp_path / "f.json", found)
+    back = read_identification(tmp_path / "f.json").fits[0]
+    assert (back.nameplate, back.p, back.adequate) == (whole.nameplate, whole.p, whole.adequate)
+
+
+def test_ordinary_deviations_are_no_finding(hurried_rig: RigConfig) -> None:
+    """Everything one standard deviation off, this way or that."""
+    ordinary = Geometry(
+        disk_shifts=(-1e-3,),
+        bearing_shifts=(1e-3, -1e-3, 1e-3),
+        probe_shifts=(1e-3, 1e-3, -1e-3, -1e-3),
+        diameter_factor=1.002,
+        hub_factors=(1.05,),
+        tilt_stiffnesses=(20.0, 20.0, 20.0),
+    )
+    found = judged(swept(hurried_rig, ordinary))
+    assert found.verdict is Verdict.ADEQUATE
+    assert found.nameplate.findings == ()
+    assert max(pull.sigmas for pull in found.nameplate.pulls) < 3
