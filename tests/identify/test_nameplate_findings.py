@@ -15,16 +15,16 @@ from rotorrig.sims.effects.base import catalogue
 from rotorrig.sims.plant.truth import Geometry
 
 TRIED = {"delay", "skew_stiffness", "unbalance_plane", "probe_gain", "probe_angle"}
-TRUE = 2.5e-3  # m
+DISK, BRACKET = 5e-3, -3.5e-3  # m
 WITHIN = 1.96  # standard deviations: 95 %
 
 
-def with_prior(rig: RigConfig, position: str) -> RigConfig:
+def with_priors(rig: RigConfig, *keys: str) -> RigConfig:
     old = "[prior] "
     assert old in rig.text
     before, _, after = rig.text.partition(old)
-    head, _, keys = after.partition("\n")
-    return parse(f'{before}{old}{head}\nposition = "{position}"\n{keys}', where="careful rk4.toml")
+    head, _, rest = after.partition("\n")
+    return parse("\n".join([f"{before}{old}{head}", *keys, rest]), where="careful rk4.toml")
 
 
 def swept(rig: RigConfig, geometry: Geometry) -> OrderTrackedResponse:
@@ -38,8 +38,8 @@ def judged(response: OrderTrackedResponse) -> Diagnosis:
 
 @pytest.fixture(scope="module")
 def off(hurried_rig: RigConfig) -> OrderTrackedResponse:
-    """The outer bracket sits elsewhere, on a rig whose positions are said to be known to 0.3 mm."""
-    return swept(with_prior(hurried_rig, "0.3 mm"), Geometry(probe_shifts=(0.0, 0.0, TRUE, TRUE)))
+    """The disk sits elsewhere, on a rig whose positions are said to be known to 0.3 mm."""
+    return swept(with_priors(hurried_rig, 'position = "0.3 mm"'), Geometry(disk_shifts=(DISK,)))
 
 
 @pytest.fixture(scope="module")
@@ -47,20 +47,38 @@ def found(off: OrderTrackedResponse) -> Diagnosis:
     return judged(off)
 
 
-def test_a_bracket_that_sits_elsewhere_is_named_with_where_it_is(found: Diagnosis) -> None:
-    assert found.verdict is Verdict.NAMED
-    assert found.sentence.startswith("The config is wrong here: probes 2x and 2y sit 2.")
+def test_a_disk_that_sits_elsewhere_is_named_with_where_it_is(found: Diagnosis) -> None:
+    assert found.sentence.startswith("The config is wrong here: the disk sits ")
     assert "mm further from the coupling than the config says" in found.sentence
     (cause,) = [cause for cause in found.causes if cause.chosen]
-    assert (cause.label, cause.nameplate) == ("probe_position, 2x", True)
-    assert abs(cause.theta["off"] - TRUE) < WITHIN * cause.sigmas["off"] < TRUE / 2
+    assert (cause.label, cause.nameplate) == ("disk_position, disk", True)
+    assert abs(cause.theta["off"] - DISK) < WITHIN * cause.sigmas["off"] < DISK
 
 
-def test_it_is_the_one_finding_and_its_group_the_most_pulled(found: Diagnosis) -> None:
+def test_it_is_the_one_finding_tied_with_what_else_would_explain_it(found: Diagnosis) -> None:
+    """A bearing nearer to the coupling lengthens the span as a disk further from it does."""
     (finding,) = found.nameplate.findings
     assert finding.group == found.nameplate.pulls[0].group == "positions"
     assert finding.sigmas > 4
-    assert finding.deviation.nameplate == pytest.approx(0.3805)
+    assert finding.deviation.nameplate == pytest.approx(0.2805)
+    instead = {"bearing_position, left A", "bearing_position, left B"}
+    assert {other.label for other in finding.alternatives} == instead
+    assert found.verdict is Verdict.TIED
+    ((first, *others),) = found.tied
+    assert (first, set(others)) == ("disk_position, disk", instead)
+    assert "; or bearing left B sits" in found.sentence
+
+
+def test_two_probes_in_a_bracket_move_together(hurried_rig: RigConfig) -> None:
+    """On a rig that is its model but for that, and says so."""
+    exact = with_priors(hurried_rig, 'position = "0.3 mm"', "model_error = 0", "repeatability = 0")
+    found = judged(swept(exact, Geometry(probe_shifts=(0.0, 0.0, BRACKET, BRACKET))))
+    assert found.verdict is Verdict.NAMED
+    assert found.sentence.startswith("The config is wrong here: probes 2x and 2y sit ")
+    assert "mm nearer to the coupling than the config says" in found.sentence
+    (cause,) = [cause for cause in found.causes if cause.chosen]
+    assert (cause.label, cause.nameplate) == ("probe_position, 2x", True)
+    assert abs(cause.theta["off"] - BRACKET) < WITHIN * cause.sigmas["off"] < abs(BRACKET) / 2
 
 
 def test_a_diagnosis_with_findings_comes_back_from_its_file(found: Diagnosis, tmp_path: Path) -> None:
@@ -75,9 +93,9 @@ def test_an_identification_finds_it_too(off: OrderTrackedResponse, tmp_path: Pat
     whole = found.fits[0]
     assert whole.adequate
     assert whole.p > 0.01
-    assert [finding.deviation.label for finding in whole.nameplate.findings] == ["probe_position, 2x"]
+    assert [finding.deviation.label for finding in whole.nameplate.findings] == ["disk_position, disk"]
     pulls = {nuisance.name: nuisance.pull for nuisance in whole.nuisances}
-    assert pulls["position probe 2x"] > 2 > abs(pulls["gain 1x"])
+    assert pulls["position disk disk"] > 3 > abs(pulls["gain 1x"])
     write_identification(tmp_path / "f.json", found)
     back = read_identification(tmp_path / "f.json").fits[0]
     assert (back.nameplate, back.p, back.adequate) == (whole.nameplate, whole.p, whole.adequate)

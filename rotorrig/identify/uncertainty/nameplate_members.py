@@ -137,7 +137,7 @@ def _positions(rig: RigConfig) -> Iterator[Member]:
     places += [("bearing", b.name, [b.name], b.position) for b in rig.bearings]
     places += [("probe", plane[0].name, [p.name for p in plane], plane[0].position) for plane in _planes(rig)]
     for kind, name, parts, position in places:
-        what = f"{kind}s {' and '.join(parts)}" if len(parts) > 1 else f"{kind} {name}"
+        what = f"{kind}s {' and '.join(parts)}" if len(parts) > 1 else _call(kind, name)
         yield Member(
             kind=f"{kind}_position",
             where=name,
@@ -169,10 +169,12 @@ def _hubs(rig: RigConfig) -> Iterator[Member]:
         yield Member(
             kind="hub",
             where=disk.name,
-            title=f"shaft under the hub of disk {disk.name}",
+            title=f"shaft under the hub of {_call('disk', disk.name)}",
             nuisances=(f"hub {disk.name}",),
             one_sided=True,
-            words=_comparing(f"under the hub of disk {disk.name} the shaft is as stiff as one", "thicker", "thinner"),
+            words=_comparing(
+                f"under the hub of {_call('disk', disk.name)} the shaft is as stiff as one", "thicker", "thinner"
+            ),
         )
 
 
@@ -218,6 +220,11 @@ def _keyphasor() -> Iterator[Member]:
         nameplate_unit="rad",
         words=_comparing("the keyphasor mark sits", "further in the sense of rotation", "further against rotation"),
     )
+
+
+def _call(kind: str, name: str) -> str:
+    """Return what a part is called: "disk 2", where its name is that of its kind "the disk"."""
+    return f"the {kind}" if name == kind else name if name.startswith(f"{kind} ") else f"{kind} {name}"
 
 
 def _comparing(begin: str, more: str, less: str) -> Callable[[str], str]:

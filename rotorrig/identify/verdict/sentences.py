@@ -34,7 +34,7 @@ def sentence(
         return (
             f"The model is NOT adequate: {_figures(before)}. {_worst(before)} {_attempt(after, causes, predictions)}."
         )
-    words = "; ".join(cause.words for cause in causes if cause.chosen and not cause.nameplate)
+    words = "; ".join(cause.words for cause in causes if cause.chosen)
     bought = (
         f"With that the error on data no fit saw ({predictions.on}) goes from {micrometres(predictions.before.error)} "
         f"to {micrometres(predictions.after.error)} um, {predictions.after.over_floor:.1f} times the noise floor."
