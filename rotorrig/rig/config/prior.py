@@ -19,7 +19,7 @@ Share = Annotated[float, BeforeValidator(read_share), Field(gt=0, le=1)]
 
 
 class Prior(Part):
-    """Uncertainty of the nameplate, one standard deviation each: nuisances of every fit, never reported as causes.
+    """Uncertainty of the nameplate, one standard deviation each: nuisances of every fit, no causes within that.
 
     What is relative is a number or text in per cent: 0.002 or "0.2 %".
     """
