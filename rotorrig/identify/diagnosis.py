@@ -180,14 +180,15 @@ def _assemble(
 ) -> Diagnosis:
     adequacy, selection = base.adequacy, found.selection
     check = check_nameplate(extended.polished, extended.problem)
-    named = found.named(check)
+    pulled = found.pulled_far(check)
+    named = () if verdict is Verdict.UNEXPLAINED else pulled  # what is not explained may pull at it
     ties, of_nameplate = effect_ties(found), nameplate_ties(found, named)
     causes = rank_causes(selection, predictions.by_label)
     source = responses[0].source
     was_extended = selection.problem.effects != base.problem.effects
     verdict = conclude_with_nameplate(verdict, (), ties)
     concluded = sentences.sentence(verdict, found.start.adequacy, extended.adequacy, causes, ties, predictions)
-    concluded = sentences.with_nameplate(concluded, verdict, extended.adequacy, named, of_nameplate)
+    concluded = sentences.with_nameplate(concluded, verdict, extended.adequacy, pulled, of_nameplate)
     return Diagnosis(
         verdict=conclude_with_nameplate(verdict, named, of_nameplate),
         sentence=f"{concluded} {sentences.centreline(adequacy)}".rstrip(),

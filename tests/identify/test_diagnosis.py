@@ -261,7 +261,8 @@ def test_a_rig_without_an_identify_table_is_refused(late: OrderTrackedResponse) 
 def test_no_cause_to_try_leaves_the_verdict_on_the_base(late: OrderTrackedResponse) -> None:
     found = judged(late, tried=())
     assert found.verdict is Verdict.UNEXPLAINED
-    assert found.causes == ()
+    assert all(cause.nameplate and not cause.chosen for cause in found.causes)
+    assert found.tied == ()
 
 
 def test_a_slow_roll_that_was_not_measured_is_done_without(healthy: OrderTrackedResponse) -> None:

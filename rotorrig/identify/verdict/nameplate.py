@@ -37,8 +37,8 @@ class NameplateSelection:
         """Nuisances with wider priors."""
         return self.start.problem.model.widened
 
-    def named(self, check: NameplateCheck) -> tuple[NameplateFinding, ...]:
-        """Return the findings of the final model that have to be named: pulled far, or better than any effect."""
+    def pulled_far(self, check: NameplateCheck) -> tuple[NameplateFinding, ...]:
+        """Return the findings of the final model that have to be told: pulled far, or better than any effect."""
         return tuple(
             finding
             for finding in check.findings
@@ -62,6 +62,8 @@ def select_beside_nameplate(base: AssessedFit, known: Sequence[Effect], progress
         return NameplateSelection(start=base, selection=selection, instead=instead)
     rivals = tuple(c for c in able if deviations[0].evidence - c.evidence < VERDICT.nameable)
     start = _with_wider_prior(base, deviations[0])
+    if not able and not start.adequacy.adequate:
+        return NameplateSelection(start=base, selection=selection)  # that explains it as little
     return NameplateSelection(start=start, selection=search(start), rivals=rivals)
 
 

@@ -66,17 +66,18 @@ def with_nameplate(
     concluded: str,
     verdict: Verdict,
     after: Adequacy,
-    named: Sequence[NameplateFinding],
+    pulled: Sequence[NameplateFinding],
     tied: Sequence[Sequence[str]],
 ) -> str:
     """Say what of the config is wrong, with the conclusion on effects; `tied` are the sets of `nameplate_ties`."""
-    if not named:
+    if not pulled:
         return concluded
-    told = "; ".join(_with_rivals(finding, tied) for finding in named)
+    if verdict is Verdict.UNEXPLAINED:
+        told = "; ".join(finding.deviation.words for finding in pulled)
+        return f"{concluded} The fit pulls at the config as well, perhaps for that same unknown reason: {told}."
+    told = "; ".join(_with_rivals(finding, tied) for finding in pulled)
     if verdict in (Verdict.ADEQUATE, Verdict.CANNOT_TELL):
         return f"The config is wrong here: {told}. With that the model is adequate: {_figures(after)}."
-    if verdict is Verdict.UNEXPLAINED:
-        return f"{concluded} The fit pulls at the config as well, perhaps for that same unknown reason: {told}."
     return f"{concluded} The config is wrong as well: {told}."
 
 

@@ -60,7 +60,7 @@ def test_named_is_what_is_pulled_beyond_four_or_explains_more_than_any_effect(
     sigmas: float, widened: tuple[str, ...], named: bool
 ) -> None:
     check = NameplateCheck(findings=(finding(sigmas),))
-    assert (selected(widened=widened).named(check) == check.findings) is named
+    assert (selected(widened=widened).pulled_far(check) == check.findings) is named
 
 
 @pytest.mark.parametrize(
