@@ -62,8 +62,8 @@ def select_beside_nameplate(base: AssessedFit, known: Sequence[Effect], progress
         return NameplateSelection(start=base, selection=selection, instead=instead)
     rivals = tuple(c for c in able if deviations[0].evidence - c.evidence < VERDICT.nameable)
     start = _with_wider_prior(base, deviations[0])
-    if not able and not start.adequacy.adequate:
-        return NameplateSelection(start=base, selection=selection)  # that explains it as little
+    if not start.adequacy.adequate:
+        return NameplateSelection(start=base, selection=selection)  # something else pulls at it
     return NameplateSelection(start=start, selection=search(start), rivals=rivals)
 
 
