@@ -26,7 +26,8 @@ from benchmarks.parts.blind.measured import measure, measured
 from benchmarks.parts.blind.names import Answer, answer
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes import candidates
-from rotorrig.identify.causes.score_test import Score, curved_scores, scores
+from rotorrig.identify.causes.nameplate_search import search_from_nameplate
+from rotorrig.identify.causes.score_test import Score, scores
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording, nuisance_effects
 from rotorrig.identify.verdict import VERDICT
 from rotorrig.identify.verdict.separability import fit_from_starts, separability
@@ -93,10 +94,10 @@ def lam(
     effect = problem.effects[-1]
     rivals = [e for e in candidates(recordings) if e.label not in hidden.labels and is_another_cause(e, effect)]
     nearest, which = enough, ""
-    for scored in (scores, curved_scores):
+    for search in (lambda: scores(base, best.p, rivals), lambda: search_from_nameplate(base, best, rivals)):
         if nearest < VERDICT.nameable:
             break
-        for effect in _promising(scored(base, best.p, rivals), left, enough=enough, bent=problem.curved):
+        for effect in _promising(search(), left, enough=enough, bent=problem.curved):
             found = _to(problem, p, effect, enough=nearest)
             if found < nearest:
                 nearest, which = found, effect.label

@@ -140,12 +140,13 @@ def _line_hum(rig: RigConfig, truth: Truth, values: Values) -> Answer:
 
 
 def _pedestal(rig: RigConfig, truth: Truth, values: Values) -> Answer:
-    """Name the pedestal along x; across it has no resonance within the sweep and is part of the bearing."""
+    """Name the pedestal along x; across it has no resonance within the sweep."""
     omega = math.tau * values["frequency"]
     theta = {
         "lightness": values["compliance"] * omega**2,
         "omega": omega,
         "damping ratio": values["damping_ratio"],
+        "compliance across": values["aspect"],
     }
     return _one("pedestal, x", theta, same=("omega",), disturbed=("kyy", "cyy"))  # it rocks, too
 

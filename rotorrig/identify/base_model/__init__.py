@@ -2,7 +2,7 @@
 
 from rotorrig.identify.base_model.black_box import SearchName
 from rotorrig.identify.base_model.global_search import SearchResult, search
-from rotorrig.identify.base_model.objectives import ObjectiveName
+from rotorrig.identify.base_model.objectives import ObjectiveName, thin_rows
 from rotorrig.identify.base_model.parameters import Parameters, Reals
 from rotorrig.identify.base_model.settings import BASE_MODEL, BaseModelSettings
 from rotorrig.identify.base_model.structure import StructuralModel
@@ -20,4 +20,5 @@ __all__ = [
     "StructuralModel",
     "Unknown",
     "search",
+    "thin_rows",
 ]

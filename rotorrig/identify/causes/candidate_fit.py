@@ -10,11 +10,10 @@ import numpy as np
 
 from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.causes.pinned_nuisances import nuisances_biased
 from rotorrig.identify.causes.score_test import Score, relocate
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.identify.least_squares import Solution, Stop, Worth
+from rotorrig.identify.least_squares import Solution, Stop, Worth, always
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect, magnitudes
 
@@ -51,13 +50,14 @@ def plausible(candidate: Candidate) -> bool:
 def fit_candidate(
     problem: ExtendedProblem, polished: Solution, plain: Solution | None, score: Score, *, leader: float
 ) -> Candidate | None:
-    """Fit the effect of a score beside those of `problem`, fitted as `polished`; None where it has no solution.
+    """Fit the effect of a score beside those of `problem`, fitted as `polished`; None if there is none.
 
     `plain` is the fit with the nuisances at their priors, where an unmodelled cause has biased them: from there a
     fit returns only slowly, as every other unknown has to move along; so the candidate is started from `plain`.
 
     It is given up once it could not come near `leader`, the evidence of the best so far, with twice the fall of chi2
-    that a full step promises, or ten times under a force law, which bends more.
+    that a full step promises, or ten times under a force law, which bends more; and not begun where ten times its score
+    could not.
     """
     cost = price(problem, score.effect)
     hoped = SELECTION.promised_by_law if score.effect.needs_starts else SELECTION.promised
@@ -65,6 +65,8 @@ def fit_candidate(
     def worth(chi2: float, promise: float) -> bool:
         return polished.chi2 - chi2 + hoped * promise - cost > leader - SELECTION.near
 
+    if not SELECTION.promised_by_law * score.lam - cost > leader - SELECTION.near:
+        return None
     larger = problem.extended((*problem.effects, score.effect))
     try:
         best = _fit_first(larger, polished, plain, score, worth=worth)
@@ -138,28 +140,15 @@ def _fit_first(
 
 
 def _refine(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Solution:
-    """Fit from `start`; a force law first with pinned nuisances where they are biased."""
+    """Fit from `start` as long as it is worth it."""
+    steps = SELECTION.steps_of_law if problem.curved else SELECTION.steps
     start = np.clip(start, *problem.bounds)
-    if not problem.curved:
-        return problem.solve(start, tolerance=SELECTION.settled, max_steps=SELECTION.steps, worth=worth)
-    if nuisances_biased(problem, start):
-        near = problem.solve(
-            start,
-            fixed=problem.parameters.pinned,
-            tolerance=SELECTION.pinned_settled,
-            max_steps=SELECTION.steps,
-            worth=worth,
-        )
-        if near.stop is Stop.GIVEN_UP:
-            return near
-        start = near.p
-    return problem.solve(start, tolerance=SELECTION.settled, max_steps=SELECTION.steps_of_law, worth=worth)
+    return problem.solve(start, tolerance=SELECTION.settled, max_steps=steps, worth=worth)
 
 
 def refit(problem: ExtendedProblem, start: Reals) -> Solution:
     """Fit to convergence from a start close to the minimum."""
-    steps = SELECTION.steps_of_law if problem.curved else SELECTION.steps
-    return problem.solve(start, tolerance=SELECTION.settled, max_steps=steps)
+    return _refine(problem, start, worth=always)
 
 
 def better_guess(problem: ExtendedProblem, fit: Solution) -> Reals | None:

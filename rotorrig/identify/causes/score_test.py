@@ -5,7 +5,7 @@ can absorb. One linearisation for all, at the fit of the model so far.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from rotorrig.identify.causes.locate import best_place
 from rotorrig.identify.causes.score_jacobian import score_columns
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect
 
 
@@ -33,7 +32,7 @@ def scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> 
     """Return the scores of `candidates` beside the effects `problem` has, at its fit `p`; best first.
 
     One with a grid, or with several initial guesses, stands where its score is best. Those that have no first order, as
-    a clearance, are left to `curved_scores`.
+    a clearance, are left to nameplate_search.py.
     """
     Q, r = _projection(problem, p)
     able = [effect for effect in candidates if not effect.needs_starts]
@@ -47,14 +46,6 @@ def scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> 
 def relocate(problem: ExtendedProblem, p: Reals, effect: Effect) -> Effect:
     """Return a grid-searched effect placed where its score is best beside the effects `problem` has, at `p`."""
     return _place(problem, p, effect, *_projection(problem, p))
-
-
-def curved_scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> list[Score]:
-    """Return the scores of the others: by the whole change at 1X at the best of their starts."""
-    Q, r = _projection(problem, p)
-    at = problem.residual(p, orders=(1,))
-    curved = [_curved_score(problem, p, effect, Q, r, at) for effect in candidates if effect.needs_starts]
-    return sorted(curved, key=lambda score: -score.lam)
 
 
 def _scores(problem: ExtendedProblem, p: Reals, able: Sequence[Effect], Q: Reals, r: Reals) -> list[Score]:
@@ -76,31 +67,6 @@ def _projection(problem: ExtendedProblem, p: Reals) -> tuple[Reals, Reals]:
     r = problem.residual(p)
     Q = np.linalg.qr(_normalise(problem.jacobian(p)))[0]
     return Q, r - Q @ (Q.T @ r)
-
-
-def _curved_score(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Reals, at: Reals) -> Score:
-    """Score an effect by the whole change that each of its starts makes, as much of it as suits the residual best."""
-    larger = problem.extended((*problem.effects, effect))
-    own = larger.parameters.own
-    best = Score(effect=effect, lam=0.0, step=np.zeros(len(effect.parameters)), visible=0.0)
-    for k in range(max(len(q.starts) for q in effect.parameters)):
-        begun = np.concatenate([p, np.zeros(len(effect.parameters))])
-        values = [q.starts[min(k, len(q.starts) - 1)] if q.starts else q.at_zero for q in effect.parameters]
-        begun[own.stop - len(effect.parameters) :] = np.array(values) / [q.size for q in effect.parameters]
-        try:
-            change = larger.residual(begun, orders=(1,)) - at
-        except DataError:
-            continue
-        change = np.where(np.isfinite(change), change, 0.0)
-        left = change - Q @ (Q.T @ change)
-        size = float(left @ left)
-        if size <= SELECTION.beyond_base**2 * float(change @ change) or size == 0:
-            continue
-        share = -float(left @ r) / size
-        lam = share**2 * size if share > 0 else 0.0
-        if lam >= best.lam:
-            best = replace(best, lam=lam, visible=size, begin=begun)
-    return best
 
 
 def _beyond(columns: Reals, Q: Reals) -> Reals:

@@ -1,7 +1,7 @@
 """One step of forward selection: score all candidates beside those a model has, and fit the promising ones.
 
-What scores high is fitted, one by one. Force laws have no score of the first order: they are tried by their starts, and
-where an unmodelled cause has biased the base, only if nothing else explains it, or first if nothing else promises to.
+What scores high is fitted, one by one. Force laws and pedestals have no score of the first order: they are searched
+from the nameplate, and where an unmodelled cause has biased the base, only if nothing else explains it or promises to.
 """
 
 from collections.abc import Callable, Sequence
@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotorrig.identify.causes.candidate_fit import Candidate, fit_candidate, plausible
-from rotorrig.identify.causes.force_law_starts import score_force_laws
+from rotorrig.identify.causes.nameplate_search import search_from_nameplate
 from rotorrig.identify.causes.pinned_nuisances import fit_with_pinned_nuisances, nuisances_biased
-from rotorrig.identify.causes.score_test import Score, curved_scores, scores
+from rotorrig.identify.causes.score_test import Score, scores
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution
@@ -46,19 +46,15 @@ def try_candidates(
     scored = scores(problem, polished.p, candidates)
     excess = _excess(problem, polished)
     plain = fit_with_pinned_nuisances(problem, polished.p) if nuisances_biased(problem, polished.p) else None
-    laws: list[Score] = []
-    later = False  # whether force laws wait for the others
-    if first and wrong and excess > 0 and plain:
-        later = bool(scored) and excess - scored[0].lam < SELECTION.reached * excess
-        laws = [] if later else score_force_laws(problem, polished, plain, candidates)
-    elif first and (wrong or (scored and scored[0].lam > SELECTION.detected)):
-        laws = curved_scores(problem, polished.p, candidates)
+    searched = first and (wrong or (bool(scored) and scored[0].lam > SELECTION.detected))
+    later = bool(scored) and plain is not None and excess - scored[0].lam < SELECTION.reached * excess
+    laws = search_from_nameplate(problem, polished, candidates) if searched and not later else []
     promising = _promising(sorted((*scored, *laws), key=lambda s: -s.lam))
     progress(0.3)
     tried = _fit_all(problem, polished, plain, promising, (), progress=lambda share: progress(0.3 + 0.5 * share))
-    if first and not any(_explains(candidate, excess) for candidate in tried):
-        laws = score_force_laws(problem, polished, plain, candidates) if later and plain else laws
-        late = _unpromising(laws, promising)
+    if searched and not any(_explains(candidate, excess) for candidate in tried):
+        laws = search_from_nameplate(problem, polished, candidates) if later else laws
+        late = [s for s in _promising(laws if later else scored) if s not in promising]
         tried = _fit_all(problem, polished, plain, late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
     progress(1.0)
     ranked = sorted(tried, key=lambda c: (not plausible(c), -c.evidence))
@@ -98,20 +94,6 @@ def _keep_better(tried: list[Candidate], candidate: Candidate) -> None:
         tried[:] = [*(c for c in tried if c.effect.label != label), candidate]
 
 
-def _unpromising(scored: Sequence[Score], promising: Sequence[Score]) -> list[Score]:
-    """Return the best of every kind of force law that is not among the promising ones.
-
-    Its score is a guess by the starts it has, about a base that the law has biased: where nothing else explains the
-    residual, it is fitted all the same.
-    """
-    best: dict[str, Score] = {}
-    taken = {s.effect.name for s in promising}
-    for s in scored:
-        if s.begin is not None and s.effect.name not in taken:
-            best.setdefault(s.effect.name, s)
-    return list(best.values())[: SELECTION.fitted_laws]
-
-
 def _explains(candidate: Candidate, excess: float) -> bool:
     """Say whether with the candidate next to nothing is left of the `excess` of chi2 at 1X."""
     left = SELECTION.left_by_law * excess if candidate.effect.needs_starts else 0.0
@@ -124,16 +106,16 @@ def _promising(scored: Sequence[Score]) -> list[Score]:
     Unless a force law leads, those that score nearly alike come by the number of their unknowns: few of them are soon
     fitted, and then the long fits of the others can be given up.
     """
-    high = [s for s in scored if s.lam > max(SELECTION.detected / 2, SELECTION.promising * scored[0].lam)]
+    if not scored:
+        return []
+    law = SELECTION.rival_search * max((s.lam for s in scored if s.begin is not None), default=0.0)
+    least = max(SELECTION.detected / 2, SELECTION.promising * scored[0].lam)
+    high = [s for s in scored if s.lam > (least if s.begin is None else max(least, law))]
     kinds: dict[str, int] = {}
-    kept, curved = [], 0
+    kept = []
     for s in high:
         kinds[s.effect.name] = kinds.get(s.effect.name, 0) + 1
-        curved += s.begin is not None
-        best_kind = s.effect.name == high[0].effect.name and s.begin is None
-        if kinds[s.effect.name] <= (SELECTION.of_best if best_kind else 1) and (
-            s.begin is None or curved <= SELECTION.fitted_laws
-        ):
+        if kinds[s.effect.name] <= (SELECTION.of_best if s.effect.name == high[0].effect.name else 1):
             kept.append(s)
     kept = kept[: SELECTION.fitted]
     if not kept or kept[0].begin is not None:

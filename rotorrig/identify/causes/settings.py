@@ -17,7 +17,6 @@ class SelectionSettings:
 
     # which candidates are fitted, by their scores
     fitted: int = 8  # for every cause taken up: each costs a fit of all recordings
-    fitted_laws: int = 4  # effects without a first order, and only as the first cause: their fits take longest
     of_best: int = 3  # of one kind, at other places, if it scores best
     promising: float = 0.05  # of the best score: a candidate below is not fitted
     rival: float = 0.5  # of the best score: those above come by the number of their unknowns
@@ -45,10 +44,13 @@ class SelectionSettings:
     pinned_settled: float = 1.0  # of chi2
     biased: float = 4.0  # sigmas of a prior: a nuisance further off is biased by a cause the model lacks
 
-    # initial guesses of force laws
-    weak: tuple[float, ...] = (0.03, 0.2, 1.0)  # of the strength of every start: weak ones bias the base least
-    behind: float = 0.5  # of what the best law has taken from chi2: one that cannot take that much is given up
-    hoped: float = 3.0  # times what a full step promises is what it may take in all
+    # search from the nameplate
+    searched_rows: int = 80  # of the first recording, up and down: 80 rpm apart either way on the RK4
+    searched_steps: int = 25  # of a descent
+    searched_within: float = 1e-3  # of chi2: where a descent ends
+    hoped: float = 3.0  # times what a full step promises is what a descent may take in all
+    descents: int = 6  # of every effect, from the best of its clusters
+    rival_search: float = 0.5  # of the best of their scores: an effect below is not fitted to all recordings
 
     # grid search for a location
     moments: int = 16  # of a recording that are tried first for what may happen at any of them

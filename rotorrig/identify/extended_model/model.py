@@ -138,7 +138,7 @@ class ExtendedModel:
         """Return the parameters in which everything is linear."""
         names = self.parameters
         found = [np.arange(part.start, part.stop) for part in (*names.runouts.values(), names.hums)]
-        if not any(effect.force_laws(self._structure.nominal, effect.at_zero) for effect in self.effects):
+        if not any("force laws" in effect.acts_on for effect in self.effects):
             found.append(np.arange(names.base.unbalance.start, names.base.unbalance.stop))
             found += [
                 np.arange(part.start, part.stop)
@@ -203,7 +203,7 @@ class ExtendedModel:
     def _directed(self, p: Reals, model: RotorModel, which: Index) -> list[Direction]:
         base = self.parameters.base
         values, by = base.structure(p[: len(base)]), base.structure_derivatives(p[: len(base)])
-        plain = not any("matrices" in e.acts_on and not e.is_nuisance for e in self.effects)
+        plain = not any("matrices" in e.acts_on and e.scales_base and not e.is_nuisance for e in self.effects)
         found = []
         for i in which:
             if i < base.structural.stop and plain:

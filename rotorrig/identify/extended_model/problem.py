@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from rotorrig.identify.base_model import BASE_MODEL, Reals
+from rotorrig.identify.base_model import BASE_MODEL, Reals, thin_rows
 from rotorrig.identify.extended_model.jacobian import columns
 from rotorrig.identify.extended_model.model import Complex, ExtendedModel
 from rotorrig.identify.extended_model.settings import ORDERS
@@ -59,6 +59,21 @@ class ExtendedProblem:
         """Return the same problem with wider priors of these nuisances."""
         return ExtendedProblem(self.model.with_wider_priors(nuisances))
 
+    def thinned(self, p: Reals, *, count: int) -> tuple["ExtendedProblem", Index]:
+        """Return the problem of `count` rows of the first recording, at 1X, and where in `p` its unknowns stand.
+
+        The speed of each row is taken as steady: what its change does is that of the model at `p`.
+        """
+        whole = self.recordings[0]
+        kept = thin_rows(np.arange(len(whole.rows)), count)
+        problem = self.on([whole.thinned(kept)])
+        index = np.array([self.parameters.names.index(name) for name in problem.parameters.names])
+        (moving,) = self.on([whole]).model.predict(p, orders=(1,))
+        (steady,) = problem.model.predict(p[index])
+        thin = problem.recordings[0]
+        z = thin.measured[1].z - (moving[1][np.append(kept, len(whole.rows))] - steady[1])
+        return problem.on([thin.instead({1: z})]), index
+
     def extended(self, effects: Sequence[Effect]) -> "ExtendedProblem":
         """Return the problem of the same recordings with these effects instead."""
         return ExtendedProblem(self.model.extended(effects))
@@ -70,7 +85,7 @@ class ExtendedProblem:
 
     @property
     def curved(self) -> bool:
-        """Whether an effect has no first order and is begun at its starts: its fits are slow."""
+        """Whether an effect has no first order and is begun at its starts."""
         return any(effect.needs_starts for effect in self.effects)
 
     @property

@@ -102,6 +102,21 @@ class Recording:
         kept = np.concatenate([rows, rows.any(axis=0, keepdims=True)])
         return self._with({n: m.only(kept) for n, m in self.measured.items()})
 
+    def thinned(self, kept: NDArray[np.intp]) -> "Recording":
+        """Return the same recording with the rows of these numbers alone, at 1X, their speed taken as steady.
+
+        The model's own error is that of one which predicts the vectors as measured.
+        """
+        other, rows = copy.copy(self), np.append(kept, len(self.rows))
+        other.orders, other.rows, other._omega = (1,), self.rows[kept], self._omega[kept]
+        other._tracked, other._reversed = None, []
+        first = self.measured[1].at(kept)
+        other.measured = {1: first.expecting_error(first.z, self.response)}
+        other.trial = {plane: amounts[rows] for plane, amounts in self.trial.items()}
+        other.hum = {1: self.hum[1][rows]}
+        other._views = {1: replace(other._view(1), slow_roll=self._views[1].slow_roll)}
+        return other
+
     def first_order(self) -> "Recording":
         """Return the same recording with nothing usable above 1X."""
         return self._with({n: m.only(np.array([[n == 1]])) for n, m in self.measured.items()})

@@ -144,8 +144,10 @@ class _Free:
         return Point(part, r, partial(self._jacobian, part))
 
     def __call__(self, part: Reals) -> Point:
-        """Return a point; a step too far, to where the model has no motion, costs infinitely."""
+        """Return a point; a step too far, to where the model has no motion or to no number, costs infinitely."""
         try:
+            if not np.isfinite(part).all():
+                raise DataError(f"parameters are {part}, want finite ones")
             r = self._problem.residual(self.full(part))
         except DataError:
             r = np.full(self._figures, np.inf)

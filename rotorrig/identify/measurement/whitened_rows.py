@@ -84,6 +84,12 @@ class Measurement:
         """Return the same with nothing usable but what is so in `usable` too, (row + 1, probe) or (row + 1, 1)."""
         return self._with(usable=self.usable & usable)
 
+    def at(self, kept: NDArray[np.intp]) -> "Measurement":
+        """Return the same of some of the rows and of the slow roll, for a model without an error of its own."""
+        rows = np.append(kept, len(self.rows))
+        own = {"z": self.z[rows], "sigma": self.sigma[rows], "whiten": self.whiten[rows], "usable": self.usable[rows]}
+        return self._with(rows=self.rows[kept], error=None, **own)
+
     def expecting_error(self, model: NDArray[np.complex128], response: OrderTrackedResponse) -> "Measurement":
         """Return the same with the error of a model that predicts `model` (row + 1, probe) [m], as stated, at 1X.
 

@@ -5,8 +5,9 @@ i, weighted by the noise of the data at hand. With noise, chi2 of j exceeds that
 difference of 16 is one of four standard deviations. Nothing here looks at what was measured.
 """
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -38,9 +39,9 @@ def separability(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect], *, e
 def fit_from_starts(problem: ExtendedProblem, base: Reals, *, worth: Worth = always) -> Solution:
     """Fit a problem from a vector of base parameters, its effects from each of their starts; return the best.
 
-    A start is where the parameters of an effect that name several begin, all the first, all the second.. together;
-    one at which there is no motion is passed over. The fit is given up where `worth` says so, as least_squares.solve
-    has it. Raises DataError if there is no motion at any start.
+    Effects that need starts begin at the best combination of them; one at which there is no motion is passed over. The
+    fit is given up where `worth` says so, as least_squares.solve has it. Raises DataError if there is no motion
+    at any start.
     """
     start = problem.parameters.start(base)
     with np.errstate(over="ignore", invalid="ignore"):  # steps that go too far, and are taken back
@@ -50,29 +51,32 @@ def fit_from_starts(problem: ExtendedProblem, base: Reals, *, worth: Worth = alw
 
 
 def _best_start(problem: ExtendedProblem, start: Reals) -> Reals:
-    """Return the start that misses the recordings least."""
-    starts: list[tuple[float, Reals]] = []
-    failed: DataError | None = None
-    for k in range(_starts(problem)):
-        try:
-            p = _start_at(problem, start, k)
-            starts.append((float(np.sum(problem.residual(p) ** 2)), p))
-        except DataError as error:
-            failed = error
-    if failed is not None and not starts:
-        raise failed
-    return min(starts, key=lambda each: each[0])[1]
+    """Return the start that misses the recordings least, under force laws of the few that miss some rows least."""
+    if not problem.curved:
+        return problem.solve_linear(start, np.arange(len(start)))
+    starts = list(_starts(problem, start))
+    if any("force laws" in effect.acts_on for effect in problem.effects):
+        thin, index = problem.thinned(start, count=VERDICT.separated_rows)
+        missed = np.array([_missed(thin, p[index])[0] for p in starts])
+        starts = [starts[i] for i in np.argsort(missed)[: VERDICT.separated_starts]]
+    chi2, best = min((_missed(problem, p) for p in starts), key=lambda each: each[0])
+    if math.isinf(chi2):
+        raise DataError(f"{problem.effects[-1].label}: at none of its starts a motion is found, want one")
+    return best
 
 
-def _starts(problem: ExtendedProblem) -> int:
-    return max((len(q.starts) for effect in problem.effects for q in effect.parameters), default=0) or 1
+def _starts(problem: ExtendedProblem, start: Reals) -> Iterator[Reals]:
+    """Yield `start` with the effects at every combination of their starts."""
+    for begins in itertools.product(*(effect.starts for effect in problem.effects)):
+        p, values = start.copy(), zip(problem.effects, begins, strict=True)
+        p[problem.parameters.own] = [theta[q.name] / q.size for effect, theta in values for q in effect.parameters]
+        yield p
 
 
-def _start_at(problem: ExtendedProblem, start: Reals, k: int) -> Reals:
-    """Return `start` with every unknown that names starts at its k-th, the linear ones at their best."""
-    p = start.copy()
-    own = [q for effect in problem.effects for q in effect.parameters]
-    for i, q in zip(range(problem.parameters.own.start, len(p)), own, strict=True):
-        if q.starts:
-            p[i] = q.starts[min(k, len(q.starts) - 1)] / q.size
-    return problem.solve_linear(p, np.arange(len(p)))
+def _missed(problem: ExtendedProblem, p: Reals) -> tuple[float, Reals]:
+    """Return chi2 at `p` with the linear unknowns at their best, and these; infinite where there is no motion."""
+    try:
+        p = problem.solve_linear(p, np.arange(len(p)))
+        return float(np.sum(problem.residual(p) ** 2)), p
+    except DataError:
+        return math.inf, p

@@ -13,6 +13,8 @@ class VerdictSettings:
     hoped: float = 2.0  # times what a full step promises: a fit that would not get there even so is given up
     hoped_of_laws: float = 10.0  # the same under force laws, which bend more
     separated_within: float = 0.3  # of chi2, where a fit by a rival ends
+    separated_rows: int = 60  # of the first recording, on which its start is chosen
+    separated_starts: int = 6  # the best of which are looked at in all rows
     separated_steps: int = 10  # of such a fit
 
     # conclusions

@@ -15,6 +15,7 @@ its `at_zero`, an effect changes nothing. Angles are from the keyphasor mark in 
 """
 
 import importlib
+import itertools
 import math
 import pkgutil
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -45,8 +46,7 @@ EVERY = (1, 2, 3)  # the orders that a change of matrices or of a probe may show
 class Parameter:
     """One unknown of an effect, SI.
 
-    Where several parameters of an effect have starts, their first ones go together, their second ones, and so on; the
-    last of a shorter list stands for the rest.
+    Where several parameters of an effect have starts, each of one goes with each of the others.
     """
 
     name: str  # "bow re"; pairs "re", "im" are one phasor
@@ -55,7 +55,7 @@ class Parameter:
     high: float
     size: float  # typical of an RK4 rotor kit: the unit a fit counts in
     at_zero: float = 0.0  # its value at zero amplitude of the effect
-    starts: tuple[float, ...] = ()  # where a fit begins, one after the other; empty: at zero amplitude
+    starts: tuple[float, ...] = ()  # where a fit may begin; empty: at zero amplitude
     prior: float = math.inf  # one standard deviation, of a nuisance of the base; infinite: of a candidate cause
     order: int = 0  # the one order of the vectors it changes; 0: all those of its effect
     grid_searched: bool = False  # no fit moves it: a grid search finds its value, and it stays at `at_zero`
@@ -89,6 +89,7 @@ class Effect:
     title: ClassVar[str]  # "residual shaft bow"
     orders: ClassVar[tuple[int, ...]] = (1,)  # of the vectors it may change
     linear: ClassVar[bool] = False  # what it adds to a fixed rotor is linear in the parameters, but grid-searched ones
+    scales_base: ClassVar[bool] = True  # its matrices are by what the base's are by: a share of a bearing, say
     per_recording: ClassVar[bool] = False  # its unknowns are others in every recording
     acts_on: ClassVar[frozenset[Target]] = frozenset()  # by the methods that its class overrides
     where: str = ""  # "plane 1", "probe 2y", "at 381 mm"; empty where there is one place only
@@ -117,6 +118,12 @@ class Effect:
     def needs_starts(self) -> bool:
         """True where the first order vanishes at zero amplitude: a fit begins at the starts of its parameters."""
         return any(p.starts for p in self.parameters)
+
+    @property
+    def starts(self) -> tuple[Theta, ...]:
+        """Every combination of the starts of its parameters."""
+        values = itertools.product(*(p.starts or (p.at_zero,) for p in self.parameters))
+        return tuple(dict(zip(self.at_zero, each, strict=True)) for each in values)
 
     @property
     def is_nuisance(self) -> bool:

@@ -18,6 +18,8 @@ from rotorrig.sims.effects.shaft_motion import at_rest
 from rotorrig.sims.rotor.model import RotorModel
 from rotorrig.sims.rotor.nonlinear import ForceLaw
 
+GAPS = tuple(map(float, np.geomspace(0.5e-6, 80e-6, 16)))  # m: 40 % apart
+
 
 @dataclass(frozen=True, kw_only=True)
 class Clearance(Effect):
@@ -59,7 +61,7 @@ def loose(x: float, y: float, vx: float, vy: float, constants: NDArray[np.float6
 
 def effects(rig: RigConfig) -> tuple[Clearance, ...]:
     """Return one for every group of bearings sought."""
-    unknown = (Parameter(name="gap", unit="m", low=0.0, high=100e-6, size=10e-6, starts=(5e-6, 20e-6)),)
+    unknown = (Parameter(name="gap", unit="m", low=0.0, high=100e-6, size=10e-6, starts=GAPS),)
     return tuple(
         Clearance(where=where, bearings=names, gravity=rig.gravity, parameters=unknown)
         for where, names in bearing_groups(rig).items()

@@ -17,6 +17,8 @@ from rotorrig.sims.effects.places import bearing_groups, bearing_words
 from rotorrig.sims.rotor.model import RotorModel
 from rotorrig.sims.rotor.nonlinear import ForceLaw
 
+STEEPNESS = tuple(map(float, np.geomspace(1e8, 3e11, 12)))  # N/m^3: a factor of 2 apart
+
 
 @dataclass(frozen=True, kw_only=True)
 class CubicSpring(Effect):
@@ -52,7 +54,16 @@ def cubic(x: float, y: float, vx: float, vy: float, constants: NDArray[np.float6
 
 def effects(rig: RigConfig) -> tuple[CubicSpring, ...]:
     """Return one for every group of bearings sought."""
-    unknown = (Parameter(name="k3", unit="N/m^3", low=-5e11, high=5e11, size=5e10, starts=(2e10, 1e11, -2e10)),)
+    unknown = (
+        Parameter(
+            name="k3",
+            unit="N/m^3",
+            low=-5e11,
+            high=5e11,
+            size=5e10,
+            starts=(*(-k3 for k3 in reversed(STEEPNESS)), *STEEPNESS),
+        ),
+    )
     return tuple(
         CubicSpring(where=where, bearings=names, parameters=unknown) for where, names in bearing_groups(rig).items()
     )

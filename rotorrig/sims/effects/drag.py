@@ -16,6 +16,8 @@ from rotorrig.sims.effects.places import disks
 from rotorrig.sims.rotor.model import RotorModel
 from rotorrig.sims.rotor.nonlinear import ForceLaw
 
+COEFFICIENTS = tuple(map(float, np.geomspace(1.0, 300.0, 9)))  # N s^2/m^2: a factor of 2 apart
+
 
 @dataclass(frozen=True, kw_only=True)
 class Drag(Effect):
@@ -44,5 +46,5 @@ def quadratic(x: float, y: float, vx: float, vy: float, constants: NDArray[np.fl
 
 def effects(rig: RigConfig) -> tuple[Drag, ...]:
     """Return one for every disk."""
-    unknown = (Parameter(name="c2", unit="N s^2/m^2", low=0.0, high=500.0, size=20.0, starts=(10.0, 80.0)),)
+    unknown = (Parameter(name="c2", unit="N s^2/m^2", low=0.0, high=500.0, size=20.0, starts=COEFFICIENTS),)
     return tuple(Drag(where=where, disk=disk.name, parameters=unknown) for where, disk in disks(rig).items())

@@ -25,6 +25,8 @@ class InternalDamping(Effect):
 
     def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with it."""
+        if not theta["beta"]:
+            return model
         C = theta["beta"] * model.shaft.K
         circulatory = C @ pairwise_map(model, J)
         skew = (circulatory - circulatory.T) / 2  # exactly so, but for rounding and what a reduction leaves out

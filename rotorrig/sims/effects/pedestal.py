@@ -1,6 +1,6 @@
-"""A pedestal or table that gives way under a bearing, in one direction, with a resonance of its own.
+"""A pedestal or table that gives way under a bearing, more in one direction than across, with a resonance of its own.
 
-A mass on a spring to the ground in series with the bearing; probes stand on the ground. Far from its resonance it is
+A mass on springs to the ground in series with the bearing; probes stand on the ground. Far from its resonance it is
 but another stiffness of the bearing. Source: Lees, Friswell, The evaluation of rotor imbalance in flexibly mounted
 machines, J. Sound Vib. 208 (1997) 671-683.
 """
@@ -16,19 +16,21 @@ from rotorrig.sims.effects.places import bearing_groups, bearing_words
 from rotorrig.sims.rotor.model import Added, RotorModel, with_added, with_coordinates
 
 HZ = 2 * math.pi  # rad/s
-LOOKED_AT = tuple(HZ * float(f) for f in np.geomspace(9.0, 65.0, 24))  # rad/s: 9 % apart, about a resonance's width
+LOOKED_AT = tuple(HZ * float(f) for f in np.geomspace(9.0, 65.0, 32))  # rad/s: 7 % apart, a resonance's width
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pedestal(Effect):
     """The "lightness" 1 / m [1/kg], natural frequency "omega" [rad/s] alone and "damping ratio" of the pedestal.
 
-    An infinite mass has an infinite spring at the same frequency: nothing gives way.
+    An infinite mass has an infinite spring at the same frequency: nothing gives way. "compliance across" is that at
+    right angles to `axis`, as a share of the one along it; without, the pedestal does not give way there.
     """
 
     name = "pedestal"
     title = "pedestal with a resonance"
     orders = EVERY
+    scales_base = False
     bearings: tuple[str, ...]
     axis: int  # 0 along x, 1 along y
 
@@ -36,15 +38,22 @@ class Pedestal(Effect):
         """Return the model with the pedestal's coordinate, and these bearings between it and the shaft."""
         if not theta["lightness"]:
             return model
+        mass, omega, zeta = 1 / theta["lightness"], theta["omega"], theta["damping ratio"]
+        model = self._on_spring(model, mass=mass, omega=omega, zeta=zeta, axis=self.axis)
+        if not (compliance := theta.get("compliance across", 0.0)):
+            return model
+        omega /= math.sqrt(compliance)
+        return self._on_spring(model, mass=mass, omega=omega, zeta=zeta, axis=1 - self.axis)
+
+    def _on_spring(self, model: RotorModel, *, mass: float, omega: float, zeta: float, axis: int) -> RotorModel:
+        """Return the model with the pedestal's coordinate along an axis, of that mass [kg] and frequency [rad/s]."""
         larger = with_coordinates(model, 1)
         pedestal = larger.appended[-1]
-        relative = np.outer(np.eye(2)[self.axis], pedestal)
+        relative = np.outer(np.eye(2)[axis], pedestal)
         bearings = (replace(b, rows=b.rows - relative) if b.name in self.bearings else b for b in larger.bearings)
-        own = np.outer(pedestal, pedestal) / theta["lightness"]
-        omega, zeta = theta["omega"], theta["damping ratio"]
-        return with_added(
-            replace(larger, bearings=tuple(bearings)), Added(M=own, C=2 * zeta * omega * own, K=omega**2 * own)
-        )
+        own = mass * np.outer(pedestal, pedestal)
+        C = 2 * zeta * omega * own
+        return with_added(replace(larger, bearings=tuple(bearings)), Added(M=own, C=C, K=omega**2 * own))
 
     def words(self, theta: Theta) -> str:
         """Say how heavy it is and where it resonates."""
@@ -58,7 +67,7 @@ class Pedestal(Effect):
 def effects(rig: RigConfig) -> tuple[Pedestal, ...]:
     """Return one along x and one along y for every group of bearings sought."""
     unknown = (
-        Parameter(name="lightness", unit="1/kg", low=0.0, high=1.0, size=0.1, starts=(0.1,)),
+        Parameter(name="lightness", unit="1/kg", low=0.0, high=1.0, size=0.1, starts=(0.02, 0.12)),
         Parameter(
             name="omega",
             unit="rad/s",
@@ -69,6 +78,7 @@ def effects(rig: RigConfig) -> tuple[Pedestal, ...]:
             starts=LOOKED_AT,
         ),
         Parameter(name="damping ratio", unit="", low=0.005, high=0.15, size=0.02, at_zero=0.03, starts=(0.03,)),
+        Parameter(name="compliance across", unit="", low=0.0, high=1.0, size=0.1, starts=(0.1,)),
     )
     return tuple(
         Pedestal(where=f"{where + ', ' if where else ''}{'xy'[axis]}", bearings=names, axis=axis, parameters=unknown)

@@ -18,6 +18,8 @@ from rotorrig.sims.effects.places import BESIDE_DISK, reference_speed, span, tub
 from rotorrig.sims.rotor.model import RotorModel
 from rotorrig.sims.rotor.nonlinear import ForceLaw
 
+GAPS = tuple(map(float, np.geomspace(50e-6, 800e-6, 14)))  # m: a quarter apart
+WALLS = (2e4, 1e5, 1e6)  # N/m, from a rub screw on a spring to a casing
 ROLLING = 0.05  # m/s: slower than this the surfaces hardly slide
 MID_SPAN = "mid-span"  # the name of its plane
 
@@ -69,9 +71,9 @@ def effects(rig: RigConfig) -> tuple[Rub, ...]:
             high=1e-3,
             size=50e-6,
             at_zero=300e-6,
-            starts=(120e-6, 250e-6, 400e-6, 250e-6),
+            starts=GAPS,
         ),
-        Parameter(name="stiffness", unit="N/m", low=0.0, high=1e7, size=1e5, starts=(1e5, 1e5, 1e5, 1e6)),
+        Parameter(name="stiffness", unit="N/m", low=0.0, high=1e7, size=1e5, starts=WALLS),
         Parameter(name="friction", unit="", low=0.0, high=0.4, size=0.1, starts=(0.05,)),
     )
     middle = sum(span(rig)) / 2

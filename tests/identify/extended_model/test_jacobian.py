@@ -37,9 +37,7 @@ def central(problem: ExtendedProblem, p: np.ndarray, i: int) -> np.ndarray:
 def typical(problem: ExtendedProblem, hidden: np.ndarray) -> np.ndarray:
     p = problem.parameters.start(hidden)
     (effect,) = problem.effects
-    p[problem.parameters.own] = [
-        (q.starts[0] if q.starts else q.at_zero + 0.4 * q.size * (q.low < q.high)) / q.size for q in effect.parameters
-    ]
+    p[problem.parameters.own] = [(q.at_zero + 0.4 * q.size * (q.low < q.high)) / q.size for q in effect.parameters]
     return p
 
 

@@ -82,11 +82,11 @@ def test_of_several_starts_the_best_is_taken(fast: OrderTrackedResponse, hidden:
     p = problem.parameters.start(hidden)
     p[problem.parameters.base.unbalance] = U.real, U.imag
     sizes = [q.size for q in pedestal.parameters]
-    p[problem.parameters.own] = np.array([0.1, 34 * 2 * np.pi, 0.03]) / sizes
+    p[problem.parameters.own] = np.array([0.1, 34 * 2 * np.pi, 0.03, 0.1]) / sizes
     (predicted,) = problem.model.predict(p)
     there = ExtendedProblem(ExtendedModel([problem.recordings[0].instead(predicted)], [pedestal]))
     found = fit_from_starts(there, there.parameters.start(hidden)[: there.parameters.own.start])
-    assert found.p[-2] * sizes[1] == pytest.approx(34 * 2 * np.pi, rel=0.02)
+    assert found.p[-3] * sizes[1] == pytest.approx(34 * 2 * np.pi, rel=0.02)
 
 
 def test_how_far_beyond_enough_a_cause_is_is_not_found_out(fast: OrderTrackedResponse, hidden: np.ndarray) -> None:

@@ -73,8 +73,8 @@ def predicted(
 
 
 def typical(effect: Effect, share: float = 1.0) -> dict[str, float]:
-    """Every unknown at a start, or else `share` of its size from nothing."""
-    return {p.name: p.starts[0] if p.starts else p.at_zero + share * p.size for p in effect.parameters}
+    """Every unknown `share` of its size from nothing."""
+    return {p.name: p.at_zero + share * p.size for p in effect.parameters}
 
 
 def simple_rig(probes: list[dict], *, k: float = 40e3, c: float = 10.0, **changes: object) -> RigConfig:

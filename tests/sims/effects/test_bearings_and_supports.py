@@ -160,14 +160,20 @@ PEDESTAL = {"lightness": 1 / MASS, "omega": FREQUENCY, "damping ratio": DAMPING}
 
 @pytest.mark.parametrize("omega", [1.0, 100.0, FREQUENCY, 400.0])
 @pytest.mark.parametrize("axis", [0, 1])
-def test_a_pedestal_is_in_series_with_its_bearing(rig: RigConfig, axis: int, omega: float) -> None:
+@pytest.mark.parametrize("across", [0.0, 0.37])
+def test_a_pedestal_is_in_series_with_its_bearing(rig: RigConfig, axis: int, omega: float, across: float) -> None:
     model = assemble(rig)
-    changed = find(rig, f"pedestal, bearing A, {'xy'[axis]}").change_matrices(model, PEDESTAL)
+    theta = PEDESTAL | {"compliance across": across}
+    changed = find(rig, f"pedestal, bearing A, {'xy'[axis]}").change_matrices(model, theta)
     spring = SPRING + 10.0j * omega
-    ground = MASS * (FREQUENCY**2 - omega**2 + 2j * DAMPING * FREQUENCY * omega)
-    both = 1 / (1 / spring + 1 / ground)
     k, c = (np.diag([SPRING, SPRING]), np.diag([10.0, 10.0]))
-    k[axis, axis], c[axis, axis] = both.real, both.imag / omega
+    supports = {axis: (MASS, MASS * FREQUENCY**2)}
+    if across:
+        supports[1 - axis] = MASS, MASS * FREQUENCY**2 / across
+    for i, (mass, own) in supports.items():
+        ground = own - mass * omega**2 + 2j * DAMPING * np.sqrt(own * mass) * omega
+        both = 1 / (1 / spring + 1 / ground)
+        k[i, i], c[i, i] = both.real, both.imag / omega
     bearings = (replace(b, stiffness=k[None], damping=c[None]) if b.name == "A" else b for b in model.bearings)
     given = replace(model, bearings=tuple(bearings))
     assert unbalance_response(changed, omega) == pytest.approx(unbalance_response(given, omega), rel=1e-8)

@@ -59,12 +59,14 @@ def steady_with_law(
     converge.
     """
     omega, amounts = np.atleast_1d(np.asarray(omega, dtype=float)), np.asarray(amounts, dtype=complex)
-    at = place_rows(laws)
-    u = _motions(model, omega, loads, amounts, laws)
+    at, probes = place_rows(laws), len(model.probes)
+    first = _linear(_with_place_probes(model, at), omega, loads, amounts, at, 1)
+    u = _motions(model, omega, first[0][:, probes:], first[1][:, probes:], laws)
     F = forces(laws, omega, u)
     by_order = []
     for order in orders:
-        linear, by_force = _linear(model, omega, loads, amounts, at, order)
+        same = first[0][:, :probes], first[1][:, :probes]
+        linear, by_force = same if order == 1 else _linear(model, omega, loads, amounts, at, order)
         of_order = overtones(laws, omega, u, F, order)
         by_order.append((linear if order else 0) + np.einsum("spi,si->sp", by_force, of_order))
     return np.stack(by_order, axis=-1)
@@ -86,12 +88,13 @@ def steady_law_derivatives(
     """
     omega, amounts = np.atleast_1d(np.asarray(omega, dtype=float)), np.asarray(amounts, dtype=complex)
     at, n = place_rows(laws), len(model.probes)
-    u = _motions(model, omega, loads, amounts, laws)
-    F = forces(laws, omega, u)
     directions = [c.direction for c in changes if c.direction is not None]
     columns = steady_derivatives(
         _with_place_probes(model, at), omega, loads=[*loads, *_unit_loads(at, 1)], directions=directions
     )
+    places = columns.z[:, n:]
+    u = _motions(model, omega, places[..., : len(loads)] @ amounts, places[..., len(loads) :], laws)
+    F = forces(laws, omega, u)
     weights = np.concatenate([np.broadcast_to(amounts, (len(omega), len(amounts))), phasor(F, len(at))], axis=1)
     z, by_direction = columns.z, iter(columns.by)
     direct = np.zeros((*z.shape[:2], len(changes)), dtype=complex)  # as long as the forces stay
@@ -114,14 +117,14 @@ def steady_law_derivatives(
     return LawDerivatives(np.einsum("spl,sl->sp", z[:, :n], weights), by)
 
 
-def _motions(
-    model: RotorModel, omega: Reals, loads: Sequence[Load], amounts: Complex, laws: Sequence[ForceLaw]
-) -> Reals:
-    """Solve for the places' motion at every speed, (speed, part). Raises DataError where it does not converge."""
-    at, probes = place_rows(laws), len(model.probes)
+def _motions(model: RotorModel, omega: Reals, linear: Complex, by_force: Complex, laws: Sequence[ForceLaw]) -> Reals:
+    """Solve for the places' motion at every speed, (speed, part), from that without the laws and under a unit force.
+
+    Raises DataError where it does not converge.
+    """
+    at = place_rows(laws)
     functions, constants = pack_laws(laws)
-    linear, by_force = _linear(_with_place_probes(model, at), omega, loads, amounts, at, 1)
-    A = np.concatenate([by_force[:, None, probes:], overtone_compliance(model, omega, laws)], axis=1)
+    A = np.concatenate([by_force[:, None], overtone_compliance(model, omega, laws)], axis=1)
     u, solved = call_kernel(
         _continue_over_speed,
         CONTINUE,
@@ -129,7 +132,7 @@ def _motions(
         constants,
         np.concatenate([law.static for law in laws]).astype(float),
         omega,
-        np.ascontiguousarray(linear[:, probes:]),
+        np.ascontiguousarray(linear),
         A,
         at @ _static_flexibility(model, at),
     )

@@ -5,11 +5,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.sims.rotor.model import Complex, Direction, Load, RotorModel, patterns, probe_changes, unbalance_loads
 from rotorrig.sims.rotor.steady.conjugate_solve import solve_with_conjugate
 from rotorrig.sims.rotor.steady.harmonic_response import dynamic_stiffness, load_columns
+
+Reals = NDArray[np.float64]
 
 
 class Derivatives(NamedTuple):
@@ -40,7 +42,7 @@ def steady_derivatives(
     q = load_columns(replace(model, probes=np.eye(model.dof)), omega, every)  # (speed, dof, load)
     O = omega[:, None, None]  # noqa: E741
     w = order * O
-    forces = [(d.K + O * d.H + O**2 * d.S - w**2 * d.M + 1j * w * (d.C + O * d.G)) @ q for d in directions]
+    forces = [_force(d, q, O, w) for d in directions]
     if order == 1:
         forces = [F + (d.T / 2 @ q.conj() if np.ndim(d.T) else 0) for F, d in zip(forces, directions, strict=True)]
     Z = dynamic_stiffness(model, omega, order=order)
@@ -52,3 +54,9 @@ def steady_derivatives(
     z = model.probes @ q
     seen = probe_changes(directions, len(model.probes), model.dof)[:, None] @ q
     return Derivatives(z, np.array(by).reshape(len(directions), *z.shape) + seen)
+
+
+def _force(d: Direction, q: Complex, O: Reals, w: Reals) -> Complex:  # noqa: E741
+    """Return dZ q, (speed, dof, load), of the motion q at shaft speeds O and frequencies w, (speed, 1, 1) rad/s."""
+    parts = ((d.K, 1.0), (d.H, O), (d.S, O**2), (d.M, -(w**2)), (d.C, 1j * w), (d.G, 1j * w * O))
+    return sum((by * (matrix @ q) for matrix, by in parts if np.any(matrix)), np.zeros_like(q))

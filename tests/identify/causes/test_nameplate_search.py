@@ -1,0 +1,105 @@
+"""Search from the nameplate: faults of drawn size on drawn rigs, far from every point of a grid."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.parts.blind.rigs.drawn import LAYOUTS, character, draw_rig, layout
+from rotorrig.identify.causes import candidates
+from rotorrig.identify.causes.candidate_fit import Candidate, fit_candidate, plausible
+from rotorrig.identify.causes.nameplate_search import search_from_nameplate
+from rotorrig.identify.causes.score_test import Score
+from rotorrig.identify.extended_model.model import ExtendedModel
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.least_squares.solve import Solution
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.config.units import RPM
+from rotorrig.sims.effects.base import find
+from tests.identify.swept import swept_response
+
+RAMP = 400.0  # rpm/s
+SURE = 4.0  # standard deviations
+
+
+def drawn_rig(form: str) -> RigConfig:
+    """Return the first drawn rig of a form."""
+    rigs = (draw_rig(seed) for seed in range(50))
+    return next(rig for rig in rigs if layout(rig) == form)
+
+
+def recorded(rk4: RigConfig, rig: RigConfig, label: str, theta: dict[str, float], seed: int) -> ExtendedProblem:
+    """Return the base problem of a run of a rig that is a little off its nameplate and has an effect, noise added."""
+    rng, plan = np.random.default_rng(seed), rig.plans["default"]
+    blank = swept_response(rk4, orders=(1,), speeds=(plan.start * RPM, plan.fastest * RPM), ramp=RAMP)
+    blank = replace(blank, rig=rig)
+    bare = ExtendedProblem(ExtendedModel([Recording(blank)]))
+    effect = next(e for e in candidates(bare.recordings) if e.label == label)
+    whole = bare.extended([effect])
+    names = whole.parameters
+    p = names.start(np.zeros(0))
+    space = names.base.space
+    p[names.base.sought] = space.to_working(space.nameplate * (1 + 0.04 * rng.uniform(-1, 1, len(space.nameplate))))
+    p[names.base.gain] = 0.008 * rng.standard_normal(len(p[names.base.gain]))
+    amounts = [d.unbalance.amount * np.exp(1j * d.unbalance.angle) for d in rig.disks if d.unbalance]
+    p[names.base.unbalance] = [part for u in amounts for part in (u.real, u.imag)]
+    p[names.own] = [theta.get(q.name, q.at_zero) / q.size for q in effect.parameters]
+    (z,) = whole.model.predict(p)
+    noisy = {1: z[1] + bare.recordings[0].measured[1].noise(rng)}
+    problem = ExtendedProblem(ExtendedModel([bare.recordings[0].instead(noisy)]))
+    return problem.expecting_error(problem.parameters.start(p[: problem.parameters.own.start]))
+
+
+def base_fit(problem: ExtendedProblem) -> Solution:
+    """Fit the base from the nameplate; the cause it lacks biases it."""
+    return problem.refine(problem.parameters.base.space.nameplate, max_steps=12)
+
+
+def best_fit(problem: ExtendedProblem, base: Solution, scores: Sequence[Score]) -> Candidate:
+    """Return the best fit from where the scores begin, a plausible one first, as the selection ranks them."""
+    fits = [fit_candidate(problem, base, None, score, leader=-np.inf) for score in scores]
+    return max((fit for fit in fits if fit is not None), key=lambda fit: (plausible(fit), fit.evidence))
+
+
+def assert_reached(candidate: Candidate, theta: dict[str, float]) -> None:
+    """Check that a fit is at the truth within its sigmas."""
+    names = candidate.problem.parameters
+    got, sigma = (names.of_effect(part, 0) for part in (candidate.polished.p, candidate.polished.sigma))
+    assert candidate.polished.chi2 < 1.5 * candidate.polished.dof
+    for name, value in theta.items():
+        assert abs(got[name] - value) < SURE * sigma[name], (name, got[name], value, sigma[name])
+        assert sigma[name] < 0.5 * abs(value), name
+
+
+@pytest.mark.parametrize("form", LAYOUTS)
+def test_a_pedestal_of_any_frequency_is_found_under_any_rotor(rig_config: RigConfig, form: str) -> None:
+    rig = drawn_rig(form)
+    rng = np.random.default_rng([3, LAYOUTS.index(form)])
+    critical, k = character(rig).critical, character(rig).stiffness
+    omega = critical * rng.uniform(0.55, 1.2)
+    lightness = omega**2 / (k * rng.uniform(0.5, 4.0))
+    theta = {"lightness": lightness, "omega": omega, "damping ratio": rng.uniform(0.02, 0.06), "compliance across": 0.2}
+    problem = recorded(rig_config, rig, "pedestal, x", theta, seed=11)
+    base = base_fit(problem)
+    first, second, *_ = search_from_nameplate(problem, base, candidates(problem.recordings))
+    best = best_fit(problem, base, [first, second])
+    assert best.effect.label == "pedestal, x"
+    assert_reached(best, {"omega": omega})
+
+
+@pytest.mark.parametrize(
+    ("form", "cause"), [("one disk", "clearance"), ("one disk", "cubic_spring"), ("two disks", "cubic_spring")]
+)
+def test_a_force_law_of_any_size_is_found(rig_config: RigConfig, form: str, cause: str) -> None:
+    rig = drawn_rig(form)
+    rng = np.random.default_rng([4, LAYOUTS.index(form), len(cause)])
+    peak, k = character(rig).peak, character(rig).stiffness
+    theta = (
+        {"gap": peak * rng.uniform(0.1, 0.3)} if cause == "clearance" else {"k3": k / peak**2 * rng.uniform(0.05, 0.2)}
+    )
+    problem = recorded(rig_config, rig, cause, theta, seed=12)
+    base = base_fit(problem)
+    found = search_from_nameplate(problem, base, [find(rig, cause)])
+    assert_reached(best_fit(problem, base, found), theta)
