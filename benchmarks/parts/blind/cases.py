@@ -6,8 +6,8 @@ that is not the nameplate's (a deviant), or nothing but what every rig has (heal
 configs/rk4.toml, the third of a rig of its own (rigs/drawn.py).
 
 Designs: P1 has one plane of two probes, slow roll, speed-up and coast-down through the first critical speed; P2 has
-two planes, and a second recording of the same rig with a known trial mass. Two are for tests, and swept three times as
-fast, which leaves a third of the rows: "fast" is P1 of the RK4, "day" has two planes of a drawn rig and one recording.
+two planes, and a second recording of the same rig with a known trial mass. "day" is for tests: two planes of a drawn
+rig, and one recording, swept three times as fast, which leaves a third of the rows.
 
 Seeds 0 to 99 are for development. Those of an examination begin at 1000 times its number: nobody has run them.
 """
@@ -38,11 +38,10 @@ DEVELOPMENT = 100  # seeds that may be looked at
 EXAMINATION = 1000  # first seed of an examination, times its number
 OF_THE_BEARING = {"cross_stiffness", "skew_stiffness"}  # faults that are none where all coefficients are sought
 
-Design = Literal["P1", "P2", "fast", "day"]
+Design = Literal["P1", "P2", "day"]
 DESIGNS: tuple[Design, ...] = ("P1", "P2")
-RUNS: Mapping[Design, int] = {"P1": 1, "P2": 2, "fast": 1, "day": 1}  # recordings of the rig
-PLANES: Mapping[Design, int] = {"P1": 1, "P2": 2, "fast": 1, "day": 2}  # of probes
-HURRIED: tuple[Design, ...] = ("fast", "day")
+RUNS: Mapping[Design, int] = {"P1": 1, "P2": 2, "day": 1}  # recordings of the rig
+PLANES: Mapping[Design, int] = {"P1": 1, "P2": 2, "day": 2}  # of probes
 Kind = Literal["healthy", "single", "pair", "outsider", "deviant"]
 
 
@@ -81,8 +80,8 @@ class Case:
     @property
     def is_drawn(self) -> bool:
         """Whether the rig is one of its own: in every third case of a fault."""
-        if self.design in HURRIED:
-            return self.design == "day"
+        if self.design == "day":
+            return True
         hidden = f"{'+'.join(self.faults)}{self.deviant}"
         return (self.seed + zlib.crc32(hidden.encode())) % 3 == 0
 
@@ -93,12 +92,12 @@ class Case:
             return nameplate(self.design)
         all_sought = False if OF_THE_BEARING & set(self.faults) else None
         rig = draw_rig(self.plant_seed, planes=PLANES[self.design], cross_coupled=all_sought)
-        return _hurry(rig) if self.design in HURRIED else rig
+        return _hurry(rig) if self.design == "day" else rig
 
     @property
     def geometry(self) -> tuple[Geometry, tuple[Deviation, ...]]:
-        """How the rig was put together, and where that is not what the nameplate says; "fast" as it says."""
-        return (Geometry(), ()) if self.design == "fast" else put_together(self.rig, self.deviant, seed=self.plant_seed)
+        """How the rig was put together, and where that is not what the nameplate says."""
+        return put_together(self.rig, self.deviant, seed=self.plant_seed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,8 +172,7 @@ def nameplate(design: Design) -> RigConfig:
         return rig
     table = rig.model_dump(mode="json")
     table["probes"] = [probe for probe in table["probes"] if probe["name"] in FIRST_PLANE]
-    one = from_si(table, where="configs/rk4.toml with one plane")
-    return _hurry(one) if design in HURRIED else one
+    return from_si(table, where="configs/rk4.toml with one plane")
 
 
 def _hurry(rig: RigConfig) -> RigConfig:
