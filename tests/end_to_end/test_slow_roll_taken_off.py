@@ -38,12 +38,12 @@ def judged(response: OrderTrackedResponse) -> Diagnosis:
     return diagnose([response], without=kinds - TRIED)
 
 
-def chosen(found: Diagnosis) -> list[str]:
-    return [cause.effect for cause in found.causes if cause.chosen]
-
-
-def test_kept_raw_only_the_bow_is_found(bent: OrderTrackedResponse) -> None:
-    assert chosen(judged(bent)) == ["bow"]
+def test_kept_raw_the_bow_is_found_or_tied_with_run_out_and_nothing_seems_taken_off(bent: OrderTrackedResponse) -> None:
+    """At the speeds of a hasty slow roll a bow of 20 um hardly moves: it may as well be run-out twice its tolerance."""
+    found = judged(bent)
+    told = {cause.label for cause in found.causes if cause.chosen}.union(*found.tied)
+    assert "bow, even" in told
+    assert told <= {"bow", "bow, even", "runout, plane 1", "runout, plane 2"}
 
 
 def test_what_was_taken_off_is_named_with_its_share(bent: OrderTrackedResponse) -> None:

@@ -13,7 +13,7 @@ from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.score_test import Score, relocate
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.identify.least_squares import Solution, Stop, Worth, always
+from rotorrig.identify.least_squares import Solution, Stop, Worth
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect, magnitudes
 
@@ -141,14 +141,19 @@ def _fit_first(
 
 def _refine(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Solution:
     """Fit from `start` as long as it is worth it."""
-    steps = SELECTION.steps_of_law if problem.curved else SELECTION.steps
     start = np.clip(start, *problem.bounds)
-    return problem.solve(start, tolerance=SELECTION.settled, max_steps=steps, worth=worth)
+    return problem.solve(start, tolerance=SELECTION.settled, max_steps=_most_steps(problem), worth=worth)
 
 
 def refit(problem: ExtendedProblem, start: Reals) -> Solution:
     """Fit to convergence from a start close to the minimum."""
-    return _refine(problem, start, worth=always)
+    return problem.solve(start, tolerance=SELECTION.settled, max_steps=_most_steps(problem))
+
+
+def _most_steps(problem: ExtendedProblem) -> int:
+    if any("force laws" in effect.acts_on for effect in problem.effects):
+        return SELECTION.steps_of_law
+    return SELECTION.steps_of_searched if problem.curved else SELECTION.steps
 
 
 def better_guess(problem: ExtendedProblem, fit: Solution) -> Reals | None:

@@ -91,7 +91,7 @@ class _Search:
             return chi2 - SELECTION.hoped * promise < least
 
         try:
-            return _solve(problem, near.p, near.chi2, worth=worth)
+            return _solve(problem, near.p, 0.0, worth=worth)
         except NO_MOTION:
             return near
 
@@ -124,7 +124,7 @@ def _solve(
         np.clip(start, *problem.bounds),
         fixed=problem.parameters.pinned if pinned else {},
         tolerance=max(SELECTION.pinned_settled, SELECTION.searched_within * chi2),
-        max_steps=SELECTION.searched_steps,
+        max_steps=SELECTION.searched_steps if pinned else SELECTION.steps_of_searched,
         worth=worth,
         damped=True,
     )

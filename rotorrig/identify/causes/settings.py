@@ -36,6 +36,7 @@ class SelectionSettings:
     settled: float = 0.1  # of chi2, where a fit ends
     steps: int = 15  # of a fit: a model that is wrong wanders on among its nuisances
     steps_of_law: int = 10  # of a fit under force laws, whose steps take longest
+    steps_of_searched: int = 100  # where a pedestal and the bearing on it make up for each other: a narrow, bent valley
     roughly: float = 2e-3  # of chi2: what an initial guess may be short of
     better: float = 2.0  # of chi2: what another initial guess has to promise
     relocations: int = 3  # of a located effect: the place that suited a wrong base is not yet the right one
@@ -46,7 +47,7 @@ class SelectionSettings:
 
     # search from the nameplate
     searched_rows: int = 80  # of the first recording, up and down: 80 rpm apart either way on the RK4
-    searched_steps: int = 25  # of a descent
+    searched_steps: int = 25  # of a descent with pinned nuisances
     searched_within: float = 1e-3  # of chi2: where a descent ends
     hoped: float = 3.0  # times what a full step promises is what a descent may take in all
     descents: int = 6  # of every effect, from the best of its clusters

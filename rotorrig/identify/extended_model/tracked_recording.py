@@ -111,7 +111,7 @@ class Recording:
         other.orders, other.rows, other._omega = (1,), self.rows[kept], self._omega[kept]
         other._tracked, other._reversed = None, []
         first = self.measured[1].at(kept)
-        other.measured = {1: first.expecting_error(first.z, self.response)}
+        other.measured = {1: first.expecting_error(np.nan_to_num(first.z), self.response)}
         other.trial = {plane: amounts[rows] for plane, amounts in self.trial.items()}
         other.hum = {1: self.hum[1][rows]}
         other._views = {1: replace(other._view(1), slow_roll=self._views[1].slow_roll)}
