@@ -62,11 +62,12 @@ def cases(options: argparse.Namespace) -> list[Case]:
 
 
 def run_all(wanted: Sequence[Case], options: argparse.Namespace) -> None:
-    """Run the cases that are not kept for this code."""
+    """Run the cases that are not kept for this code: first those that were never run, then those of other code."""
     version = code()
     done = {} if options.again else kept(options.folder)
     jobs = [case for case in wanted if case.run not in done or done[case.run].code != version]
-    jobs = sorted(jobs, key=lambda case: case.seed)[: options.run] if options.run else jobs
+    if options.run:
+        jobs = sorted(jobs, key=lambda case: (case.run in done, case.seed))[: options.run]
     signal.signal(signal.SIGTERM, _terminated)
     count = 0
 

@@ -124,6 +124,7 @@ def up_and_down() -> dict[str, tuple[np.ndarray, dict[str, np.ndarray]]]:
     return {name: (rpm, with_noise(read, rng)) for name, (rpm, read) in runs.items()}
 
 
+@pytest.mark.campaign
 def test_a_stated_ramp_puts_the_moving_speed_into_the_model(
     tmp_path: Path, up_and_down: dict[str, tuple[np.ndarray, dict[str, np.ndarray]]]
 ) -> None:

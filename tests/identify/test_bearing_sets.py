@@ -129,6 +129,7 @@ def test_far_below_the_critical_speed_damping_is_said_to_be_unknown(
         assert name in said
 
 
+@pytest.mark.campaign
 def test_with_one_probe_what_moves_across_it_is_not_determined(rig_config: RigConfig, rng: np.random.Generator) -> None:
     rig = sought(rig_config, coefficients="all")
     response = matched_response(rig, bearings={"spring": SPRING}, unbalance={"disk": U}, rng=rng)
@@ -140,7 +141,11 @@ def test_with_one_probe_what_moves_across_it_is_not_determined(rig_config: RigCo
 
 
 @pytest.mark.parametrize(
-    "unknowns", [{"coefficients": "all"}, {"also": ["youngs_modulus", "density"]}], ids=["all eight", "E, density"]
+    "unknowns",
+    [
+        pytest.param({"coefficients": "all"}, id="all eight", marks=pytest.mark.campaign),
+        pytest.param({"also": ["youngs_modulus", "density"]}, id="E, density"),
+    ],
 )
 def test_what_the_blind_plant_hides_is_found(blind_response: OrderTrackedResponse, unknowns: dict[str, object]) -> None:
     rig = sought(blind_response.rig, **unknowns)

@@ -114,7 +114,7 @@ def test_a_cause_in_one_recording_of_two_is_named_there(rig: RigConfig) -> None:
     assert len(found.residual) == sum(len(r.omega) for r in responses)
 
 
-@pytest.mark.parametrize(("moment", "run"), [(7.31, "up"), (14.62, "down")])
+@pytest.mark.parametrize(("moment", "run"), [pytest.param(7.31, "up", marks=pytest.mark.campaign), (14.62, "down")])
 def test_a_step_within_a_run_is_found_at_its_moment(rig: RigConfig, moment: float, run: str) -> None:
     theta = {"step re": 1.6e-6, "step im": -1.2e-6, "time": moment}
     broken = swept_response(

@@ -53,6 +53,7 @@ def test_a_healthy_rig_is_adequate(blind_response: OrderTrackedResponse) -> None
     assert adequacy.worst_sigma <= adequacy.limit
 
 
+@pytest.mark.campaign
 def test_a_model_without_the_moving_speed_is_called_wrong(blind_response: OrderTrackedResponse) -> None:
     untimed = replace(blind_response, keyphasor_t=np.empty(0))
     found = identify([untimed])

@@ -94,7 +94,7 @@ def test_a_rig_that_is_its_model_is_fitted_with_the_models_error_or_without(quie
         assert _errors(fit).max() < 3
 
 
-@pytest.mark.parametrize("turns", [4.0, 8.0])
+@pytest.mark.parametrize("turns", [4.0, pytest.param(8.0, marks=pytest.mark.campaign)])
 def test_where_probes_wander_with_speed_damping_is_wrong_for_a_model_taken_for_exact_and_no_other(
     quiet: OrderTrackedResponse, turns: float
 ) -> None:
@@ -106,6 +106,7 @@ def test_where_probes_wander_with_speed_damping_is_wrong_for_a_model_taken_for_e
     assert _errors(expecting).max() < 2
 
 
+@pytest.mark.campaign
 def test_unseen_rows_are_predicted_within_what_noise_and_the_models_error_make_expected(
     quiet: OrderTrackedResponse,
 ) -> None:
