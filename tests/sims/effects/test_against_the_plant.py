@@ -21,6 +21,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import find
 from rotorrig.sims.plant.truth import FaultSpec, Noise
+from tests.identify.matched import taken_for_exact
 from tests.sims.effects.textbook_laws import textbook_faults
 
 SEED = 11
@@ -35,7 +36,7 @@ def _laws_of_the_effects() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def rig(rk4: RigConfig) -> RigConfig:
     sweep = {"slow_roll_time": 2.0, "start": 700 / RPM, "end": 2600 / RPM, "ramp": 120 / RPM}
-    return rk4.model_copy(update={"plans": {"default": rk4.plans["default"].model_copy(update=sweep)}})
+    return taken_for_exact(rk4.model_copy(update={"plans": {"default": rk4.plans["default"].model_copy(update=sweep)}}))
 
 
 @pytest.fixture(scope="module")
