@@ -131,18 +131,44 @@ def _fit_first(
     at_zero = np.array([q.at_zero / q.size for q in score.effect.parameters])
     if plain is not None:
         start, pinned = np.append(plain.p, at_zero), problem.parameters.pinned
-        near = problem.solve(start, fixed=pinned, tolerance=SELECTION.roughly * plain.chi2, max_steps=SELECTION.steps)
+        near = problem.solve(
+            start,
+            fixed=pinned,
+            tolerance=SELECTION.roughly * plain.chi2,
+            max_steps=SELECTION.steps,
+            jacobian=jacobian_at_zero(problem, plain, start),
+        )
         fit = _refine(problem, near.p, worth=worth)
         if fit.stop in (Stop.CONVERGED, Stop.GIVEN_UP) or not worth(polished.chi2, score.lam):
             return fit
-    direct = _refine(problem, np.append(polished.p, at_zero), worth=worth)
+    start = np.append(polished.p, at_zero)
+    direct = _refine(problem, start, worth=worth, jacobian=jacobian_at_zero(problem, polished, start))
     return direct if plain is None else min(direct, fit, key=_chi2)
 
 
-def _refine(problem: ExtendedProblem, start: Reals, *, worth: Worth) -> Solution:
-    """Fit from `start` as long as it is worth it."""
+def jacobian_at_zero(problem: ExtendedProblem, before: Solution, start: Reals) -> Reals | None:
+    """Return the Jacobian at `start`, where the last effect is at zero amplitude and all else as in a fit without it.
+
+    At zero amplitude an effect changes nothing, so only its own columns are new; what the fit held is zero. None where
+    the fit's own was not kept, or the new one does not begin at `start`: beyond bounds, or under a force law.
+    """
+    low, high = problem.bounds
+    if problem.curved or not len(before.jacobian) or (start < low).any() or (start > high).any():
+        return None
+    known, own = before.jacobian, np.arange(len(before.p), len(start))
+    added = problem.jacobian(start, own)
+    whole = np.zeros((len(added), len(start)))
+    whole[: len(known), : len(before.p)] = known
+    whole[:, own] = added
+    return whole
+
+
+def _refine(problem: ExtendedProblem, start: Reals, *, worth: Worth, jacobian: Reals | None = None) -> Solution:
+    """Fit from `start` as long as it is worth it; `jacobian` is that there, where it is known."""
     start = np.clip(start, *problem.bounds)
-    return problem.solve(start, tolerance=SELECTION.settled, max_steps=_most_steps(problem), worth=worth)
+    return problem.solve(
+        start, tolerance=SELECTION.settled, max_steps=_most_steps(problem), worth=worth, jacobian=jacobian
+    )
 
 
 def refit(problem: ExtendedProblem, start: Reals) -> Solution:

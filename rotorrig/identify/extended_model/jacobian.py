@@ -11,6 +11,7 @@ from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.probe_curve import POWERS, bend
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.measurement import Measurement
 from rotorrig.sims.effects import Effect
 
 Complex = NDArray[np.complex128]
@@ -33,9 +34,17 @@ def columns(model: ExtendedModel, p: Reals, free: Index) -> Reals:
             for i, change in differences.items():
                 if order in change[n]:
                     d[..., np.searchsorted(free, i)] = change[n][order]
-            sigmas = measured.sigmas(d)
-            parts.append(sigmas.reshape(-1, len(free)))
+            parts.append(_whiten_columns(measured, d))
     return np.concatenate(parts)
+
+
+def _whiten_columns(measured: Measurement, d: Complex) -> Reals:
+    """Return columns (row + 1, probe, column) in sigmas, (figure, column); most are zero above 1X, and stay so."""
+    moving = np.flatnonzero(d.any(axis=(0, 1)))
+    white = np.zeros((2 * measured.usable.size, d.shape[-1]))
+    if len(moving):
+        white[:, moving] = measured.sigmas(d[..., moving]).reshape(len(white), len(moving))
+    return white
 
 
 def on_probes_alone(effect: Effect) -> bool:

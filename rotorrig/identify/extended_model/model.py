@@ -177,7 +177,7 @@ class ExtendedModel:
             for effect, theta in changes:
                 model = effect.change_matrices(model, theta)
             self._recent[key] = model
-            for old in list(self._recent)[: -EXTENDED_MODEL.recent]:
+            for old in list(self._recent)[: -EXTENDED_MODEL.recent_rotors]:
                 del self._recent[old]
         return self._recent[key]
 

@@ -15,7 +15,17 @@ from rotorrig.identify.extended_model.jacobian import columns
 from rotorrig.identify.extended_model.model import Complex, ExtendedModel
 from rotorrig.identify.extended_model.settings import ORDERS
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.least_squares import LEAST_SQUARES, NONE_FIXED, Index, Solution, Stop, Worth, always, solve
+from rotorrig.identify.least_squares import (
+    LEAST_SQUARES,
+    NONE_FIXED,
+    Index,
+    LinearModel,
+    Solution,
+    Stop,
+    Worth,
+    always,
+    solve,
+)
 from rotorrig.sims.effects import Effect
 
 
@@ -139,6 +149,7 @@ class ExtendedProblem:
         max_steps: int = LEAST_SQUARES.steps,
         worth: Worth = always,
         damped: bool = False,
+        jacobian: Reals | None = None,
     ) -> Solution:
         """Refine by least squares within the bounds, the parameters in `fixed` held: least_squares.solve.
 
@@ -151,7 +162,7 @@ class ExtendedProblem:
         refine = partial(
             solve, self, fixed=fixed, tolerance=tolerance, max_steps=max_steps, worth=worth, damped=damped or laws
         )
-        found = refine(start)
+        found = refine(start, jacobian=jacobian)
         if (laws or self.model.units.seen) and not self.model.units.exact and found.stop is not Stop.GIVEN_UP:
             before = self.residual(found.p)
             self.model.hold_above(found.p)
@@ -181,10 +192,10 @@ class ExtendedProblem:
         Raises LinAlgError where the motion is beyond bounds, as of an unstable rotor.
         """
         linear = np.intersect1d(free, self.model.linear())
-        J = self.jacobian(p, linear)
-        if not np.isfinite(J).all():
+        J, r = self.jacobian(p, linear), self.residual(p)
+        if not (np.isfinite(J).all() and np.isfinite(r).all()):
             raise np.linalg.LinAlgError("the motion is beyond bounds")
         out = p.copy()
-        low, high = self.bounds
-        out[linear] -= np.linalg.lstsq(J, self.residual(p), rcond=None)[0]
-        return np.clip(out, low, high)
+        anywhere = np.full(len(linear), np.inf)
+        out[linear] = LinearModel(J, r, p[linear], (-anywhere, anywhere)).best(0.0)
+        return np.clip(out, *self.bounds)

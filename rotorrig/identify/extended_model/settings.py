@@ -21,8 +21,9 @@ class ExtendedModelSettings:
     highest_law_order: int = 2  # at which a force law is followed
     largest_motion: float = 0.1  # m: no rotor kit does
 
-    # rotors kept
-    recent: int = 4  # the next question is often about the same one
+    # what is kept
+    recent: int = 4  # motions under force laws: the next question is often about the same one
+    recent_rotors: int = 64  # a Jacobian asks for one a step along every unknown, the next for most of them again
 
 
 ORDERS = (1, 2, 3)  # that a model may predict, where they were tracked

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.identify.extended_model.latest_columns import LatestColumns
 from rotorrig.identify.extended_model.mains_hum import hum_leaks
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL, ORDERS
 from rotorrig.identify.measurement import Measurement, measure, told_by_falling_angle, trial_unbalance
@@ -64,6 +65,7 @@ class Recording:
         self.number = number
         self.backward = backward
         self._reversed: list[tuple[RotorModel, RotorModel]] = []  # the latest rotor, and as it turns backwards
+        self._latest = LatestColumns()
         self.orders = tuple(order for order in orders if float(order) in response.orders)
         told = told_by_falling_angle(response) if backward else response
         self.measured = {n: measure(told, order=float(n), band=band) for n in self.orders}
@@ -109,7 +111,7 @@ class Recording:
         """
         other, rows = copy.copy(self), np.append(kept, len(self.rows))
         other.orders, other.rows, other._omega = (1,), self.rows[kept], self._omega[kept]
-        other._tracked, other._reversed = None, []
+        other._tracked, other._reversed, other._latest = None, [], LatestColumns()
         first = self.measured[1].at(kept)
         other.measured = {1: first.expecting_error(np.nan_to_num(first.z), self.response)}
         other.trial = {plane: amounts[rows] for plane, amounts in self.trial.items()}
@@ -158,6 +160,9 @@ class Recording:
         """Return the response to each of `loads`, all of that order, (row + 1, probe, load) m per its unit."""
         if not loads:
             return np.zeros((len(self.rows) + 1, len(model.probes), 0), dtype=complex)
+        return self._latest.get(model, loads, lambda: self._columns(model, loads, order=order))
+
+    def _columns(self, model: RotorModel, loads: Sequence[Load], *, order: int) -> Complex:
         model, loads = self._turning(model, self._own(loads))
         if self._tracked is not None:
             moving = swept_columns(model, self._tracked, loads=loads, order=order)

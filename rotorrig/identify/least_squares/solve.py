@@ -96,12 +96,14 @@ def solve(
     max_steps: int = LEAST_SQUARES.steps,
     worth: Worth = always,
     damped: bool = False,
+    jacobian: Reals | None = None,
 ) -> Solution:
     """Refine `start` within the bounds, the parameters in `fixed` held at those values.
 
     It has converged when a full step promises less than `tolerance` of chi2; it is given up where `worth`, asked before
     every step but the first, says no. With `damped` no full steps are tried first and the linear parameters are solved
-    for after every step: where a residual takes as long as a Jacobian, full steps cost more than they gain.
+    for after every step: where a residual takes as long as a Jacobian, full steps cost more than they gain. `jacobian`
+    is that at `start`, where it is known; not with `damped`, which begins elsewhere.
     """
     p = start.copy()
     p[list(fixed)] = list(fixed.values())
@@ -111,7 +113,7 @@ def solve(
     with np.errstate(over="ignore", invalid="ignore"):  # steps that go too far, and are taken back
         minimum = minimize_squares(
             part,
-            part.first(part.solve_linear(p[free]) if damped else p[free]),
+            part.first(part.solve_linear(p[free])) if damped else part.first(p[free], jacobian),
             bounds=(low[free], high[free]),
             settings=replace(FIT, full_steps=not damped),
             solve_linear=part.solve_linear,
@@ -137,11 +139,11 @@ class _Free:
         whole[self._free] = part
         return whole
 
-    def first(self, part: Reals) -> Point:
-        """Return the point a fit begins from. Raises DataError where the model has no motion there."""
+    def first(self, part: Reals, jacobian: Reals | None = None) -> Point:
+        """Return the point a fit begins from, its Jacobian if it is known. Raises DataError if nothing moves there."""
         r = self._problem.residual(self.full(part))
         self._figures = len(r)
-        return Point(part, r, partial(self._jacobian, part))
+        return Point(part, r, partial(self._jacobian, part) if jacobian is None else lambda: jacobian[:, self._free])
 
     def __call__(self, part: Reals) -> Point:
         """Return a point; a step too far, to where the model has no motion or to no number, costs infinitely."""

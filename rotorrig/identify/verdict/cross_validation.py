@@ -1,6 +1,6 @@
 """Cross-validation: prediction of what a fit never saw, every third block of speeds in turn or a whole recording."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from rotorrig.identify.verdict.part_fits import PartFits
 from rotorrig.identify.verdict.settings import VERDICT
 
 Complex = NDArray[np.complex128]
+Folds = Sequence[tuple[list[Recording], list[Recording]]]  # what is shown and what is hidden
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,14 +48,17 @@ class Fold:
     blocks: NDArray[np.float64]  # (block,) see `block_errors`; 0 where nothing was hidden
 
 
-def cross_validate(problem: ExtendedProblem, p: Reals) -> Prediction:
+def cross_validate(
+    problem: ExtendedProblem, p: Reals, *, parts: Folds | None = None, fits: PartFits | None = None
+) -> Prediction:
     """Return how well the model, fitted to all blocks but every third, predicts those, in turn.
 
-    `p` is its fit to all rows.
+    `p` is its fit to all rows. Several models of the same recordings share the `parts`, see `folds_of`; `fits` are
+    those begun at `p`, where they are known.
     """
-    fits = PartFits(problem, p)
+    fits = fits or PartFits(problem, p)
     folds = []
-    for shown, hidden in _folds(problem.recordings):
+    for shown, hidden in parts or folds_of(problem.recordings):
         fit = fits.fit(shown)
         of_hidden, vectors = problem.on(hidden), fit.problem.model.predict(fit.p)
         folds.append(Fold(shown=fit.chi2, errors=errors(of_hidden, vectors), blocks=block_errors(of_hidden, vectors)))
@@ -115,18 +119,18 @@ def pool_folds(folds: Sequence[Fold]) -> Prediction:
     )
 
 
-def _folds(recordings: Sequence[Recording]) -> Iterator[tuple[list[Recording], list[Recording]]]:
-    """Yield what is shown and what is hidden, in turn every third block of rows, of every recording.
+def folds_of(recordings: Sequence[Recording]) -> Folds:
+    """Return what is shown and what is hidden, in turn every third block of rows, of every recording.
 
     Not recording by recording: how large a trial mass shows up is known from its own recording alone.
     """
     of_row = [divide(r, VERDICT.folds) for r in recordings]
+    folds = []
     for number in range(VERDICT.folds):
         hidden = [fold == number for fold in of_row]
-        yield (
-            [r.only(~hide) for r, hide in zip(recordings, hidden, strict=True)],
-            [r.only(hide) for r, hide in zip(recordings, hidden, strict=True)],
-        )
+        pairs = list(zip(recordings, hidden, strict=True))
+        folds.append(([r.only(~hide) for r, hide in pairs], [r.only(hide) for r, hide in pairs]))
+    return folds
 
 
 def divide(recording: Recording, parts: int) -> NDArray[np.intp]:

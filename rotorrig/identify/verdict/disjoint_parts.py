@@ -29,13 +29,15 @@ class Agreement:
     between: str  # "runs", "planes of probes" or "every other block of speeds"
 
 
-def agreement(problem: ExtendedProblem, p: Reals) -> Agreement:
+def agreement(problem: ExtendedProblem, p: Reals, *, fits: PartFits | None = None) -> Agreement:
     """Return how well coefficients and unbalance agree between parts of the data; `p` is the fit to all of it.
+
+    `fits` are those begun there, where they are known.
 
     Both parts know the same priors, so their difference scatters less than the sum of their covariances: the
     probability is too large rather than too small.
     """
-    fits = PartFits(problem, p)
+    fits = fits or PartFits(problem, p)
     each = []
     for between, masks in _divisions(problem.recordings):
         (one, of_one), (other, of_other) = (

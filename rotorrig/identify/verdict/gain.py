@@ -11,8 +11,15 @@ from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes import Candidate, Selection, is_significant, plausible, price
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
 from rotorrig.identify.least_squares import Stop
-from rotorrig.identify.verdict.cross_validation import Prediction, cross_validate, measure_prediction, pool_folds
+from rotorrig.identify.verdict.cross_validation import (
+    Prediction,
+    cross_validate,
+    folds_of,
+    measure_prediction,
+    pool_folds,
+)
 from rotorrig.identify.verdict.disjoint_parts import Agreement, agreement
+from rotorrig.identify.verdict.part_fits import PartFits
 from rotorrig.identify.verdict.settings import VERDICT
 
 
@@ -85,17 +92,24 @@ def predict_unseen(selection: Selection, *, holdout: Recording | None = None) ->
     if holdout:
         holdout = problem.on([holdout]).expecting_error(base.p).recordings[0]
 
+    extended = selection.problem.effects != problem.effects
+    final = PartFits(selection.problem, selection.polished.p) if extended else None
+    parts = None if holdout else folds_of(problem.recordings)
+
     def of(model: ExtendedProblem, p: Reals) -> Prediction:
-        return measure_prediction(model.on([holdout]), p) if holdout else cross_validate(model, p)
+        if holdout:
+            return measure_prediction(model.on([holdout]), p)
+        known = final if final and final.are_of(model, p) else None
+        return cross_validate(model, p, parts=parts, fits=known)
 
     before = of(problem, base.p)
     tried = _worth_predicting(steps[0].tried if steps else ())
     by_label = {c.effect.label: (before, of(c.problem, c.polished.p)) for c in tried}
     after, agreed = before, None
-    if selection.problem.effects != problem.effects:
+    if final:
         known = tried and selection.problem is tried[0].problem
         after = by_label[tried[0].effect.label][1] if known else of(selection.problem, selection.polished.p)
-        agreed = agreement(selection.problem, selection.polished.p)
+        agreed = agreement(selection.problem, selection.polished.p, fits=final)
     again = None
     if before.folds and tried:
         offered = [(price(c.problem, c.effect), by_label[c.effect.label][1]) for c in tried if plausible(c)]

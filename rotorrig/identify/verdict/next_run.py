@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes import Candidate, Selection
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem
 from rotorrig.identify.verdict.planned_runs import Plan, plan_recordings, plans
@@ -15,6 +16,7 @@ from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.verdict import tied_candidates
 from rotorrig.rig import ConfigError, DataError
+from rotorrig.sims.effects import Effect
 
 NONE = "none"  # kind of a run that could not be computed
 
@@ -80,16 +82,24 @@ def _open_plans(best: Candidate) -> Iterator[Plan]:
 
 
 def _rate(best: Candidate, rivals: Sequence[Candidate], plan: Plan) -> tuple[float, str]:
-    """Return lambda of the nearest rival in the recordings of a plan, and why there is none, empty if there is one."""
+    """Return lambda of the nearest rival in the recordings of a plan, and why there is none, empty if there is one.
+
+    The fit of a rival that could not come nearer than those before it is given up.
+    """
+    lams: list[float] = []
     try:
-        lam = min(_separability(best, rival, plan) for rival in rivals)
+        truth, p = _planned_truth(best, plan)
+        for rival in rivals:
+            nearest = min(lams, default=math.inf)
+            lams.append(_separability(truth, p, (*plan.unknown, *rival.problem.effects), enough=nearest))
     except _FAILURES as error:
         return math.nan, str(error)
+    lam = min(lams)
     return lam, "" if math.isfinite(lam) else "its prediction is not finite"
 
 
-def _separability(best: Candidate, rival: Candidate, plan: Plan) -> float:
-    """Return lambda of a rival in the recordings of a plan; none where nobody knows what these would show."""
+def _planned_truth(best: Candidate, plan: Plan) -> tuple[ExtendedProblem, Reals]:
+    """Return the problem of a plan's recordings with the best cause in the model, and its unknowns as fitted."""
     recordings = plan_recordings(best.problem.recordings[0].response, plan)
     effects = (*plan.unknown, *best.problem.effects)
     truth = ExtendedProblem(ExtendedModel(recordings, effects, widened=best.problem.model.widened))
@@ -97,7 +107,12 @@ def _separability(best: Candidate, rival: Candidate, plan: Plan) -> float:
     p = truth.parameters.start(best.polished.p[:0])
     for i, name in enumerate(truth.parameters.names):
         p[i] = named.get(name, p[i])
+    return truth, p
+
+
+def _separability(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect], *, enough: float) -> float:
+    """Return lambda of a rival, some value above `enough` if it is more; none where nobody knows what would show."""
     try:
-        return separability(truth.expecting_error(p), p, (*plan.unknown, *rival.problem.effects))
+        return separability(truth.expecting_error(p), p, rival, enough=enough)
     except DataError:  # a force law, in a rotor that turns backwards
         return 0.0

@@ -37,6 +37,10 @@ class PartFits:
         self._J, self._r = exact.jacobian(p), exact.residual(p)
         self._steps = 1 if problem.model.moving(p).laws else VERDICT.refit_steps
 
+    def are_of(self, problem: ExtendedProblem, p: Reals) -> bool:
+        """Say whether these fits are of that problem, begun there."""
+        return problem is self._problem and np.array_equal(p, self._p)
+
     def fit(self, recordings: Sequence[Recording]) -> PartFit:
         """Return the fit to recordings of which some vectors are not usable."""
         part = self._problem.on(recordings)

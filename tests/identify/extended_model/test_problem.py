@@ -134,3 +134,26 @@ def test_an_effect_may_need_a_place_that_the_rig_does_not_name(rig: RigConfig, h
     (far_off,) = problem.model.predict(at(problem, hidden, gap=1e-3, stiffness=1e5))
     (without,) = base.model.predict(at(base, hidden))
     np.testing.assert_allclose(far_off[1], without[1], rtol=0, atol=NEAR)
+
+
+def test_linear_unknowns_are_solved_for_to_the_least_sum_of_squares(
+    short: OrderTrackedResponse, hidden: np.ndarray
+) -> None:
+    problem = ExtendedProblem(ExtendedModel([Recording(short)]))
+    p = problem.parameters.start(hidden)
+    linear = np.sort(problem.model.linear())
+    best = problem.solve_linear(p, np.arange(len(p)))
+    np.testing.assert_array_equal(np.delete(best, linear), np.delete(p, linear))
+    J, r = problem.jacobian(p, linear), problem.residual(p)
+    np.testing.assert_allclose(best[linear] - p[linear], -np.linalg.lstsq(J, r, rcond=None)[0], rtol=1e-6, atol=1e-15)
+    np.testing.assert_allclose(J.T @ problem.residual(best), 0, atol=1e-6 * np.linalg.norm(J, axis=0).max())
+
+
+def test_a_rotor_is_made_once_though_a_jacobian_under_a_law_asks_for_many(
+    short: OrderTrackedResponse, hidden: np.ndarray
+) -> None:
+    problem = ExtendedProblem(ExtendedModel([Recording(short)], [find(short.rig, "cubic_spring")]))
+    p = at(problem, hidden, k3=1e9)
+    rotor = problem.model.rotor(p)
+    problem.jacobian(p)
+    assert problem.model.rotor(p) is rotor

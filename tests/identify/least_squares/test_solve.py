@@ -89,3 +89,21 @@ def test_a_step_to_where_the_model_has_no_motion_is_taken_back() -> None:
 def test_a_fit_that_begins_where_there_is_none_says_so() -> None:
     with pytest.raises(DataError, match="no motion"):
         solve(Walled(X, 3 + 2 * X), np.array([3.0, 0.0]))
+
+
+def test_a_jacobian_that_is_known_at_the_start_is_not_taken_again() -> None:
+    taken = []
+
+    class Counted(Line):
+        def jacobian(self, p: Reals, free: Index | None = None) -> Reals:
+            taken.append(p)
+            return super().jacobian(p, free)
+
+    line, start = Counted(X, 3 + 2 * X + OFF), np.zeros(2)
+    plain = solve(line, start)
+    usual, known = len(taken), Line(X, line.y).jacobian(start)
+    found = solve(line, start, jacobian=known)
+    assert len(taken) - usual == usual - 1
+    np.testing.assert_allclose(found.p, plain.p)
+    held = solve(line, np.array([0.0, 1.5]), fixed={1: 2.0}, jacobian=known)
+    np.testing.assert_allclose(held.p, [np.mean(3 + OFF), 2.0], rtol=1e-6)

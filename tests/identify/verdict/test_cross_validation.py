@@ -8,7 +8,8 @@ import pytest
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.cross_validation import cross_validate, divide, measure_prediction
+from rotorrig.identify.verdict.cross_validation import cross_validate, divide, folds_of, measure_prediction
+from rotorrig.identify.verdict.part_fits import PartFits
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
@@ -154,3 +155,16 @@ def test_the_true_effect_predicts_better_than_none(rig: RigConfig, hidden: np.nd
         fit = problem.solve(problem.parameters.start(hidden))
         errors.append(cross_validate(problem, fit.p).error)
     assert errors[1] < 0.7 * errors[0]
+
+
+def test_folds_and_fits_that_others_have_made_serve_as_well_as_own_ones(
+    healthy: OrderTrackedResponse, hidden: np.ndarray
+) -> None:
+    problem = ExtendedProblem(ExtendedModel([Recording(healthy)]))
+    p = problem.parameters.start(hidden)
+    own, fits = cross_validate(problem, p), PartFits(problem, p)
+    shared = cross_validate(problem, p, parts=folds_of(problem.recordings), fits=fits)
+    assert shared.error == pytest.approx(own.error, rel=1e-9)
+    np.testing.assert_allclose(shared.blocks, own.blocks, rtol=1e-6)
+    assert fits.are_of(problem, p.copy())
+    assert not fits.are_of(problem, p + 1e-9)

@@ -1,6 +1,7 @@
 """The run that is proposed for tied causes does tell them apart."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,7 +79,7 @@ def test_nothing_is_proposed_where_nothing_is_tied(healthy: OrderTrackedResponse
 
 
 def test_tied_causes_are_never_left_without_a_word(tied: Selection, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(*_: object) -> float:
+    def fail(*_: object, **__: object) -> float:
         raise np.linalg.LinAlgError("Singular matrix")
 
     monkeypatch.setattr("rotorrig.identify.verdict.next_run._separability", fail)
@@ -93,10 +94,29 @@ def test_tied_causes_are_never_left_without_a_word(tied: Selection, monkeypatch:
 
 def test_a_plan_whose_separation_is_no_number_is_not_proposed(tied: Selection, monkeypatch: pytest.MonkeyPatch) -> None:
     rated = iter([np.nan, 3.0, np.nan, *[1.0] * 9])
-    monkeypatch.setattr("rotorrig.identify.verdict.next_run._separability", lambda *_: next(rated))
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run._separability", lambda *_, **__: next(rated))
     found = find_next_run(tied)
     assert found is not None
     assert (found.lam, found.kind) == (3.0, "ramp rate")
+
+
+def test_a_rival_is_followed_no_further_than_the_nearest_before_it(
+    tied: Selection, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers = iter([30.0, 20.0, 25.0])
+    asked: list[float] = []
+    step = tied.steps[0]
+    best, rival = step.tried
+
+    def rate(*_: object, enough: float) -> float:
+        asked.append(enough)
+        return next(answers)
+
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.separability", rate)
+    found = find_next_run(replace(tied, steps=(replace(step, tried=(best, rival, rival, rival)),)))
+    assert found is not None
+    assert found.lam == 20.0
+    assert asked == [np.inf, 30.0, 20.0]
 
 
 LATE = {"delay": 1e-3}  # s

@@ -53,12 +53,20 @@ def differentiate_forces(
         steps = np.array([own.constants - law.constants for own in changed]).reshape(len(changes), len(law.constants))
         for i, change in enumerate(changes):
             rest[2 * n : 2 * n + 2, i] = (changed[i].static - law.static) / change.step
+        own_parts = _parts_of(n, laws, u.shape[1])
+        there = np.ascontiguousarray(u[:, own_parts])
         for j in np.flatnonzero(steps.any(axis=0)):
             step = steps[np.argmax(np.abs(steps[:, j])), j]
             moved = replace(law, constants=law.constants + step * (np.arange(len(law.constants)) == j))
-            by_constant = (forces((*laws[:n], moved, *laws[n + 1 :]), omega, u) - F) / step
-            dF += by_constant[..., None] * (steps[:, j] / [change.step for change in changes])
+            by_constant = (forces((moved,), omega, there) - F[:, own_parts]) / step
+            dF[:, own_parts] += by_constant[..., None] * (steps[:, j] / [change.step for change in changes])
     return dF, rest
+
+
+def _parts_of(n: int, laws: Sequence[ForceLaw], size: int) -> NDArray[np.intp]:
+    """Return which of the `size` parts of a motion are those of law `n`, on which alone its force depends."""
+    places = 2 * len(laws)
+    return np.array([block + 2 * n + axis for block in range(0, size, places) for axis in range(2)], dtype=np.intp)
 
 
 def solve_tangent(A: Complex, mean: Reals, slope: Reals, known: Reals, dF: Reals) -> tuple[Reals, Reals]:

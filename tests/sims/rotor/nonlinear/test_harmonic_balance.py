@@ -1,6 +1,8 @@
 """Harmonic balance where the answer is known: forces against a fine turn, Duffing's rotor
 in closed form and in time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -8,6 +10,7 @@ from scipy.integrate import solve_ivp
 from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, with_bearing
 from rotorrig.sims.rotor.model.loads import unbalance_loads
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import forces, slopes
+from rotorrig.sims.rotor.nonlinear.law_changes import LawChange, differentiate_forces
 from rotorrig.sims.rotor.nonlinear.steady_response import steady_with_law
 from tests.sims.rotor import jeffcott
 from tests.sims.rotor.nonlinear.test_swept_response import at_disk, cubic, friction, push
@@ -62,6 +65,20 @@ def test_slopes_are_central_differences_of_the_harmonics(small):
         axis=1,
     )
     np.testing.assert_allclose(got, want, atol=1e-4 * np.abs(want).max())
+
+
+def test_a_change_of_one_law_of_two_changes_its_own_force_alone(small):
+    """A cubic's force is proportional to its constant: the derivative is the force itself over the constant."""
+    laws = (at_disk(small, friction, 0.3, 1e-2), at_disk(small, cubic, K3))
+    u = np.repeat(MOTION.reshape(7, 1, 2), 2, axis=1).reshape(1, -1)  # both move as MOTION does
+    omega, stiffer = np.array([OMEGA]), replace(laws[1], constants=laws[1].constants * 1.01)
+    F = forces(laws, omega, u)
+    change = LawChange(laws=(laws[0], stiffer), step=0.01)
+    got, rest = differentiate_forces(laws, [change], omega, u, F)
+    of_friction, of_cubic = got[0, :, 0].reshape(7, 2, 2).swapaxes(0, 1)
+    np.testing.assert_allclose(of_cubic, F.reshape(7, 2, 2)[:, 1], rtol=1e-9)
+    assert not of_friction.any()
+    assert not rest.any()
 
 
 def test_duffings_rotor_on_equal_springs_whirls_in_circles_of_the_radius_in_closed_form():

@@ -1,0 +1,43 @@
+"""The fit of one candidate beside those a model has."""
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.causes.candidate_fit import jacobian_at_zero
+from rotorrig.identify.extended_model.model import ExtendedModel
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.sims.effects.base import find
+
+
+@pytest.mark.parametrize(
+    "label", ["unbalance_plane, at 160 mm", "coupling", "skew_stiffness", "delay, probe 2y", "shaft_asymmetry", "bow"]
+)
+def test_at_zero_amplitude_all_columns_but_a_candidates_own_are_those_of_the_fit_without_it(
+    short: OrderTrackedResponse, hidden: np.ndarray, label: str
+) -> None:
+    problem, effect = ExtendedProblem(ExtendedModel([Recording(short)])), find(short.rig, label)
+    before = problem.solve(problem.parameters.start(hidden), max_steps=3)
+    larger = problem.extended([effect])
+    start = np.append(before.p, [q.at_zero / q.size for q in effect.parameters])
+    got, want = jacobian_at_zero(larger, before, start), larger.jacobian(start)
+    assert got is not None
+    assert got.shape == want.shape
+    by_difference = [effect.scales_base and name.startswith("position") for name in larger.parameters.names]
+    within = np.where(by_difference, 0.1, 2e-3)  # of steps of 10 um, which are the less exact ones
+    assert (np.linalg.norm(got - want, axis=0) <= within * np.linalg.norm(want, axis=0)).all()
+
+
+def test_beyond_bounds_or_without_the_jacobian_of_the_fit_none_is_known(
+    short: OrderTrackedResponse, hidden: np.ndarray
+) -> None:
+    problem, effect = ExtendedProblem(ExtendedModel([Recording(short)])), find(short.rig, "hysteresis")
+    before = problem.solve(problem.parameters.start(hidden), max_steps=1)
+    larger = problem.extended([effect])
+    start = np.append(before.p, [q.at_zero / q.size for q in effect.parameters])
+    assert jacobian_at_zero(larger, before, larger.bounds[1] + 1.0) is None
+    kept_none = type(before)(
+        p=before.p, covariance=before.covariance, jacobian=np.zeros((0, 0)), chi2=before.chi2, dof=before.dof
+    )
+    assert jacobian_at_zero(larger, kept_none, start) is None
