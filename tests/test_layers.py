@@ -35,8 +35,12 @@ TABLE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("scipy", "threadpoolctl"),
     ),
     "identify.chea": (("identify.chea",), ("scipy",)),
+    "balancing": (
+        ("balancing", "identify", "processing.response", *BASE),
+        ("scipy", "threadpoolctl"),
+    ),
     "app": (
-        ("rig", "acquisition", "processing", "sims", "identify", "app"),
+        ("rig", "acquisition", "processing", "sims", "identify", "balancing", "app"),
         ("scipy", "pydantic", "rerun", "typer", "rich", "plotly", "threadpoolctl"),
     ),
 }
@@ -94,6 +98,14 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "motors",
         "emulation",
         "bench",
+    ),
+    "balancing": (
+        "conditions discrete grade min_max",
+        "influence",
+        "correction fitted_model",
+        "combination determinacy prediction",
+        "balance",
+        "balance_file",
     ),
     "identify": (
         "chea identification measurement",

@@ -12,7 +12,7 @@ from rich.text import Text
 from typer.core import TyperGroup
 
 from rotorrig.app.terminal import err, out
-from rotorrig.app.verbs import data, model, rig
+from rotorrig.app.verbs import balancing, data, model, rig
 from rotorrig.app.verbs.output_guard import guard
 from rotorrig.rig import RigError
 
@@ -20,14 +20,13 @@ __all__ = ["app", "err", "main", "out"]
 
 
 class Rotor(TyperGroup):
-    """The command; its help leaves out itself and `--show-completion`, to stay on a screen of 24 lines."""
+    """The command; its help leaves out its own options, to stay on a screen of 24 lines: docs/cli.md has them."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Return the options that belong to no verb."""
         options: list[Any] = super().get_params(ctx)
         for option in options:
-            if option.name in ("show_completion", "help"):
-                option.hidden = True
+            option.hidden = True
         return options
 
 
@@ -50,6 +49,8 @@ VERBS: dict[str, tuple[str, Callable[..., None]]] = {
     "track": ("Track the orders of a recording into a response.", data.track),
     "identify": ("Fit bearing stiffness, damping and unbalance.", model.identify),
     "diagnose": ("Test the model; locate misfit and name its cause.", model.diagnose),
+    "balance": ("Say which mass to put where, and what it will do.", balancing.balance),
+    "predict": ("Predict vibration with masses on, by the fit.", balancing.predict),
     "report": ("Write a self-contained HTML report.", model.report),
     "view": ("Open a recording or response in the Rerun viewer.", model.view),
     "import": ("Import CSV, UFF, TDMS, WAV, a Bode table, a rotor.", data.import_),

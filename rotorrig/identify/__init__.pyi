@@ -1,3 +1,5 @@
+from .base_fit import BaseProblem as BaseProblem
+from .base_fit import config_effects as config_effects
 from .diagnosis import Diagnosis as Diagnosis
 from .diagnosis import Verdict as Verdict
 from .diagnosis import diagnose as diagnose
@@ -15,6 +17,7 @@ from .result_files import write_diagnosis as write_diagnosis
 from .result_files import write_identification as write_identification
 
 __all__ = [
+    "BaseProblem",
     "Deviation",
     "Diagnosis",
     "Estimate",
@@ -22,6 +25,7 @@ __all__ = [
     "Identification",
     "NameplateCheck",
     "Verdict",
+    "config_effects",
     "diagnose",
     "diagnosis_table",
     "identification_table",

@@ -18,6 +18,8 @@ KINDS = {
     "response": "a response",
     "fit": "a fit",
     "diagnosis": "a diagnosis",
+    "balance": "a balance",
+    "prediction": "a prediction",
     "proof": "a certificate of a proof test",
     "report": "a report",
     "rrd": "a Rerun file",
@@ -31,9 +33,15 @@ KINDS = {
     "mcap": "an MCAP file of another program",
     "other": "a file of another kind",
 }
-_JSON_KINDS = {"rotorrig fit": "fit", "rotorrig diagnosis": "diagnosis", "rotorrig proof test": "proof"}
-_CSV_HEADS = (b"time [s],", b"# order vectors, raw;")
-_TITLE = b": rotor report</title>"
+_JSON_KINDS = {
+    "rotorrig fit": "fit",
+    "rotorrig diagnosis": "diagnosis",
+    "rotorrig balance": "balance",
+    "rotorrig prediction": "prediction",
+    "rotorrig proof test": "proof",
+}
+_CSV_HEADS = (b"time [s],", b"# order vectors, raw;", b"# predicted vectors;")
+_TITLES = (b": rotor report</title>", b": predicted vibration</title>")
 _HEAD = 1 << 16  # bytes that are looked at for all but JSON and TOML
 _LARGEST = 1 << 28  # bytes of a JSON file that is read
 
@@ -68,7 +76,7 @@ def content_kind(path: Path) -> str:
         return "uff"
     if head.startswith(_CSV_HEADS):
         return "csv"
-    if _TITLE in head:
+    if any(title in head for title in _TITLES):
         return "report"
     return _toml_kind(path)
 

@@ -30,7 +30,7 @@ def write_out(file: Path, out: Path) -> str:
 
 
 def _response(file: Path, out: Path) -> str:
-    from rotorrig.app.commands.foxglove_layout import write_foxglove_layout
+    from rotorrig.app.commands.other_programs import write_foxglove_layout
     from rotorrig.processing.files import read_response, response_csv, response_uff
 
     response = read_response(file)

@@ -1,3 +1,6 @@
+from .balance_tables import comparison_table as comparison_table
+from .balance_tables import corrections_table as corrections_table
+from .balance_tables import prediction_table as prediction_table
 from .console import err as err
 from .console import out as out
 from .console import progress_bars as progress_bars
@@ -11,11 +14,14 @@ from .proof_table import proof_table as proof_table
 
 __all__ = [
     "HINT",
+    "comparison_table",
     "confirm",
+    "corrections_table",
     "draw_rotor",
     "err",
     "operator_for",
     "out",
+    "prediction_table",
     "progress_bars",
     "proof_table",
     "tell",

@@ -1,3 +1,14 @@
+from .balancing import CONVENTION as CONVENTION
+from .balancing import Highest as Highest
+from .balancing import comparison_rows as comparison_rows
+from .balancing import comparison_sentence as comparison_sentence
+from .balancing import correction_rows as correction_rows
+from .balancing import grade_sentence as grade_sentence
+from .balancing import highest_rows as highest_rows
+from .balancing import hole_lines as hole_lines
+from .balancing import known_sentences as known_sentences
+from .balancing import mass_text as mass_text
+from .balancing import mounted_sentence as mounted_sentence
 from .causes import cause_evidence as cause_evidence
 from .causes import cause_prediction_error as cause_prediction_error
 from .causes import cause_size as cause_size
@@ -35,9 +46,11 @@ from .tracking import tracking_facts as tracking_facts
 from .tracking import tracking_line as tracking_line
 
 __all__ = [
+    "CONVENTION",
     "NOTHING_PULLED",
     "SHOWN",
     "UNDETERMINED",
+    "Highest",
     "bearing_coefficients",
     "bound_text",
     "cause_evidence",
@@ -47,15 +60,24 @@ __all__ = [
     "causes_to_list",
     "change_in_sigmas",
     "change_text",
+    "comparison_rows",
+    "comparison_sentence",
+    "correction_rows",
     "estimate_text",
     "finding_sentences",
     "gain_sentence",
+    "grade_sentence",
     "hidden_effect_lines",
     "hidden_effects_sentence",
+    "highest_rows",
+    "hole_lines",
     "interval_text",
     "is_determined",
+    "known_sentences",
     "long_name",
+    "mass_text",
     "misfit_sentence",
+    "mounted_sentence",
     "next_run_sentence",
     "p_value_text",
     "parameter_shifts",

@@ -113,12 +113,12 @@ def import_(
     as_json: AsJson = False,
 ) -> None:
     """Import waveforms to a run.mcap, a mapped Bode table to a response.mcap or, with --ross, a rotor to a config."""
-    from rotorrig.app.commands import import_files, ross_exchange
+    from rotorrig.app.commands import import_files, other_programs
 
     if ross and (config or mapping):
         raise ConfigError("--ross: makes a config, want neither --config nor --mapping")
     if ross:
-        lines = ross_exchange.bring_in(file, out=out_file, keep_nodes=keep_nodes)
+        lines = other_programs.bring_in(file, out=out_file, keep_nodes=keep_nodes)
     elif config is None:
         raise ConfigError("--config: missing, want the rig's TOML file, which names the columns")
     else:
@@ -144,9 +144,9 @@ def export(
     from rotorrig.app.commands import export_files
 
     if ross:
-        from rotorrig.app.commands import ross_exchange
+        from rotorrig.app.commands import other_programs
 
-        lines = ross_exchange.write_out(find_config(file), out=out_file, max_element=max_element)
+        lines = other_programs.write_out(find_config(file), out=out_file, max_element=max_element)
     else:
         with working(f"writing {out_file.name}"):
             lines = [export_files.write_out(file, out_file)]

@@ -141,6 +141,16 @@ class Recording:
         """Return the same recording for a model without an error of its own."""
         return self._with({**self.measured, 1: self.measured[1].taken_for_exact()})
 
+    def with_trial(self, unbalance: Mapping[str, complex]) -> "Recording":
+        """Return the same recording with these masses [kg m] on in every row, and no others; none in the slow roll."""
+        other, ones = copy.copy(self), np.append(np.ones(len(self.rows), complex), 0)
+        other.trial = {plane: amount * ones for plane, amount in unbalance.items()}
+        return other
+
+    def in_metres(self) -> "Recording":
+        """Return the same recording with residuals and Jacobians in metres, of every vector, measured or not."""
+        return self._with({n: m.in_metres() for n, m in self.measured.items()})
+
     def _with(self, measured: dict[int, Measurement]) -> "Recording":
         other = copy.copy(self)
         other.measured = measured

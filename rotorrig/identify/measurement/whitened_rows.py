@@ -107,6 +107,11 @@ class Measurement:
         """Return the same for a model without an error of its own."""
         return self._with(error=None)
 
+    def in_metres(self) -> "Measurement":
+        """Return the same with "sigmas" in metres, of every vector."""
+        unit = np.broadcast_to(np.eye(self.whiten.shape[-1]), self.whiten.shape)
+        return self._with(whiten=unit, usable=np.ones_like(self.usable), error=None)
+
     def _with(self, **changes: Any) -> "Measurement":
         """Return the same with some changes, and the shrinkage that belongs to it."""
         new = replace(self, **changes, shrinkage=None)

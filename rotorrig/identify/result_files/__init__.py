@@ -9,12 +9,26 @@ from rotorrig.identify.result_files.identification_file import (
     read_identification,
     write_identification,
 )
+from rotorrig.identify.result_files.plain_json import (
+    BALANCE,
+    PREDICTION,
+    complex_out,
+    finite,
+    numbers_out,
+    write_table,
+)
 
 __all__ = [
+    "BALANCE",
+    "PREDICTION",
+    "complex_out",
     "diagnosis_table",
+    "finite",
     "identification_table",
+    "numbers_out",
     "read_diagnosis",
     "read_identification",
     "write_diagnosis",
     "write_identification",
+    "write_table",
 ]

@@ -13,7 +13,9 @@ from rotorrig.rig import DataError, Provenance, write_whole_text
 
 FIT = "rotorrig fit"
 DIAGNOSIS = "rotorrig diagnosis"
-VERSIONS = {FIT: 1, DIAGNOSIS: 2}
+BALANCE = "rotorrig balance"
+PREDICTION = "rotorrig prediction"
+VERSIONS = {FIT: 1, DIAGNOSIS: 2, BALANCE: 1, PREDICTION: 1}
 CONVENTIONS = "SI units; amplitudes 0-peak; z = 2 mean(x exp(-j theta)), theta = 0 at the keyphasor edge; lag = -arg z"
 
 

@@ -5,6 +5,7 @@ from rotorrig.app.report.figures.bode import bode
 from rotorrig.app.report.figures.centreline import centreline
 from rotorrig.app.report.figures.maps import full_spectrum_map, residual_map, whirl_map
 from rotorrig.app.report.figures.polar import polar
+from rotorrig.app.report.figures.predicted import predicted
 from rotorrig.app.report.figures.search_map import search_map
 
 __all__ = [
@@ -13,6 +14,7 @@ __all__ = [
     "full_spectrum_map",
     "order_amplitudes",
     "polar",
+    "predicted",
     "residual_map",
     "search_map",
     "whirl_map",

@@ -9,7 +9,7 @@ from google.protobuf import descriptor_pb2
 from mcap.reader import make_reader
 
 from rotorrig.app.commands.export_files import write_out
-from rotorrig.app.commands.foxglove_layout import foxglove_layout
+from rotorrig.app.commands.other_programs import foxglove_layout
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import DataError
@@ -55,6 +55,6 @@ def test_a_response_is_exported_as_a_layout_and_a_run_is_not(tmp_path: Path, res
     said = write_out(tmp_path / "response.mcap", tmp_path / "layout.json")
     assert "panels for Foxglove" in said
     assert json.loads((tmp_path / "layout.json").read_text()) == foxglove_layout(response)
-    recorded = Path(__file__).parents[2] / "data" / "recording-v1" / "run.mcap"
+    recorded = Path(__file__).parents[3] / "data" / "recording-v1" / "run.mcap"
     with pytest.raises(DataError, match="a layout needs a response"):
         write_out(recorded, tmp_path / "run.json")

@@ -10,7 +10,7 @@ from rotorrig.app import cli
 from rotorrig.rig.config.description import load
 from rotorrig.rig.ross.reading import read_ross
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 RK4 = ROOT / "configs/rk4.toml"
 STEPPED = ROOT / "tests/data/ross/stepped.toml"
 Run = Callable[..., tuple[int, str, str]]  # exit code, output, errors

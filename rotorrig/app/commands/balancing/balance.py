@@ -1,0 +1,78 @@
+"""`rotor balance`: from responses and options to a printed correction."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rotorrig.app.commands.balancing.options import HoleOptions, read_bands, read_holes, read_planes, read_radii
+from rotorrig.app.commands.diagnose import read_responses
+from rotorrig.app.terminal import comparison_table, corrections_table, out, prediction_table, working
+from rotorrig.app.text import (
+    comparison_sentence,
+    grade_sentence,
+    hole_lines,
+    known_sentences,
+    mounted_sentence,
+)
+from rotorrig.balancing import Balance, Task, balance
+from rotorrig.identify import read_identification
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig import ConfigError
+
+
+def read_task(
+    responses: Sequence[OrderTrackedResponse],
+    *,
+    planes: str | None,
+    speeds: str | None,
+    holes: HoleOptions,
+    min_max: bool,
+    fitted: bool,
+) -> Task:
+    """Return what is wanted, in SI. Raises ConfigError."""
+    rig = responses[0].rig
+    wanted = read_planes(planes, known=rig.unbalance_planes)
+    mounted = dict.fromkeys(p for r in responses for run in r.runs for p, u in run.trial_unbalance.items() if u)
+    corrected = wanted or tuple(mounted) or (rig.identify.unbalance if fitted and rig.identify else ())
+    return Task(
+        planes=corrected,
+        bands=read_bands(speeds),
+        holes=read_holes(holes, corrected, read_radii(holes.radius, known=rig.unbalance_planes)),
+        min_max=min_max,
+    )
+
+
+def balance_responses(
+    paths: Sequence[Path],
+    *,
+    fit: Path | None,
+    after: Path | None,
+    planes: str | None,
+    speeds: str | None,
+    holes: HoleOptions,
+    min_max: bool,
+) -> tuple[Balance, dict[str, float]]:
+    """Balance responses of one rig; return the radii [m] that masses are shown at, too.
+
+    Raises DataError, ConfigError.
+    """
+    if holes.holes is not None and holes.holes < 1:
+        raise ConfigError(f"--holes: got {holes.holes}, want at least 1")
+    every = read_responses([*paths, after] if after else paths)
+    measured, last = every[: len(paths)], every[-1] if after else None
+    identification = read_identification(fit) if fit else None
+    task = read_task(measured, planes=planes, speeds=speeds, holes=holes, min_max=min_max, fitted=fit is not None)
+    with working("balancing"):
+        found = balance(measured, task, identification=identification, after=last)
+    return found, read_radii(holes.radius, known=measured[0].rig.unbalance_planes)
+
+
+def show_balance(balance: Balance, radii: Mapping[str, float]) -> None:
+    """Print corrections, what of them is known, the masses to mount and what they will do."""
+    out.print(corrections_table(balance, radii))
+    for words in (*known_sentences(balance), *hole_lines(balance), mounted_sentence(balance)):
+        out.print(words, highlight=False, markup=False)
+    out.print(prediction_table(balance.prediction))
+    out.print(grade_sentence(balance), highlight=False, markup=False)
+    if balance.comparison:
+        out.print(comparison_table(balance))
+        out.print(comparison_sentence(balance), highlight=False, markup=False)

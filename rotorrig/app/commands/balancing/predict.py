@@ -1,0 +1,99 @@
+"""`rotor predict`: vectors with masses added, by the fitted model, as table, CSV, JSON or picture."""
+
+import csv
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rotorrig.app.commands.diagnose import read_responses
+from rotorrig.app.terminal import out, prediction_table, working
+from rotorrig.app.text import mass_text
+from rotorrig.balancing import Prediction, influence_of_fit, predict_vibration, write_prediction
+from rotorrig.identify import read_identification
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig import ConfigError, DataError, Provenance, write_whole_text
+from rotorrig.rig.config import RPM, UM, read_trial_mass, trial_unbalance
+
+KINDS = {".csv": "csv", ".json": "prediction", ".html": "report"}
+HEAD = (
+    "# predicted vectors; µm 0-peak, less the slow-roll vector if there is one; phase lag = -arg z in degrees, "
+    "theta = 0 at the keyphasor edge; bands 95 %"
+)
+COLUMNS = (
+    "probe,speed [rpm],direction,before [um],before lag [deg],after [um],after lag [deg],after low [um],after high [um]"
+)
+
+
+def kind_of_prediction(path: Path) -> str:
+    """Return the kind of file that a name asks for. Raises DataError for an ending that is none."""
+    if path.suffix.lower() not in KINDS:
+        raise DataError(f"{path}: has the ending '{path.suffix}', want one of {list(KINDS)}")
+    return KINDS[path.suffix.lower()]
+
+
+def predict_with_masses(
+    paths: Sequence[Path], *, fit: Path, masses: Sequence[str]
+) -> tuple[Prediction, dict[str, complex], OrderTrackedResponse]:
+    """Predict the first response with masses on; return the masses [kg m] and that response, too.
+
+    Raises DataError, ConfigError.
+    """
+    responses = read_responses(paths)
+    if not masses:
+        raise ConfigError("--mass: missing, want at least one such as 'disk: 12 g mm at 90 deg'")
+    planes = responses[0].rig.unbalance_planes
+    added = trial_unbalance([read_trial_mass(text, planes=planes) for text in masses])
+    with working("predicting"):
+        influence = influence_of_fit(read_identification(fit), responses, planes=tuple(added))
+        prediction = predict_vibration(influence, np.array(list(added.values())))
+    return prediction, added, responses[0]
+
+
+def write_predicted(
+    path: Path, prediction: Prediction, masses: dict[str, complex], source: Provenance, *, rig: str
+) -> None:
+    """Write a prediction, of the rig of that name, in the format of its path. Raises DataError."""
+    kind = kind_of_prediction(path)
+    if kind == "csv":
+        write_whole_text(path, _table(prediction, masses))
+    elif kind == "prediction":
+        write_prediction(path, prediction, masses, source)
+    else:
+        from rotorrig.app.commands.balancing.picture import write_picture
+
+        words = "; ".join(mass_text(plane, u) for plane, u in masses.items())
+        write_picture(path, prediction, rig=rig, masses=words)
+
+
+def show_prediction(prediction: Prediction, masses: dict[str, complex]) -> None:
+    """Print the largest amplitudes before and after."""
+    words = "; ".join(mass_text(plane, u) for plane, u in masses.items())
+    out.print(f"Vibration as measured, and what the fitted model says these change: {words}.", highlight=False)
+    out.print(prediction_table(prediction))
+
+
+def _table(prediction: Prediction, masses: dict[str, complex]) -> str:
+    text = io.StringIO()
+    print(HEAD, file=text)
+    for plane, u in masses.items():
+        print(f"# {mass_text(plane, u)} from the keyphasor mark in the sense of rotation", file=text)
+    print(COLUMNS, file=text)
+    writer = csv.writer(text, lineterminator="\n")
+    low, high = prediction.band
+    for m in range(len(prediction.omega)):
+        vectors = []
+        for z in (prediction.before[m], prediction.after[m]):
+            vectors += [f"{abs(z) * UM:.4f}", f"{-np.degrees(np.angle(z)) % 360:.2f}"]
+        writer.writerow(
+            [
+                prediction.probes[prediction.probe[m]],
+                f"{prediction.omega[m] * RPM:.2f}",
+                {1: "up", -1: "down", 0: "dwell"}[int(prediction.direction[m])],
+                *vectors,
+                f"{low[m] * UM:.4f}",
+                f"{high[m] * UM:.4f}",
+            ]
+        )
+    return text.getvalue()

@@ -1,0 +1,41 @@
+"""Terminal tables of balancing: corrections, vibration before and after, a run against its prediction."""
+
+from collections.abc import Mapping
+
+from rich import box
+from rich.table import Table
+
+from rotorrig.app.text import CONVENTION, comparison_rows, correction_rows, highest_rows
+from rotorrig.balancing import Balance, Prediction
+
+
+def corrections_table(balance: Balance, radii: Mapping[str, float]) -> Table:
+    """Return every correction with its 95 % interval."""
+    table = Table(title=f"Correction: {CONVENTION}", box=box.SIMPLE_HEAD, title_justify="left")
+    table.add_column("plane")
+    table.add_column("by")
+    for heading in ("amount", "mass", "angle", "against\nrotation"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for row in correction_rows(balance, radii):
+        table.add_row(*row)
+    return table
+
+
+def prediction_table(prediction: Prediction) -> Table:
+    """Return the largest amplitudes before and after, probe by probe."""
+    table = Table(title="Largest 1X amplitude, µm 0-peak", box=box.SIMPLE_HEAD, title_justify="left")
+    for heading in ("probe", "before", "predicted", "95 % band there"):
+        table.add_column(heading, justify="left" if heading == "probe" else "right")
+    for row in highest_rows(prediction):
+        table.add_row(row.probe, row.before, row.after, row.band)
+    return table
+
+
+def comparison_table(balance: Balance) -> Table:
+    """Return how a run with the masses on compares with its prediction, probe by probe."""
+    table = Table(title="The run after, µm 0-peak", box=box.SIMPLE_HEAD, title_justify="left")
+    for heading in ("probe", "inside 95 %", "largest measured", "largest predicted"):
+        table.add_column(heading, justify="left" if heading == "probe" else "right")
+    for row in comparison_rows(balance):
+        table.add_row(*row)
+    return table

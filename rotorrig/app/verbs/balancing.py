@@ -1,0 +1,81 @@
+"""Verbs that mount masses on paper: balance, predict."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from rotorrig.app.terminal import out, tell
+from rotorrig.app.verbs.arguments import OUT, AsJson, Force
+from rotorrig.app.verbs.output_guard import Output
+
+Responses = Annotated[
+    list[Path], typer.Argument(metavar="RESPONSE...", help="response.mcap files of one rig", show_default=False)
+]
+
+
+def _predicted_kind(given: Mapping[str, Any]) -> str:
+    from rotorrig.app.commands.balancing import kind_of_prediction
+
+    return kind_of_prediction(given["out_file"])
+
+
+def balance(
+    responses: Responses,
+    out_file: Annotated[Path, OUT, Output(kind="balance")],
+    fit: Annotated[Path | None, typer.Option(help="fit.json of these responses: no trial mass is needed")] = None,
+    after: Annotated[Path | None, typer.Option(help="response of the run with the masses on, to compare")] = None,
+    planes: Annotated[str | None, typer.Option(help="planes to correct, 'disk 1, disk 2'")] = None,
+    speeds: Annotated[str | None, typer.Option(help="speeds that count, '1500 rpm, 1800 to 2400 rpm'")] = None,
+    radius: Annotated[str | None, typer.Option(help="radius of the masses, '30 mm' or 'disk 1: 30 mm, ...'")] = None,
+    holes: Annotated[int | None, typer.Option(help="holes per plane, evenly spaced")] = None,
+    masses: Annotated[str | None, typer.Option(help="masses that fit a hole, '1 g, 2 g, 5 g'")] = None,
+    first_hole: Annotated[str, typer.Option(help="angle of hole 1 from the mark; counted with the rotation")] = "0 deg",
+    most_holes: Annotated[int, typer.Option(min=1, help="holes filled per plane, at most")] = 2,
+    min_max: Annotated[
+        bool, typer.Option("--min-max", help="make the largest amplitude least, not the sum of squares")
+    ] = False,
+    force: Force = False,
+    as_json: AsJson = False,
+) -> None:
+    """Say which mass to put where, by runs with trial masses, by the fitted model, or by both."""
+    from rotorrig.app.commands.balancing import HoleOptions, balance_responses, show_balance
+    from rotorrig.balancing import balance_table, write_balance
+
+    at_hand = HoleOptions(holes=holes, masses=masses, radius=radius, first=first_hole, most=most_holes)
+    found, radii = balance_responses(
+        responses, fit=fit, after=after, planes=planes, speeds=speeds, holes=at_hand, min_max=min_max
+    )
+    write_balance(out_file, found)
+    if as_json:
+        tell("", {"file": str(out_file), **balance_table(found)}, as_json=True)
+        return
+    show_balance(found, radii)
+    out.print(f"{out_file}: the correction, and the vibration predicted with it", highlight=False, soft_wrap=True)
+
+
+def predict(
+    responses: Responses,
+    fit: Annotated[Path, typer.Option(help="fit.json of these responses", show_default=False)],
+    out_file: Annotated[
+        Path,
+        typer.Option("--out", "-o", help="the file to write: .csv, .json, or a picture, .html", show_default=False),
+        Output(kind=_predicted_kind),
+    ],
+    mass: Annotated[
+        list[str] | None,
+        typer.Option(help="mass to put on, 'disk: 24 g mm at 135 deg' from the keyphasor mark; repeatable"),
+    ] = None,
+    force: Force = False,
+    as_json: AsJson = False,
+) -> None:
+    """Predict the vibration of the first response with masses on, by the fitted model, with 95 % bands."""
+    from rotorrig.app.commands.balancing import predict_with_masses, show_prediction, write_predicted
+
+    prediction, masses, measured = predict_with_masses(responses, fit=fit, masses=mass or [])
+    write_predicted(out_file, prediction, masses, measured.source, rig=measured.rig.name)
+    if not as_json:
+        show_prediction(prediction, masses)
+    words = f"{out_file}: {len(prediction.omega)} vectors"
+    tell(words, {"file": str(out_file), "vectors": len(prediction.omega)}, as_json=as_json)

@@ -1,0 +1,42 @@
+"""A fit of recordings without its search: least squares from where they were made, as fit.json would hold it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rotorrig.identify.base_fit import BaseProblem
+from rotorrig.identify.extended_model.tracked_recording import recordings_of
+from rotorrig.identify.identification import Fit, Identification
+from rotorrig.identify.uncertainty.estimates import estimate_nuisances, estimate_unknowns
+from rotorrig.processing.response import OrderTrackedResponse
+
+
+def fit_from(responses: Sequence[OrderTrackedResponse], start: Sequence[float]) -> Identification:
+    """Return the fit of some responses from stiffness and damping that are near."""
+    problem = BaseProblem.of(recordings_of(responses, orders=(1,))).problem
+    begun = problem.begin(np.array(start))
+    problem = problem.expecting_error(begun)
+    best = problem.solve(begun)
+    fit = Fit(
+        name="whole sweep",
+        band=(0.0, 1e3),
+        estimates=estimate_unknowns(best, problem, unseen=""),
+        nuisances=estimate_nuisances(best, problem),
+        unknowns=(),
+        optima=(),
+        objective="residual",
+        evaluations=0,
+        stop="converged",
+        seed=0,
+        chi2=best.chi2,
+        dof=best.dof,
+        prediction=np.zeros((len(responses[0].omega), len(responses[0].probes)), complex),
+        words=(),
+    )
+    return Identification(
+        fits=(fit,),
+        effects=(),
+        responses=tuple((r.source.source_hash, len(r.omega)) for r in responses),
+        wall_s=0.0,
+        source=responses[0].source,
+    )
