@@ -22,7 +22,7 @@ class ExtendedModelSettings:
     largest_motion: float = 0.1  # m: no rotor kit does
 
     # what is kept
-    recent: int = 4  # motions under force laws: the next question is often about the same one
+    recent: int = 4  # responses, motions under force laws: the next question is often about the same one
     recent_rotors: int = 64  # a Jacobian asks for one a step along every unknown, the next for most of them again
 
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.extended_model.latest_columns import LatestColumns
 from rotorrig.identify.extended_model.mains_hum import hum_leaks
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL, ORDERS
 from rotorrig.identify.measurement import Measurement, measure, told_by_falling_angle, trial_unbalance
@@ -18,6 +17,7 @@ from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects import ReadingContext
 from rotorrig.sims.rotor.model import (
     Direction,
+    LatestResponses,
     Load,
     RotorModel,
     in_recording,
@@ -65,7 +65,7 @@ class Recording:
         self.number = number
         self.backward = backward
         self._reversed: list[tuple[RotorModel, RotorModel]] = []  # the latest rotor, and as it turns backwards
-        self._latest = LatestColumns()
+        self._latest = LatestResponses(keep=EXTENDED_MODEL.recent)
         self.orders = tuple(order for order in orders if float(order) in response.orders)
         told = told_by_falling_angle(response) if backward else response
         self.measured = {n: measure(told, order=float(n), band=band) for n in self.orders}
@@ -111,7 +111,8 @@ class Recording:
         """
         other, rows = copy.copy(self), np.append(kept, len(self.rows))
         other.orders, other.rows, other._omega = (1,), self.rows[kept], self._omega[kept]
-        other._tracked, other._reversed, other._latest = None, [], LatestColumns()
+        other._tracked, other._reversed = None, []
+        other._latest = LatestResponses(keep=EXTENDED_MODEL.recent)
         first = self.measured[1].at(kept)
         other.measured = {1: first.expecting_error(np.nan_to_num(first.z), self.response)}
         other.trial = {plane: amounts[rows] for plane, amounts in self.trial.items()}

@@ -127,3 +127,10 @@ def test_the_trial_mass_of_a_run_stands_in_its_rows_and_not_in_the_slow_roll(sho
     trial = Recording(with_one).trial["disk"]
     np.testing.assert_array_equal(trial[:-1], np.where(short.run == 0, 4e-6 + 3e-6j, 0))
     assert trial[-1] == 0
+
+
+def test_fewer_rows_have_responses_of_their_own(short: OrderTrackedResponse) -> None:
+    whole, model = Recording(short), reduce(assemble(short.rig), modes=4)
+    loads = unbalance_loads(model, ["disk"])
+    assert len(whole.columns(model, loads, order=1)) == len(whole.rows) + 1
+    assert len(whole.thinned(np.array([3, 8])).columns(model, loads, order=1)) == 3

@@ -37,6 +37,7 @@ from rotorrig.sims.rotor.model.derivatives import (
 )
 from rotorrig.sims.rotor.model.disk import disk_gyroscopic, disk_mass, unbalance_direction
 from rotorrig.sims.rotor.model.geometry import STIFFEST, WIDEST, Geometry, position_range
+from rotorrig.sims.rotor.model.latest_responses import LatestResponses
 from rotorrig.sims.rotor.model.loads import (
     NO_FORCE,
     NOTHING,
@@ -71,6 +72,7 @@ __all__ = [
     "Direction",
     "Forces",
     "Geometry",
+    "LatestResponses",
     "Load",
     "Matrices",
     "RotorModel",

@@ -5,17 +5,18 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
-from rotorrig.sims.rotor.model import Load, RotorModel
+from rotorrig.sims.rotor.model.assembly import RotorModel
+from rotorrig.sims.rotor.model.loads import Load
 
 Complex = NDArray[np.complex128]
 
 
-class LatestColumns:
+class LatestResponses:
     """Responses (row + 1, probe, load) of the last few rotors and sets of loads, in the rows of one recording."""
 
-    def __init__(self) -> None:
-        """Begin with none."""
+    def __init__(self, *, keep: int) -> None:
+        """Begin with none; as many as `keep` will be kept."""
+        self._keep = keep
         self._kept: list[tuple[RotorModel, tuple[Load, ...], Complex]] = []
 
     def get(self, model: RotorModel, loads: Sequence[Load], compute: Callable[[], Complex]) -> Complex:
@@ -25,7 +26,7 @@ class LatestColumns:
                 return z
         z = compute()
         z.flags.writeable = False
-        self._kept[:] = [(model, tuple(loads), z), *self._kept[: EXTENDED_MODEL.recent - 1]]
+        self._kept[:] = [(model, tuple(loads), z), *self._kept[: self._keep - 1]]
         return z
 
 
