@@ -9,16 +9,17 @@ import typer
 from rotorrig.app.terminal import out, tell
 from rotorrig.app.verbs.arguments import OUT, AsJson, Force
 from rotorrig.app.verbs.output_guard import Output
+from rotorrig.rig import DataError
 
 Responses = Annotated[
     list[Path], typer.Argument(metavar="RESPONSE...", help="response.mcap files of one rig", show_default=False)
 ]
 
+PREDICTED = {".csv": "csv", ".json": "prediction", ".html": "report"}  # ending -> kind of file
+
 
 def _predicted_kind(given: Mapping[str, Any]) -> str:
-    from rotorrig.app.commands.balancing import kind_of_prediction
-
-    return kind_of_prediction(given["out_file"])
+    return PREDICTED.get(given["out_file"].suffix.lower(), "csv")  # another ending is refused before the work
 
 
 def balance(
@@ -73,6 +74,8 @@ def predict(
     """Predict the vibration of the first response with masses on, by the fitted model, with 95 % bands."""
     from rotorrig.app.commands.balancing import predict_with_masses, show_prediction, write_predicted
 
+    if out_file.suffix.lower() not in PREDICTED:
+        raise DataError(f"{out_file}: has the ending '{out_file.suffix}', want one of {list(PREDICTED)}")
     prediction, masses, measured = predict_with_masses(responses, fit=fit, masses=mass or [])
     write_predicted(out_file, prediction, masses, measured.source, rig=measured.rig.name)
     if not as_json:

@@ -22,6 +22,7 @@ RK4 = Path(__file__).parents[3] / "configs/rk4.toml"
 #: arguments that name a file to read; any other path of any verb is held to be an output
 READ = {
     *("config", "run", "response", "responses", "file", "fit", "diagnosis", "holdout", "hidden", "faults", "mapping"),
+    "after",
 }
 Case = tuple[str, str]  # verb, argument
 
@@ -58,6 +59,8 @@ def samples(tmp_path: Path, rig_config: RigConfig) -> dict[str, Path]:
     texts = {
         "fit": '{"kind": "rotorrig fit"}',
         "diagnosis": '{"kind": "rotorrig diagnosis"}',
+        "balance": '{"kind": "rotorrig balance"}',
+        "prediction": '{"kind": "rotorrig prediction"}',
         "proof": '{"kind": "rotorrig proof test"}',
         "report": "<!DOCTYPE html>\n<head>\n<title>RK4: rotor report</title>",
         "rrd": "RRF2 and so on",
@@ -93,7 +96,7 @@ def option_of(verb: str, argument: str) -> str:
 
 def place_for(verb: str, folder: Path) -> Path:
     """A name that the verb would write to."""
-    return folder / {"export": "x.csv", "view": "x.rrd"}.get(verb, "x.out")
+    return folder / {"export": "x.csv", "predict": "x.csv", "view": "x.rrd"}.get(verb, "x.out")
 
 
 def words_of(verb: str, argument: str, target: Path, folder: Path) -> list[str]:

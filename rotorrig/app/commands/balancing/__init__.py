@@ -3,7 +3,6 @@
 from rotorrig.app.commands.balancing.balance import balance_responses, read_task, show_balance
 from rotorrig.app.commands.balancing.options import HoleOptions, read_radii
 from rotorrig.app.commands.balancing.predict import (
-    kind_of_prediction,
     predict_with_masses,
     show_prediction,
     write_predicted,
@@ -12,7 +11,6 @@ from rotorrig.app.commands.balancing.predict import (
 __all__ = [
     "HoleOptions",
     "balance_responses",
-    "kind_of_prediction",
     "predict_with_masses",
     "read_radii",
     "read_task",

@@ -13,10 +13,9 @@ from rotorrig.app.text import mass_text
 from rotorrig.balancing import Prediction, influence_of_fit, predict_vibration, write_prediction
 from rotorrig.identify import read_identification
 from rotorrig.processing import OrderTrackedResponse
-from rotorrig.rig import ConfigError, DataError, Provenance, write_whole_text
+from rotorrig.rig import ConfigError, Provenance, write_whole_text
 from rotorrig.rig.config import RPM, UM, read_trial_mass, trial_unbalance
 
-KINDS = {".csv": "csv", ".json": "prediction", ".html": "report"}
 HEAD = (
     "# predicted vectors; µm 0-peak, less the slow-roll vector if there is one; phase lag = -arg z in degrees, "
     "theta = 0 at the keyphasor edge; bands 95 %"
@@ -24,13 +23,6 @@ HEAD = (
 COLUMNS = (
     "probe,speed [rpm],direction,before [um],before lag [deg],after [um],after lag [deg],after low [um],after high [um]"
 )
-
-
-def kind_of_prediction(path: Path) -> str:
-    """Return the kind of file that a name asks for. Raises DataError for an ending that is none."""
-    if path.suffix.lower() not in KINDS:
-        raise DataError(f"{path}: has the ending '{path.suffix}', want one of {list(KINDS)}")
-    return KINDS[path.suffix.lower()]
 
 
 def predict_with_masses(
@@ -54,11 +46,11 @@ def predict_with_masses(
 def write_predicted(
     path: Path, prediction: Prediction, masses: dict[str, complex], source: Provenance, *, rig: str
 ) -> None:
-    """Write a prediction, of the rig of that name, in the format of its path. Raises DataError."""
-    kind = kind_of_prediction(path)
-    if kind == "csv":
+    """Write a prediction, of the rig of that name, as CSV, JSON or picture by its path's ending. Raises DataError."""
+    ending = path.suffix.lower()
+    if ending == ".csv":
         write_whole_text(path, _table(prediction, masses))
-    elif kind == "prediction":
+    elif ending == ".json":
         write_prediction(path, prediction, masses, source)
     else:
         from rotorrig.app.commands.balancing.picture import write_picture
