@@ -36,6 +36,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help: fits a screen of 24 lines
     help="Acquisition, order tracking, identification and diagnosis of a rotor kit.",
+    epilog="`rotor VERB --help` tells more of a verb, `rotor --version` the version.",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
