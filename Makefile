@@ -5,7 +5,7 @@ JOBS ?= $(shell expr $$(getconf _NPROCESSORS_ONLN) + 1)
 PYTEST = env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: setup demo test test-all lint types check docs tutorial pictures bench chea-tables identification-tables blind recorder tracking soak fuzz clean
+.PHONY: setup demo test test-all lint types check docs tutorial pictures bench chea-tables chea-table7 identification-tables blind recorder tracking soak fuzz clean
 
 demo: .venv/ready
 	$(BIN)/rotor demo --out demo --force
@@ -41,6 +41,8 @@ tutorial: .venv/ready
 # All pictures. Minutes; wants Chromium, a Vulkan driver and what `make demo` wrote.
 pictures: docs tutorial
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_measured_run_up
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_chea_table7
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_chapter
 	$(BIN)/python -m docs.make_pictures demo
 
 bench: .venv/ready .venv-ross/ready
@@ -49,6 +51,12 @@ bench: .venv/ready .venv-ross/ready
 # Long: the optimiser beside its peers, and the chapter's identification tables. One BLAS thread: the matrices are small.
 chea-tables: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chea_tables.py --seeds 100 --peer-seeds 100 --dimensions --write
+
+# The chapter's Table 7 by the chapter's algorithm: some ten minutes of one core; Ctrl-C and the same command go on.
+chea-table7: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chea_table7.py --seeds 100 --write
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_chea_table7
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_docs
 
 identification-tables: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/identification.py --write

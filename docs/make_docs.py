@@ -7,7 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from docs import (
+    chea_choices,
+    chea_figures,
     chea_pictures,
+    chea_table7_page,
     cli_reference,
     config_reference,
     conventions_drawing,
@@ -23,6 +26,12 @@ IMAGES = DOCS / "img"
 
 #: picture -> the command that makes it, from the top of the repository; each file says in itself what it was made from
 COSTLY: Mapping[str, str] = {
+    "chapter-fig14.svg": "python -m docs.make_chapter",
+    "chapter-fig8.svg": "python -m docs.make_chapter",
+    "chapter-fig9.svg": "python -m docs.make_chapter",
+    "chea-table7-f1.svg": "python -m docs.make_chea_table7",
+    "chea-table7-f2.svg": "python -m docs.make_chea_table7",
+    "chea-table7-f3.svg": "python -m docs.make_chea_table7",
     "demo.png": "python -m docs.make_pictures demo",
     "live.png": "python -m docs.make_pictures demo",
     "measured-run-up.svg": "python -m docs.make_measured_run_up",
@@ -47,6 +56,9 @@ def pages() -> dict[str, str]:
     return {
         "config.md": config_reference.text(),
         "cli.md": cli_reference.text(),
+        "chea.md": chea_figures.shown((DOCS / "chea.md").read_text(encoding="utf-8")),
+        "chea-choices.md": chea_choices.text(),
+        "chea-table7.md": chea_table7_page.text(),
         "effects.md": effect_pictures.shown((DOCS / "effects.md").read_text(encoding="utf-8")),
         "plant.md": plant_page.shown((DOCS / "plant.md").read_text(encoding="utf-8")),
     }

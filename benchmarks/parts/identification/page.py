@@ -14,7 +14,8 @@ The rotor of Lalanne and Ferraris, 75 speeds from 200 to 15,000 rpm, amplitudes 
 eq. (20). The data were computed by another program. A call is one response, with its derivatives where they are used;
 each response of a finite difference counts as a call. {seeds} runs of every search. "f1", "f2" and "f3" see only the
 value of the objective: rounds of CHEA, and a descent along the valley of its best point, until the fit is exact to 1e-6
-of the amplitudes. "vector": the search that uses residuals and their derivatives."""
+of the amplitudes. "vector": the search that uses residuals and their derivatives. The chapter's own algorithm on the
+same data has [a page of its own](chea-table7.md)."""
 
 _TABLE8 = """
 Each amplitude of Table 7's data times 1 + 0.1 N(0, 1), drawn anew each time. Errors are |error| of the minimum found

@@ -6,16 +6,16 @@ take twice the chapter's calls. Then the same for random truths, log-uniform ove
 one by one.
 """
 
-from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
+from scipy.stats import binomtest
 
 from benchmarks.parts.identification.searches import box
+from benchmarks.parts.identification.seed_stages import LOSSES, PATIENCE, SETTINGS, STEPS, mean, stages
 from benchmarks.parts.identification.table7 import (
     CHAPTER,
     EXACT,
@@ -30,27 +30,11 @@ from benchmarks.parts.identification.table7 import (
 from benchmarks.parts.tables import markdown
 from rotorrig.identify.base_model import ObjectiveName
 from rotorrig.identify.base_model.objectives import Amplitudes
-from rotorrig.identify.chea import SEED, chea
-from rotorrig.identify.chea.chapter import chapter
-from rotorrig.identify.chea.engine import Clusters, End, Engine
-from rotorrig.identify.chea.session import Evaluations, Record, from_bounds
+from rotorrig.identify.chea import chea
 
 Real = NDArray[np.float64]
-Misfit = Callable[[Real], Real]  # points (n, 5) in SI -> values (n,)
-
-SETTINGS = replace(SEED, far_iterations=500)  # Table 6
 TRUTHS = 20
 STAGED = 10  # runs whose steps are looked at
-SAMPLE = 20  # of a population, whose basins are looked for
-STEPS = {
-    "founders": "founders in its basin",
-    "mature": "mature population in its basin",
-    "heads": "best of the clusters in its basin",
-    "from_basin": "local searches begun in its basin",
-    "arrived": "of these, ended there",
-    "elsewhere": "of the others, ended there",
-    "held": "reduced boxes that hold it",
-}
 
 
 @dataclass(frozen=True)
@@ -62,29 +46,18 @@ class Run:
     exact_after: float  # calls until a point was exact; inf: never
 
 
-@dataclass(frozen=True)
-class Stages:
-    """Shares of a run's points and steps that had to do with the true minimum; NaN where there was no such step."""
-
-    founders: float  # of the founders in its basin
-    mature: float  # of the distinct points of the first mature population
-    heads: float  # of the best of its clusters
-    from_basin: float  # of all local searches, begun in its basin
-    arrived: float  # of these, ended there
-    elsewhere: float  # of the others, ended there
-    held: float  # of the reduced boxes, with the minimum inside
-
-
-def measure(pool: ProcessPoolExecutor, *, seeds: int) -> dict[str, Any]:
-    """Return what `summarise` and `text` need."""
-    found: dict[str, Any] = {}
-    for name in OBJECTIVES:
-        found[name] = {
+def measure(
+    pool: ProcessPoolExecutor, *, seeds: int, truths: int = TRUTHS, staged: int = STAGED
+) -> dict[str, dict[str, list[Any]]]:
+    """Return what `summarise` and `text` need; `staged` runs have their steps looked at."""
+    return {
+        name: {
             "runs": list(pool.map(search, [name] * seeds, range(seeds))),
-            "truths": list(pool.map(search_random, [name] * TRUTHS, range(TRUTHS))),
-            "stages": list(pool.map(stages, [name] * STAGED, range(STAGED))),
+            "truths": list(pool.map(search_random, [name] * truths, range(truths))),
+            "stages": list(pool.map(stages, [name] * staged, range(staged))),
         }
-    return found
+        for name in OBJECTIVES
+    }
 
 
 def summarise(measured: dict[str, Any]) -> dict[str, Any]:
@@ -93,7 +66,8 @@ def summarise(measured: dict[str, Any]) -> dict[str, Any]:
         name: {
             **_row(found["runs"]),
             "truths": _row(found["truths"]),
-            "stages": {step: _known(_mean([asdict(run)[step] for run in found["stages"]])) for step in STEPS},
+            "stages": {step: _known(mean([asdict(run)[step] for run in found["stages"]])) for step in STEPS},
+            "lost_by": {loss: sum(run.lost_by == loss for run in found["stages"]) for loss in LOSSES},
         }
         for name, found in measured.items()
     }
@@ -101,32 +75,53 @@ def summarise(measured: dict[str, Any]) -> dict[str, Any]:
 
 def text(measured: dict[str, Any]) -> str:
     """Return the tables in Markdown."""
-    summary = summarise(measured)
-    head = ["objective", "chapter's calls", "calls, median", "exact", "after, median", "random truths exact"]
+    found = measured["f1"]
+    runs, truths, staged = (len(found[kind]) for kind in ("runs", "truths", "stages"))
+    return (
+        f'### Table 7 by the chapter\'s algorithm\n\n`profile="seed"` with Table 6, on values alone, within twice the '
+        f"chapter's calls; {runs} runs on Table 7's data, {truths} on random truths, of which those parameters count "
+        f"that the data determine. Exact is {EXACT:.1%} in all of them.\n\n"
+        f"{rates(measured)}\n\n"
+        f"What becomes of the true minimum, step by step, means of {staged} runs. A point is in its basin if least "
+        f"squares on the objective's residuals, {PATIENCE} evaluations, lead from there to it.\n\n{steps(measured)}\n\n"
+        f"Where it was lost, runs of these {staged}:\n\n{losses(measured)}"
+    )
+
+
+def rates(measured: dict[str, Any]) -> str:
+    """Return the table of how often a search is exact."""
+    head = ["objective", "chapter's calls", "calls, median", "exact", "bounds", "after, median", "random truths exact"]
     rows = [
         [
             name,
             f"{CHAPTER[name]:,d}",
             f"{row['calls_median']:,.0f}",
             f"{row['success']:.0%}",
+            _bounds(row["success"], len(measured[name]["runs"])),
             _printed(row["exact_after_median"], ",.0f"),
             f"{row['truths']['success']:.0%}",
         ]
-        for name, row in summary.items()
+        for name, row in summarise(measured).items()
     ]
-    steps = [
+    return markdown(head, rows)
+
+
+def steps(measured: dict[str, Any]) -> str:
+    """Return the table of what becomes of the true minimum, step by step."""
+    summary = summarise(measured)
+    rows = [
         [title, *(_printed(summary[name]["stages"][step], ".0%") for name in OBJECTIVES)]
         for step, title in STEPS.items()
     ]
-    return (
-        f'### Table 7 by the chapter\'s algorithm\n\n`profile="seed"` with Table 6, on values alone, within twice the '
-        f"chapter's calls; {len(measured['f1']['runs'])} runs on Table 7's data, {TRUTHS} on random truths, of which "
-        f"those parameters count that the data determine. Exact is {EXACT:.1%} in all of them.\n\n"
-        f"{markdown(head, rows)}\n\n"
-        f"What becomes of the true minimum, step by step, means of {STAGED} runs. A point is in its basin if Levenberg-"
-        "Marquardt on the objective's residuals leads from there to it.\n\n"
-        f"{markdown(['step', *OBJECTIVES], steps)}"
-    )
+    return markdown(["step", *OBJECTIVES], rows)
+
+
+def losses(measured: dict[str, Any]) -> str:
+    """Return the table of the steps that lost the true minimum, in runs."""
+    summary = summarise(measured)
+    rows = [[loss, *(str(summary[name]["lost_by"][loss]) for name in OBJECTIVES)] for loss in LOSSES]
+    found = ["found", *(str(sum(run.lost_by is None for run in measured[name]["stages"])) for name in OBJECTIVES)]
+    return markdown(["lost by", *OBJECTIVES], [*rows, found])
 
 
 def search(objective: ObjectiveName, seed: int) -> Run:
@@ -174,77 +169,6 @@ def _searched(
     return Run(result.nfev, float(_errors(result.x[None], truth, known)[0]), exact_after)
 
 
-def stages(objective: ObjectiveName, seed: int) -> Stages:
-    """Search Table 7 once more, and look at every step."""
-    amplitudes = Amplitudes(steady(), np.abs(oracle_response()))
-    watch = _Watch(amplitudes, objective)
-    record = Record(5, same_point=SETTINGS.same_point)
-    method = replace(chapter.method(5, SETTINGS), gather=watch.gather, local=watch.local)
-    plan = Engine(record, np.random.default_rng(seed), method).run()
-    scaling = from_bounds(box(amplitudes), "log")
-    points = next(plan)
-    try:
-        while record.nfev < 2 * CHAPTER[objective]:
-            values = amplitudes.cost(scaling.to_parameters(points), objective=objective)
-            record.add(points, values)
-            points = plan.send(values)
-    except StopIteration:
-        pass
-    return watch.stages(np.random.default_rng(seed))
-
-
-class _Watch:
-    """The chapter's parts, with note taken of what they did."""
-
-    def __init__(self, amplitudes: Amplitudes, objective: ObjectiveName) -> None:
-        self._method = chapter.method(5, SETTINGS)
-        self._vector = amplitudes.vector(objective)
-        low, high = np.log(box(amplitudes)).T
-        self._truth = (np.log(TRUTH) - low) / (high - low)
-        self._widths = high - low
-        self._boxes: list[Real] = []
-        self._founders = self._mature = self._heads = np.empty((0, 5))
-        self._descents: list[tuple[Real, Real]] = []  # start and end
-
-    def gather(self, engine: Engine, box: Real) -> Evaluations[Clusters]:
-        self._boxes.append(box)
-        clusters = list((yield from self._method.gather(engine, box)))
-        if len(self._boxes) == 1:
-            self._founders = engine.record.points[: SETTINGS.population].copy()
-            self._mature = np.unique(engine.points, axis=0)
-            self._heads = np.array([engine.points[members[0]] for members in clusters])
-        return iter(clusters)
-
-    def local(self, record: Record, start: Real, value: float, *, radius: float | None, wary: bool) -> Evaluations[End]:
-        end = yield from self._method.local(record, start, value, radius=radius, wary=False)
-        self._descents.append((start, end.u))
-        return end
-
-    def stages(self, rng: np.random.Generator) -> Stages:
-        begun = np.array([self._leads_there(start) for start, _ in self._descents], dtype=np.bool_)
-        ended = np.array([self._is_there(end) for _, end in self._descents], dtype=np.bool_)
-        held = [bool(((self._truth >= low) & (self._truth <= high)).all()) for low, high in self._boxes[1:]]
-        return Stages(
-            founders=_mean([self._leads_there(u) for u in rng.permutation(self._founders)[:SAMPLE]]),
-            mature=_mean([self._leads_there(u) for u in rng.permutation(self._mature)[:SAMPLE]]),
-            heads=_mean([self._leads_there(u) for u in self._heads]),
-            from_basin=_mean(begun),
-            arrived=_mean(ended[begun]),
-            elsewhere=_mean(ended[~begun]),
-            held=_mean(held),
-        )
-
-    def _leads_there(self, u: Real) -> bool:
-        inside = np.clip(u, 1e-9, 1 - 1e-9)  # as scipy's method wants its starts
-        end = least_squares(
-            lambda v: self._vector(v)[0], inside, jac=lambda v: self._vector(v)[1], bounds=(0, 1), x_scale="jac"
-        )
-        return self._is_there(end.x)
-
-    def _is_there(self, u: Real) -> bool:
-        return bool(np.abs(np.expm1((u - self._truth) * self._widths)).max() <= EXACT)
-
-
 def _errors(x: Real, truth: Real, known: NDArray[np.bool_]) -> Real:
     return np.abs(x / truth - 1)[:, known].max(axis=1, initial=0.0)
 
@@ -258,16 +182,19 @@ def _row(runs: list[Run]) -> dict[str, float | None]:
     }
 
 
-def _mean(values: Sequence[float] | NDArray[Any]) -> float:
-    """Return the mean of those that are numbers, NaN if there is none."""
-    numbers = np.asarray(values, dtype=np.float64)
-    numbers = numbers[np.isfinite(numbers)]
-    return float(numbers.mean()) if len(numbers) else float("nan")
-
-
 def _known(value: float) -> float | None:
     return value if np.isfinite(value) else None
 
 
 def _printed(value: float | None, form: str) -> str:
     return "-" if value is None else format(value, form)
+
+
+def _bounds(share: float, runs: int) -> str:
+    """Return the 95 % confidence bounds of a share of runs, Clopper and Pearson's.
+
+    >>> _bounds(0.5, 20)
+    '27 to 73%'
+    """
+    bounds = binomtest(round(share * runs), runs).proportion_ci(0.95, method="exact")
+    return f"{100 * bounds.low:.0f} to {bounds.high:.0%}"

@@ -77,8 +77,13 @@ def noisy(draw: int | None) -> Amplitudes:
     """Return the amplitudes with the noise of a draw; None: without."""
     amplitude = np.abs(oracle_response())
     if draw is not None:
-        amplitude = amplitude * (1 + NOISE * np.random.default_rng([8, draw]).standard_normal(amplitude.shape))
+        amplitude = amplitude * factors(draw)
     return Amplitudes(steady(), amplitude)
+
+
+def factors(draw: int) -> Real:
+    """Return the factors (speed, probe) that make a draw of the noise."""
+    return 1 + NOISE * np.random.default_rng([8, draw]).standard_normal(oracle_response().shape)
 
 
 def _run(job: tuple[ObjectiveName, int, int, bool]) -> Run:
