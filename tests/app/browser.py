@@ -107,6 +107,7 @@ def browser(profile: Path) -> Iterator[Tab]:
     from_read, from_write = os.pipe()
     words = [str(CHROMIUM), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"]
     words += ["--disable-background-networking", "--disable-component-update", "--disable-extensions"]
+    words += ["--hide-scrollbars"]  # which go when a picture is taken, and the page moves
     words += [f"--user-data-dir={profile}", "--remote-debugging-pipe", "about:blank"]
     # a shell puts the ends where Chromium looks for them; the numbers they have here may be any
     shell = f'exec "$@" {TO_BROWSER}<&{to_read} {FROM_BROWSER}>&{from_write}'

@@ -14,13 +14,14 @@ KEPT = json.loads(FIGURES.read_text(encoding="utf-8"))
 
 def test_every_fault_has_its_row_and_every_effect_its_figure() -> None:
     assert set(MECHANISMS) == set(fault_names())
-    assert set(KEPT) == set(ANSWERS) == {name for name, m in MECHANISMS.items() if m.effect}
+    assert set(ANSWERS) == {name for name, m in MECHANISMS.items() if m.effect}
+    assert set(KEPT) == set(ANSWERS), "python -m docs.make_plant_differences NAME measures it"
 
 
 FLOOR = 5e-4  # by which two models of the healthy rotor alone are apart, as the definitions show
 
 
-@pytest.mark.parametrize("name", [name for name, m in MECHANISMS.items() if m.effect and not m.is_definition])
+@pytest.mark.parametrize("name", [name for name, m in MECHANISMS.items() if name in KEPT and not m.is_definition])
 def test_mechanisms_that_differ_show_it_and_each_effect_is_still_of_its_fault(name: str) -> None:
     assert FLOOR < KEPT[name] < 1.0
 
@@ -36,6 +37,6 @@ def test_a_figure_is_that_of_the_code() -> None:
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize("name", sorted(set(ANSWERS) - {"crack", "rub"}))  # which take minutes
+@pytest.mark.parametrize("name", sorted(set(KEPT) - {"crack", "rub"}))  # which take minutes
 def test_all_figures_are_those_of_the_code(name: str) -> None:
     assert difference(name) == pytest.approx(KEPT[name], rel=0.1, abs=1e-3)

@@ -9,6 +9,7 @@ from docs.config_reference import default_of, taken_by
 from docs.make_docs import DOCS, pages
 from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.config.devices import ModbusRtu
+from rotorrig.rig.config.drive_profiles import profile_names
 from rotorrig.rig.config.nameplate import Disk, Probe
 from rotorrig.rig.config.validation import validate_table
 from tests.documents.pages import blocks, text_of
@@ -76,3 +77,10 @@ def _section(heading: str) -> str:
 def _rk4() -> str:
     text = text_of("configs/rk4.toml")
     return text[: text.index("[prior]")]
+
+
+def test_every_drive_stands_in_the_example_of_its_page() -> None:
+    text = (DOCS / "motors.md").read_text(encoding="utf-8")
+    named = re.search(r"^profile = .* # (.*)$", text, re.MULTILINE)
+    assert named is not None
+    assert tuple(named[1].split(", ")) == profile_names()

@@ -19,6 +19,8 @@ SHOWN = {
     "s": ("µs", 1e6),
     "": ("", 1.0),
 }
+#: what is larger than the usual, in SI: from where on, and in which unit
+LARGER = {"s": (0.1, ("s", 1.0)), "m": (5e-3, ("mm", 1e3))}
 #: meaning of an estimate's short name
 LONG = {
     "kxx": "stiffness, horizontal",
@@ -53,9 +55,9 @@ def quantity_text(value: float, unit: str) -> str:
     >>> quantity_text(33912.7, "N/m"), quantity_text(1.5e-5, "kg m"), quantity_text(math.nan, "N/m")
     ('33.91 kN/m', '15 g mm', '–')
     """
-    name, factor = SHOWN.get(unit, (unit, 1.0))
     if not math.isfinite(value):
         return "–"
+    name, factor = _display_unit(unit, value)
     gap = "" if name in ("", "°") else " "
     return f"{_round(value * factor, math.nan)}{gap}{name}"
 
@@ -74,12 +76,20 @@ def quantity_with_sigma(value: float, sigma: float, unit: str) -> str:
 
     >>> quantity_with_sigma(1.8e-5, 3e-7, "m"), quantity_with_sigma(-0.5, math.inf, "rad")
     ('18.00 ± 0.30 µm', '-28.65°')
+    >>> quantity_with_sigma(22.51981, 1.4e-5, "s"), quantity_with_sigma(-4e-3, 1.6e-2, "m")
+    ('22.519810 ± 0.000014 s', '-4 ± 16 mm')
     """
     if not (math.isfinite(sigma) and sigma > 0):
         return quantity_text(value, unit)
-    name, factor = SHOWN.get(unit, (unit, 1.0))
+    name, factor = _display_unit(unit, max(abs(value), sigma))
     gap = "" if name == "°" else " "
     return f"{_round(value * factor, sigma * factor)} ± {_round(sigma * factor, sigma * factor)}{gap}{name}".rstrip()
+
+
+def _display_unit(unit: str, size: float) -> tuple[str, float]:
+    """Return the unit in which a quantity of this size [SI] is shown, and the factor to it."""
+    least, larger = LARGER.get(unit, (math.inf, (unit, 1.0)))
+    return larger if abs(size) >= least else SHOWN.get(unit, (unit, 1.0))
 
 
 def interval_text(estimate: Estimate, *, unit: bool = True) -> str:
