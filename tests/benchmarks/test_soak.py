@@ -250,7 +250,8 @@ def test_page_and_text_say_what_was_wrong() -> None:
 
 
 def test_kept_results_can_be_read_and_name_no_place_of_the_machine() -> None:
+    runs = kept()
     for path in FOLDER.glob("*.jsonl"):
         for line in path.read_text(encoding="utf-8").splitlines():
             assert "/tmp/" not in line
-            assert json.loads(line)["run"] in kept()
+            assert json.loads(line)["run"] in runs

@@ -1,5 +1,6 @@
 """A program that turns a rotor through a guardian, for tests that kill it: arguments are port, log and patience."""
 
+import signal
 import sys
 import time
 from pathlib import Path
@@ -15,6 +16,7 @@ SPEED, RAMP = 60.0, 100.0  # rad/s, rad/s^2
 
 def main() -> None:
     """Send it to speed and process samples for ever."""
+    signal.signal(signal.SIGQUIT, signal.SIG_DFL)  # a shell that runs the tests in the background has it ignored
     port, log, patience = sys.argv[1:]
     control = make_control(port, Path(log), patience=float(patience))
     control.open()
