@@ -128,6 +128,7 @@ def test_the_measured_run_up_is_imported_fitted_and_shown_to_fit_poorly(
     assert "not determined by this data" in page
 
 
+@pytest.mark.campaign
 def test_intervals_come_from_the_profile_or_the_bootstrap_when_asked(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, rig_config: RigConfig
 ) -> None:

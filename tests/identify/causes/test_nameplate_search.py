@@ -92,7 +92,12 @@ def test_a_pedestal_of_any_frequency_is_found_under_any_rotor(rig_config: RigCon
 
 
 @pytest.mark.parametrize(
-    ("form", "cause"), [("one disk", "clearance"), ("one disk", "cubic_spring"), ("two disks", "cubic_spring")]
+    ("form", "cause"),
+    [
+        pytest.param("one disk", "clearance", marks=pytest.mark.campaign),
+        ("one disk", "cubic_spring"),
+        ("two disks", "cubic_spring"),
+    ],
 )
 def test_a_force_law_of_any_size_is_found(rig_config: RigConfig, form: str, cause: str) -> None:
     rig = drawn_rig(form)
