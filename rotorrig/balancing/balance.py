@@ -74,12 +74,7 @@ def balance(
     if not planes:
         raise DataError("no run has a trial mass and there is no fit, want one of them to balance by")
     influences = _influences(responses, conditions, planes, identification, task)
-    corrections = [least_squares_correction(influence) for influence in influences]
-    apart = float("nan")
-    if len(corrections) == 2:
-        apart = disagreement(*corrections)
-        if apart <= 1:
-            corrections.append(combine(*corrections))
+    corrections, apart = _correct(influences)
     chosen = corrections[-1] if apart <= 1 else corrections[0]
     determinacy = judge_determinacy(influences[0], chosen)
     left_out = determinacy.alike and not determinacy.needed
@@ -88,7 +83,7 @@ def balance(
     least_max = min_max_correction(influences[0].z, influences[0].H, chosen.W) if task.min_max else None
     placing = _place(influences[0], chosen, determinacy, task, left_out=left_out) if task.holes else None
     mounted = placing.W if placing else least_max if least_max is not None else chosen.W
-    mounted = _stated(after, planes, mounted)
+    mounted = _read_masses(after, planes, mounted)
     prediction = predict_vibration(influences[0], mounted)
     residual = np.abs(mounted - chosen.W) + chosen.reach
     return Balance(
@@ -96,7 +91,7 @@ def balance(
         conditions=conditions.names if influences[0].conditions else (),
         dof=influences[0].dof,
         compensated=conditions.compensated,
-        corrections=tuple(corrections),
+        corrections=corrections,
         disagreement=apart,
         chosen=chosen,
         determinacy=determinacy,
@@ -120,17 +115,26 @@ def _influences(
     task: Task,
 ) -> list[Influence]:
     """Return the influence coefficients, where the trial masses give them, and the model's, where there is a fit."""
-    found = []
+    influences = []
     repeatability = responses[0].rig.prior.repeatability
     try:
-        found.append(estimate_influence(conditions, planes=planes, repeatability=repeatability))
+        influences.append(estimate_influence(conditions, planes=planes, repeatability=repeatability))
     except DataError:
         if identification is None:
             raise
     if identification is not None:
         model = influence_of_fit(identification, responses, planes=planes)
-        found.append(_within(model, task.bands))
-    return found
+        influences.append(_within(model, task.bands))
+    return influences
+
+
+def _correct(influences: Sequence[Influence]) -> tuple[tuple[Correction, ...], float]:
+    """Return the correction of each, last that of both where they agree, and how far two are apart (above 1: not)."""
+    corrections = tuple(least_squares_correction(influence) for influence in influences)
+    if len(corrections) < 2:
+        return corrections, float("nan")
+    apart = disagreement(*corrections)
+    return (*corrections, combine(*corrections)) if apart <= 1 else corrections, apart
 
 
 def _within(influence: Influence, bands: Sequence[tuple[float, float]]) -> Influence:
@@ -158,7 +162,7 @@ def _place(
     return place_masses(chosen.W, H, [task.holes[plane] for plane in influence.planes], z=z)
 
 
-def _stated(after: OrderTrackedResponse | None, planes: tuple[str, ...], mounted: Complex) -> Complex:
+def _read_masses(after: OrderTrackedResponse | None, planes: tuple[str, ...], mounted: Complex) -> Complex:
     """Return the masses that a run after balancing says it had; `mounted` if it says nothing.
 
     Raises DataError if it had one on another plane.
