@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
+from benchmarks.parts.blind.records import source_version
 from benchmarks.parts.blind.run import record
 from rotorrig.identify import diagnose, identify
 from rotorrig.identify.adequacy import ADEQUACY
@@ -136,7 +137,7 @@ def page(summary: dict[str, Any]) -> str:
             "damping, unbalance, modulus, mass, probe gains and angles, run-out and noise, half of them with what no",
             "nameplate speaks of as well (docs/plant.md): the coupling's stiffness, ripple of the supply, drift with",
             "temperature, noise and damping that change with speed. One recording each,",
-            f"seeds {first} to {first + n - 1}:",
+            f"seeds {first} to {first + n - 1}, sources {source_version()}:",
             "",
             *table,
             "",

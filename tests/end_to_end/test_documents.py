@@ -35,7 +35,10 @@ from tests.documents.pages import ROOT, blocks, commands, text_of
 DOCUMENTS = ("README.md", "docs/your-data.md", "docs/tutorial.md")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 #: which effects a recording just shows or does not depends on its noise, and no two simulated sweeps have the same
-NOISY = re.compile(r"Causes tried, best first.*?(?=At their)|At their typical size this data would not show:[^.]*\.")
+NOISY = re.compile(
+    r"Causes tried, best first.*?(?=At their)|At their typical size this data would not show:[^.]*\.|"
+    r"Pulled in the config, by group.*σ \([^)]*\)|The fit pulls at nothing the config states by more than 2 sigma\."
+)  # on either side of a limit, as the sweep went
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
