@@ -92,6 +92,7 @@ def _viewer(file: Path) -> Iterator[tuple[Sink, list[float]]]:
         port = urlsplit(str(address)).port
         threading.Thread(target=_relay, args=(server, port, arrivals), daemon=True).start()
         yield Sink(targets=(proxy(server.getsockname()[1]), file)), arrivals
+        server.shutdown(socket.SHUT_RDWR)  # a close alone would not wake who waits for a connection
 
 
 def _relay(server: socket.socket, port: int, arrivals: list[float]) -> None:
@@ -99,9 +100,16 @@ def _relay(server: socket.socket, port: int, arrivals: list[float]) -> None:
     with suppress(OSError):  # the server was closed: the end
         while True:
             near, _ = server.accept()
-            far = socket.create_connection((LOOPBACK, port))
-            threading.Thread(target=_pass_on, args=(near, far, arrivals), daemon=True).start()
-            threading.Thread(target=_pass_on, args=(far, near, None), daemon=True).start()
+            threading.Thread(target=_carry, args=(near, port, arrivals), daemon=True).start()
+
+
+def _carry(near: socket.socket, port: int, arrivals: list[float]) -> None:
+    """Carry one connection both ways until both ends have hung up."""
+    with suppress(OSError), near, socket.create_connection((LOOPBACK, port)) as far:
+        back = threading.Thread(target=_pass_on, args=(far, near, None), daemon=True)
+        back.start()
+        _pass_on(near, far, arrivals)
+        back.join()
 
 
 def _pass_on(source: socket.socket, target: socket.socket, arrivals: list[float] | None) -> None:
@@ -110,6 +118,7 @@ def _pass_on(source: socket.socket, target: socket.socket, arrivals: list[float]
             target.sendall(data)
             if arrivals is not None:
                 arrivals.append(time.time())
+    with suppress(OSError):
         target.shutdown(socket.SHUT_WR)
 
 
