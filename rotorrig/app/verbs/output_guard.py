@@ -88,7 +88,7 @@ def _inputs(values: Iterator[Any]) -> Iterator[Path]:
 def _check_folder(folder: Path, path: Path) -> None:
     """Raise DataError unless a file can be made in the folder of an output."""
     try:
-        made = provisional_path(folder / path.name)
+        made = provisional_path(folder / (path.name or "output"))  # "." and "/" have no name
         made.touch(exist_ok=False)
         made.unlink()
         free = shutil.disk_usage(folder).free

@@ -218,6 +218,21 @@ def test_only_a_regular_file_is_written(verb: str, argument: str, thing: str, re
 
 
 @every_output
+@pytest.mark.parametrize("folder", [".", "..", "/"])
+def test_a_folder_without_a_name_of_its_own_is_no_file(
+    verb: str, argument: str, folder: str, refused: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = tmp_path / "here"
+    place.mkdir()
+    monkeypatch.chdir(place)
+    if verb == "demo":  # which writes its files into it
+        check(verb, argument, Path(folder), force=False)
+    else:
+        wrong = "ends in ''" if verb == "export" else "is a folder, want a regular file"  # whose suffix says the format
+        assert f"{folder}: {wrong}" in refused(verb, argument, Path(folder), "--force")
+
+
+@every_output
 def test_a_place_that_cannot_be_written_is_noticed_before_the_work(
     verb: str, argument: str, refused: Any, tmp_path: Path
 ) -> None:
