@@ -23,6 +23,8 @@ _TURNING = re.compile(r"(?i)still (be )?turning|\bunknown\b|not at rest|keeps tu
 _REST = re.compile(r"(?i)\bat rest\b|\bat a standstill\b|rotor (was|is|has) (been )?stopped|stands still")
 _GUARDIAN_WRITES = (".json", ".jsonl", ".txt", ".log")  # beside the recording
 _LAST_WORDS = 300  # characters of it
+REFUSED = "still holds its link"
+WRONG = ("said_stopped_turning", "gone_turning", "tracebacks", "samples_lost", "contradiction", "killed", "refused")
 HANGS = "SIGSTOP for 3 s"
 _ENDS_STREAM = {"DAQ silent", "DAQ late", "DAQ restarts"}  # a sweep may take no samples after these
 
@@ -50,6 +52,7 @@ class Verdict:
     contradiction: bool = False
     left: bool = False
     killed: bool = False
+    refused: bool = False  # the link was another sweep's: nothing was tested
     guardian_stop_ms: float | None = None  # from the program's death to the first stop at the drive
     first_stop_s: float | None = None  # from the first fault to the first stop at the drive
     stop_s: float | None = None  # from the first fault to rest
@@ -64,8 +67,7 @@ class Verdict:
     @property
     def wrong(self) -> list[str]:
         """Names of what must not be."""
-        names = ("said_stopped_turning", "gone_turning", "tracebacks", "samples_lost", "contradiction", "killed")
-        return [name for name in names if getattr(self, name)]
+        return [name for name in WRONG if getattr(self, name)]
 
 
 def judge(seen: Seen, peer: Peer, folder: Path) -> Verdict:
@@ -83,6 +85,7 @@ def judge(seen: Seen, peer: Peer, folder: Path) -> Verdict:
         tracebacks=sum("Traceback (most recent call last)" in line.text for line in seen.lines),
         left=seen.left is not None,
         killed=seen.killed,
+        refused=any(REFUSED in line.text for line in seen.lines),
         seconds=round(seen.ended - seen.began, 1),
         cpu_s=round(seen.cpu, 1),
         peer_cpu_s=round(seen.peer_cpu, 1),

@@ -247,9 +247,8 @@ class Guardian:
     def _end_service(self) -> None:
         """Be asked nothing more; done once, as another guardian of this link may serve under the same name then."""
         if self._server is not None:
-            self._server.close()
+            registry.end_service(self._server)
             self._server = None
-            registry.end_service(self._table)
 
     def _write(self, text: str) -> None:
         """Write a line of what was done beside the recording; where that is impossible, into the temporary folder."""

@@ -30,9 +30,14 @@ def address_of(table: Motor) -> Path:
     if folder.is_symlink() or folder.stat().st_uid != os.getuid():
         raise LinkLost(f"motor: {folder} is not this user's own folder, want it away: guardians are asked there")
     names = {key: str(value) for key, value in table.model_dump().items() if key in PLACE}
-    if "port" in names and names["port"].startswith("/"):
-        names["port"] = os.path.realpath(names["port"])
+    for key in ("port", "channel"):
+        if _is_path(names.get(key, "")):
+            names[key] = os.path.realpath(names[key])  # one port under several names, or one name in several folders
     return folder / (hashlib.sha256(json.dumps(names, sort_keys=True).encode()).hexdigest()[:16] + ".sock")
+
+
+def _is_path(name: str) -> bool:
+    return "/" in name and "://" not in name
 
 
 def guardian_log(table: Motor) -> Path:
@@ -65,7 +70,9 @@ def serve(table: Motor) -> socket.socket:
     return server
 
 
-def end_service(table: Motor) -> None:
-    """Remove the socket."""
+def end_service(server: socket.socket) -> None:
+    """Close the socket and remove it by the name it was given: an unplugged port may go by another since."""
+    path = Path(server.getsockname())
+    server.close()
     with contextlib.suppress(OSError):
-        address_of(table).unlink()
+        path.unlink()

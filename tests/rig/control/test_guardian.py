@@ -329,3 +329,35 @@ def test_whatever_the_environment_says_guardians_are_asked_in_one_place_of_the_u
     (tmp_path / f"rotorrig-{os.getuid()}").symlink_to("/tmp")
     with pytest.raises(LinkLost, match="not this user's own folder"):
         ask_guardian(table, "state")
+
+
+def test_a_link_is_known_by_its_port_whatever_name_and_folder_it_is_called_from(
+    drive: LineDrive, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    table = Sweep(drive, tmp_path / "log").control._table
+    here, there = tmp_path / "here", tmp_path / "there"
+    for folder in (here, there):
+        folder.mkdir()
+        (folder / "real").touch()
+        (folder / "motor").symlink_to("real")
+
+    def address(port: str) -> Path:
+        return registry.address_of(table.model_copy(update={"port": port}))
+
+    monkeypatch.chdir(here)
+    found = address("./motor")
+    assert found == address(f"{here}/motor") == address("../here/real")
+    monkeypatch.chdir(there)
+    assert address("./motor") != found  # two benches, each with a "motor" of its own
+
+
+def test_a_guardian_ends_its_service_though_its_port_has_another_name_by_then(drive: LineDrive, tmp_path: Path) -> None:
+    name = tmp_path / "motor"
+    name.symlink_to(drive.port)
+    table = Sweep(drive, tmp_path / "log").control._table.model_copy(update={"port": str(name)})
+    place = registry.address_of(table)
+    server = registry.serve(table)
+    name.unlink()  # unplugged
+    assert registry.address_of(table) != place
+    registry.end_service(server)
+    assert not place.exists()
