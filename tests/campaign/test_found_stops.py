@@ -5,7 +5,7 @@ import pytest
 from benchmarks.parts.soak.cases import CASES
 from benchmarks.parts.soak.judge import judge
 from benchmarks.parts.soak.run import run
-from tests.peers.wanted import Wanted, ended_at_rest, left, stopped, within
+from tests.campaign.wanted import Wanted, ended_at_rest, left, stopped, within
 
 WANTED: dict[str, Wanted] = {
     "one supply": lambda verdict: verdict.status != 0,

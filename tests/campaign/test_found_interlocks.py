@@ -5,8 +5,8 @@ import pytest
 from benchmarks.parts.soak.cases import CASES
 from benchmarks.parts.soak.judge import judge
 from benchmarks.parts.soak.run import run
-from tests.peers.test_found_stops import WANTED as STOPS
-from tests.peers.wanted import Wanted, obeyed_within, stopped, within
+from tests.campaign.test_found_stops import WANTED as STOPS
+from tests.campaign.wanted import Wanted, obeyed_within, stopped, within
 
 WANTED: dict[str, Wanted] = {
     "lost frames and keyphasor": within(4.0),
