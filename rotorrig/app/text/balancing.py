@@ -154,7 +154,12 @@ def _alike_sentence(balance: Balance) -> str:
 
 
 def _amount_text(combination: Combination) -> str:
-    return f"{abs(combination.amount) * GMM:.3g} ± {combination.sigma * GMM:.2g} g mm (1 sigma)"
+    return f"{_digits(abs(combination.amount) * GMM)} ± {_digits(combination.sigma * GMM, 2)} g mm (1 sigma)"
+
+
+def _digits(value: float, digits: int = 3) -> str:
+    """Return a number with so many significant digits; 1230, not 1.23e+03."""
+    return f"{float(f'{value:.{digits}g}'):g}"
 
 
 def _combination_text(combination: Combination, planes: tuple[str, ...]) -> str:
@@ -182,9 +187,9 @@ def highest_rows(prediction: Prediction) -> list[Highest]:
             rows.append(
                 Highest(
                     probe=name,
-                    before=f"{before[b] * UM:.3g} at {prediction.omega[b] * RPM:.0f} rpm",
-                    after=f"{after[a] * UM:.3g} at {prediction.omega[a] * RPM:.0f} rpm",
-                    band=f"{low[a] * UM:.2g} to {high[a] * UM:.2g}",
+                    before=f"{_digits(before[b] * UM)} at {prediction.omega[b] * RPM:.0f} rpm",
+                    after=f"{_digits(after[a] * UM)} at {prediction.omega[a] * RPM:.0f} rpm",
+                    band=f"{_digits(low[a] * UM)} to {_digits(high[a] * UM)}",
                 )
             )
     return rows
