@@ -2,6 +2,7 @@
 
 from rotorrig.app.report.html import Section, items, paragraph, section, table
 from rotorrig.app.text import (
+    CAUSES_TITLE,
     NOTHING_PULLED,
     cause_evidence,
     cause_prediction_error,
@@ -76,7 +77,7 @@ def _causes_table(diagnosis: Diagnosis) -> str:
     note = f"{more} more were tried and explain less of the residual." if more else ""
     return "".join(
         [
-            table("Causes tried, best first", header, rows, marked=chosen, mark="chosen"),
+            table(CAUSES_TITLE, header, rows, marked=chosen, mark="chosen"),
             paragraph(_LEGEND, note),
             *map(paragraph, tie_sentences(diagnosis)),
             paragraph(_next(diagnosis)),
@@ -98,7 +99,8 @@ _PULL_LEGEND = (
 )
 _BIASED = "The residual is not explained: its cause may pull at the config as well."
 _LEGEND = (
-    "Evidence is the gain in the Bayesian information criterion (BIC), above 0 in favour. The error on unseen data is "
+    "Evidence is the gain in the Bayesian information criterion (BIC), above 0 in favour, beside what was in the model "
+    "when the cause was tried: the next one of two has less left to explain. The error on unseen data is "
     "the RMS prediction error of data the fit did not use, without → with the cause. ≥: the fit was stopped early, far "
     "behind the best."
 )

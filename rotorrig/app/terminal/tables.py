@@ -7,6 +7,7 @@ from rich import box
 from rich.table import Table
 
 from rotorrig.app.text import (
+    CAUSES_TITLE,
     SHOWN,
     bearing_coefficients,
     cause_evidence,
@@ -65,7 +66,7 @@ def search_table(fit: Fit) -> Table:
 
 def causes_table(diagnosis: Diagnosis) -> Table:
     """Return a table of the causes tried: size, evidence, cross-validation and status."""
-    table = Table(title="Causes tried, best first", box=box.SIMPLE_HEAD, title_justify="left")
+    table = Table(title=CAUSES_TITLE, box=box.SIMPLE_HEAD, title_justify="left")
     for heading in ("cause", "size", "evidence", "error on\nunseen data", ""):
         table.add_column(heading, justify="right" if heading == "evidence" else "left")
     for cause in causes_to_list(diagnosis):

@@ -9,6 +9,7 @@ from .balancing import hole_lines as hole_lines
 from .balancing import known_sentences as known_sentences
 from .balancing import mass_text as mass_text
 from .balancing import mounted_sentence as mounted_sentence
+from .causes import CAUSES_TITLE as CAUSES_TITLE
 from .causes import cause_evidence as cause_evidence
 from .causes import cause_prediction_error as cause_prediction_error
 from .causes import cause_size as cause_size
@@ -46,6 +47,7 @@ from .tracking import tracking_facts as tracking_facts
 from .tracking import tracking_line as tracking_line
 
 __all__ = [
+    "CAUSES_TITLE",
     "CONVENTION",
     "NOTHING_PULLED",
     "SHOWN",

@@ -10,6 +10,7 @@ from rotorrig.identify.verdict import VERDICT, Cause, HiddenEffect
 from rotorrig.rig.config import UM
 
 LISTED = 8  # causes in a table
+CAUSES_TITLE = "Causes tried: in the model first, then by evidence"
 
 
 def causes_to_list(diagnosis: Diagnosis) -> tuple[Cause, ...]:
