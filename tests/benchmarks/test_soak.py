@@ -149,6 +149,12 @@ def test_a_rotor_that_nothing_can_stop_may_be_left_by_the_operator_alone(tmp_pat
     assert judged(tmp_path, "MAY STILL BE TURNING", speeds=FOREVER, left=8.0).wrong == []
 
 
+def test_a_run_in_which_no_sample_was_taken_proves_nothing_and_is_wrong(tmp_path: Path) -> None:
+    verdict = judged(tmp_path, "error: motor: its link is another sweep's", began=math.nan, speeds=((0.0, 0.0),))
+    assert verdict.wrong == ["untested"]
+    assert summary([verdict])["untested"] == 1
+
+
 def test_a_killed_program_is_gone_if_nobody_stops_the_rotor_and_the_guardian_is_timed(tmp_path: Path) -> None:
     killed = {"faults": {"kill -9": 3.0}, "status": -9, "ended": 5.0}
     assert judged(tmp_path, "", speeds=FOREVER, **killed).wrong == ["gone_turning"]

@@ -23,8 +23,7 @@ _TURNING = re.compile(r"(?i)still (be )?turning|\bunknown\b|not at rest|keeps tu
 _REST = re.compile(r"(?i)\bat rest\b|\bat a standstill\b|rotor (was|is|has) (been )?stopped|stands still")
 _GUARDIAN_WRITES = (".json", ".jsonl", ".txt", ".log")  # beside the recording
 _LAST_WORDS = 300  # characters of it
-REFUSED = "still holds its link"
-WRONG = ("said_stopped_turning", "gone_turning", "tracebacks", "samples_lost", "contradiction", "killed", "refused")
+WRONG = ("said_stopped_turning", "gone_turning", "tracebacks", "samples_lost", "contradiction", "killed", "untested")
 HANGS = "SIGSTOP for 3 s"
 _ENDS_STREAM = {"DAQ silent", "DAQ late", "DAQ restarts"}  # a sweep may take no samples after these
 
@@ -52,7 +51,7 @@ class Verdict:
     contradiction: bool = False
     left: bool = False
     killed: bool = False
-    refused: bool = False  # the link was another sweep's: nothing was tested
+    untested: bool = False  # the sweep never took a sample, whatever kept it from that
     guardian_stop_ms: float | None = None  # from the program's death to the first stop at the drive
     first_stop_s: float | None = None  # from the first fault to the first stop at the drive
     stop_s: float | None = None  # from the first fault to rest
@@ -85,14 +84,13 @@ def judge(seen: Seen, peer: Peer, folder: Path) -> Verdict:
         tracebacks=sum("Traceback (most recent call last)" in line.text for line in seen.lines),
         left=seen.left is not None,
         killed=seen.killed,
-        refused=any(REFUSED in line.text for line in seen.lines),
         seconds=round(seen.ended - seen.began, 1),
         cpu_s=round(seen.cpu, 1),
         peer_cpu_s=round(seen.peer_cpu, 1),
         crowded=round(seen.crowded, 2),
     )
     if math.isnan(seen.began):
-        verdict.notes.append("the stream was never started")
+        verdict.untested = True
         verdict.seconds = 0.0
         return verdict
     recordings = list(_recordings(folder))

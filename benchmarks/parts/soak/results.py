@@ -75,7 +75,7 @@ def summary(verdicts: Iterable[Verdict]) -> dict[str, Any]:
         "samples_lost": sum(verdict.samples_lost for verdict in counted),
         "contradictions": sum(verdict.contradiction for verdict in counted),
         "killed": sum(verdict.killed for verdict in counted),
-        "refused": sum(verdict.refused for verdict in counted),
+        "untested": sum(verdict.untested for verdict in counted),
         "guardian_stop_ms_p99": stops[math.ceil(GUARDIAN_PERCENTILE * len(stops)) - 1] if stops else None,
         "cpu_s_per_run": round(sum(v.cpu_s + v.peer_cpu_s for v in counted) / max(1, len(counted)), 1),
     }
