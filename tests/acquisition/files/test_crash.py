@@ -4,6 +4,7 @@ import resource
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -124,17 +125,23 @@ def test_a_disk_that_fills_up_holds_a_valid_file_of_what_went_onto_it(tmp_path: 
 def test_a_file_whose_end_cannot_be_written_any_more_stays_to_be_salvaged(tmp_path: Path) -> None:
     """A quota that is below the file's size already: not even the room of its last second can be had again."""
     path, saved = tmp_path / "run.mcap", tmp_path / "saved.mcap"
-    child = subprocess.Popen(writing(CONFIG, path), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert child.stdout
-    while int(child.stdout.readline()) < 100:
-        pass
-    resource.prlimit(child.pid, resource.RLIMIT_FSIZE, (1000, resource.RLIM_INFINITY))
-    rest, complaint = child.communicate(timeout=30)
+    with subprocess.Popen(writing(CONFIG, path), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+        assert child.stdout and child.stderr
+        last = 0
+        while last < 100:
+            last = int(child.stdout.readline())
+        resource.prlimit(child.pid, resource.RLIMIT_FSIZE, (1000, resource.RLIM_INFINITY))
+        patience = threading.Timer(30, child.kill)
+        patience.start()
+        for line in child.stdout:  # to the last: `communicate` would leave out what was read ahead
+            last = int(line)
+        complaint = child.stderr.read()
+        patience.cancel()
     assert complaint.count("\n") == 1
     assert "run.mcap.part --out saved.mcap` saves what run.mcap.part holds" in complaint
     result = salvage(path.with_name("run.mcap.part"), saved)
     cut = 0.4  # s, the four flushes that were given up for the room
-    assert (int(rest.split()[-1]) + 1 - result.blocks) * 0.02 <= cut + 0.25
+    assert (last + 1 - result.blocks) * 0.02 <= cut + 0.25
     assert as_written(read_recording(saved).blocks)
 
 
