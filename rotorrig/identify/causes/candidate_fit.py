@@ -86,6 +86,15 @@ def fit_candidate(
     return Candidate(problem=larger, polished=best, lam=lam, evidence=lam - cost)
 
 
+def finish(candidate: Candidate) -> Candidate:
+    """Fit a candidate that was given up to its end, from where it was left."""
+    problem = candidate.problem
+    fit = refit(problem, candidate.polished.p)
+    gained = candidate.polished.chi2 - fit.chi2
+    fit = replace(fit, jacobian=np.zeros((0, len(fit.p))))
+    return replace(candidate, polished=fit, lam=candidate.lam + gained, evidence=candidate.evidence + gained)
+
+
 def price(problem: ExtendedProblem, effect: Effect) -> float:
     """Return what BIC asks for the unknowns of an effect."""
     independent = sum(recording.measured[1].size for recording in problem.recordings) / ADEQUACY.stretch

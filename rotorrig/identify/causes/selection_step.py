@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.identify.causes.candidate_fit import Candidate, fit_candidate, plausible
+from rotorrig.identify.causes.candidate_fit import Candidate, finish, fit_candidate, plausible
 from rotorrig.identify.causes.nameplate_search import search_from_nameplate
 from rotorrig.identify.causes.pinned_nuisances import fit_with_pinned_nuisances, nuisances_biased
 from rotorrig.identify.causes.score_test import Score, scores
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.identify.least_squares import Solution
+from rotorrig.identify.least_squares import Solution, Stop
 from rotorrig.sims.effects import Effect
 
 
@@ -56,6 +56,8 @@ def try_candidates(
         laws = search_from_nameplate(problem, polished, candidates) if later else laws
         late = [s for s in _promising(laws if later else scored) if s not in promising]
         tried = _fit_all(problem, polished, plain, late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
+    if not any(_explains(candidate, excess) for candidate in tried):
+        tried = _finish_rivals(tried)
     progress(1.0)
     ranked = sorted(tried, key=lambda c: (not plausible(c), -c.evidence))
     return SelectionStep(before=polished, scores=(*scored, *laws), tried=tuple(ranked))
@@ -85,6 +87,16 @@ def _fit_all(
             _keep_better(tried, candidate)
         progress((i + 1) / len(scored))
     return tried
+
+
+def _finish_rivals(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Fit to its end what was given up not far behind the best.
+
+    What a full step promises says little in a narrow, bent valley: a fit that was given up by it may be the one that
+    explains what the best does not.
+    """
+    least = SELECTION.rival * max((c.lam for c in tried if plausible(c)), default=np.inf)
+    return [finish(c) if c.polished.stop is Stop.GIVEN_UP and c.lam > least else c for c in tried]
 
 
 def _keep_better(tried: list[Candidate], candidate: Candidate) -> None:

@@ -1,14 +1,21 @@
 """The fit of one candidate beside those a model has."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from rotorrig.identify.causes.candidate_fit import jacobian_at_zero
+from rotorrig.identify.causes.candidate_fit import fit_candidate, jacobian_at_zero
+from rotorrig.identify.causes.score_test import scores
+from rotorrig.identify.causes.selection_step import _finish_rivals
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.least_squares import Stop
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
+from tests.identify.swept import swept_response
 
 
 @pytest.mark.parametrize(
@@ -41,3 +48,25 @@ def test_beyond_bounds_or_without_the_jacobian_of_the_fit_none_is_known(
         p=before.p, covariance=before.covariance, jacobian=np.zeros((0, 0)), chi2=before.chi2, dof=before.dof
     )
     assert jacobian_at_zero(larger, kept_none, start) is None
+
+
+def test_what_was_given_up_near_the_best_is_fitted_to_the_end_that_it_would_have_had(
+    rig: RigConfig, hidden: np.ndarray
+) -> None:
+    effect = find(rig, "delay, probe 2y")
+    response = swept_response(rig, hidden=[(effect, {q.name: 1.5 * q.size for q in effect.parameters})])
+    problem = ExtendedProblem(ExtendedModel([Recording(response)]))
+    before = problem.solve(problem.parameters.start(hidden))
+    (score,) = scores(problem, before.p, [effect])
+    whole = fit_candidate(problem, before, None, score, leader=-np.inf)
+    left = fit_candidate(problem, before, None, score, leader=5 * score.lam)
+    assert whole is not None and left is not None
+    assert left.polished.stop is Stop.GIVEN_UP
+    assert whole.polished.stop is Stop.CONVERGED
+    far = replace(left, lam=0.4 * whole.lam)
+    same, done, still = _finish_rivals([whole, left, far])
+    assert same is whole and still is far
+    assert done.polished.stop is Stop.CONVERGED
+    assert done.polished.chi2 == pytest.approx(whole.polished.chi2, abs=1.0)
+    assert done.lam == pytest.approx(before.chi2 - done.polished.chi2)
+    assert done.evidence - done.lam == pytest.approx(whole.evidence - whole.lam)
