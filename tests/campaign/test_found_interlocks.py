@@ -31,5 +31,5 @@ def test_every_case_says_what_it_wants() -> None:
 @pytest.mark.parametrize("name", list(WANTED))
 def test_what_ran_on_untripped_once_does_not_again(name: str) -> None:
     verdict = run(CASES[name], judge)
-    assert verdict.wrong == []
+    assert verdict.wrong == [], verdict.last_line
     assert WANTED[name](verdict), verdict

@@ -27,5 +27,5 @@ WANTED: dict[str, Wanted] = {
 @pytest.mark.parametrize("name", list(WANTED))
 def test_a_stop_that_failed_once_does_not_fail_again(name: str) -> None:
     verdict = run(CASES[name], judge)
-    assert verdict.wrong == []
+    assert verdict.wrong == [], verdict.last_line
     assert WANTED[name](verdict), verdict

@@ -15,7 +15,7 @@ ALWAYS = "acs355-tcp"  # the others in `make test-all`
 )
 def test_a_healthy_sweep_is_finished_with_the_rotor_at_rest(controller: str) -> None:
     verdict = run(Case(set="singles", controller=controller, faults=()), judge)
-    assert verdict.wrong == []
+    assert verdict.wrong == [], verdict.last_line
     assert (verdict.status, verdict.rpm_at_end, verdict.left) == (0, 0.0, False)
     assert verdict.claims["recording"] == "rest"
     assert verdict.fastest_rpm == pytest.approx(1200.0, rel=0.01)

@@ -17,6 +17,7 @@ from rotorrig.rig.errors import LinkLost
 
 FOLDER = Path("/tmp")  # whatever the environment says: a shell, a service and a cron job have to find the same socket
 PATIENCE = 5.0  # s for an answer
+PSEUDO_TERMINALS = "/dev/pts/"
 PLACE = ("driver", "port", "host", "tcp_port", "address", "interface", "channel", "node")  # keys that name a link
 
 
@@ -32,8 +33,18 @@ def address_of(table: Motor) -> Path:
     names = {key: str(value) for key, value in table.model_dump().items() if key in PLACE}
     for key in ("port", "channel"):
         if _is_path(names.get(key, "")):
-            names[key] = os.path.realpath(names[key])  # one port under several names, or one name in several folders
+            names[key] = _port_of(names[key])
     return folder / (hashlib.sha256(json.dumps(names, sort_keys=True).encode()).hexdigest()[:16] + ".sock")
+
+
+def _port_of(name: str) -> str:
+    """Return one port's one name, from whichever folder and by whichever link it is called.
+
+    A pseudo-terminal keeps the name it is given: the next one that is opened gets the number of one that has gone,
+    whose guardian may still be there.
+    """
+    port = os.path.realpath(name)
+    return str(Path(name).absolute()) if port.startswith(PSEUDO_TERMINALS) else port
 
 
 def _is_path(name: str) -> bool:

@@ -351,9 +351,21 @@ def test_a_link_is_known_by_its_port_whatever_name_and_folder_it_is_called_from(
     assert address("./motor") != found  # two benches, each with a "motor" of its own
 
 
+def test_a_new_pseudo_terminal_with_the_number_of_one_that_has_gone_is_another_link(
+    drive: LineDrive, tmp_path: Path
+) -> None:
+    table = Sweep(drive, tmp_path / "log").control._table
+    places = set()
+    for name in ("this", "that"):
+        (tmp_path / name).symlink_to(drive.port)
+        places.add(registry.address_of(table.model_copy(update={"port": str(tmp_path / name)})))
+    assert len(places) == 2
+
+
 def test_a_guardian_ends_its_service_though_its_port_has_another_name_by_then(drive: LineDrive, tmp_path: Path) -> None:
     name = tmp_path / "motor"
-    name.symlink_to(drive.port)
+    (tmp_path / "ttyUSB0").touch()
+    name.symlink_to("ttyUSB0")
     table = Sweep(drive, tmp_path / "log").control._table.model_copy(update={"port": str(name)})
     place = registry.address_of(table)
     server = registry.serve(table)
