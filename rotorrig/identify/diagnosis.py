@@ -26,6 +26,7 @@ from rotorrig.identify.verdict import (
     HiddenEffect,
     NameplateSelection,
     NextRun,
+    Unseen,
     Verdict,
     conclude,
     conclude_with_nameplate,
@@ -33,6 +34,7 @@ from rotorrig.identify.verdict import (
     gain,
     hidden_effects,
     is_supported,
+    leave_out_idle,
     moving_speed,
     nameplate_ties,
     next_run,
@@ -109,13 +111,14 @@ def diagnose(
         base = base_fit.fit_base(recordings, config_effects(responses[0].rig), seed=seed)
         progress("causes", 0.1)
         found = select_beside_nameplate(base, known, lambda stage, share: progress(stage, 0.1 + 0.6 * share))
-        start, selection = found.start, found.selection
+        progress("unseen data", 0.7)
+        hidden = recordings_of([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
+        unseen = Unseen(found.start.problem, found.start.polished.p, holdout=hidden)
+        start, selection = found.start, leave_out_idle(found.selection, unseen)
         extended = start
         if selection.problem is not start.problem:
             extended = base_fit.assess_fit(selection.problem, selection.polished)
-        progress("unseen data", 0.7)
-        unseen = recordings_of([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
-        predictions = gain.predict_unseen(selection, holdout=unseen)
+        predictions = gain.predict_unseen(selection, unseen)
         if start.adequacy.adequate and not is_supported(selection, predictions):
             selection, extended = selection.without_causes(), start
         verdict = conclude(

@@ -229,8 +229,8 @@ def test_the_tutorial_shows_what_each_of_its_commands_prints(outcomes: Outcomes)
 
 
 def words_of(text: str) -> Counter[str]:
-    """Return the words of an output, whatever its numbers and wherever its lines are broken."""
-    return Counter(NUMBER.sub("0", NOISY.sub("", " ".join(text.split()))).split())
+    """Return the words of an output, whatever its numbers, its tables' widths and wherever its lines are broken."""
+    return Counter(NUMBER.sub("0", re.sub("─+", "─", NOISY.sub("", " ".join(text.split())))).split())
 
 
 @pytest.mark.campaign

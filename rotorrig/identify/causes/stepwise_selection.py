@@ -112,7 +112,7 @@ def _search_again(
         if len(leaving) == 1 and any(step.chose(leaving[0], beside=others) for step in steps):
             continue
         of_kind = [e for e in candidates if len(leaving) == 1 or e.name == leaving[0].name]
-        step = search(*_leave_out(problem, polished, leaving), of_kind)
+        step = search(*leave_out(problem, polished, leaving), of_kind)
         best = step.tried[0] if step.tried else None
         now = polished.chi2 + sum(price(problem, effect) for effect in leaving)
         if best is None or best.polished.chi2 + price(problem, best.effect) > now + SELECTION.as_good:
@@ -141,13 +141,13 @@ def _in_question(chosen: Sequence[Effect]) -> list[list[Effect]]:
 def _drop_idle(problem: ExtendedProblem, polished: Solution, *, kept: int) -> tuple[ExtendedProblem, Solution]:
     """Leave out every effect but the first `kept` and the last without which BIC does not rise by enough."""
     for effect in problem.effects[kept:-1]:
-        smaller, fit = _leave_out(problem, polished, [effect])
+        smaller, fit = leave_out(problem, polished, [effect])
         if fit.chi2 - polished.chi2 < price(problem, effect) + SELECTION.enough:
             return _drop_idle(smaller, fit, kept=kept)
     return problem, polished
 
 
-def _leave_out(
+def leave_out(
     problem: ExtendedProblem, polished: Solution, leaving: Sequence[Effect]
 ) -> tuple[ExtendedProblem, Solution]:
     """Refit the problem without some of its effects."""

@@ -1,7 +1,8 @@
 """Verdict of a diagnosis: causes named, tied or unexplained, cross-validated gain, separability, the next run."""
 
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
-from rotorrig.identify.verdict.gain import Gain, Shift
+from rotorrig.identify.verdict.cross_validation import Unseen
+from rotorrig.identify.verdict.gain import Gain, Shift, leave_out_idle
 from rotorrig.identify.verdict.nameplate import (
     NameplateSelection,
     conclude_with_nameplate,
@@ -33,12 +34,14 @@ __all__ = [
     "NextRun",
     "ParameterValue",
     "Shift",
+    "Unseen",
     "Verdict",
     "conclude",
     "conclude_with_nameplate",
     "effect_ties",
     "hidden_effects",
     "is_supported",
+    "leave_out_idle",
     "moving_speed",
     "nameplate_ties",
     "rank_causes",

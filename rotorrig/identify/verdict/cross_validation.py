@@ -1,5 +1,6 @@
 """Cross-validation: prediction of what a fit never saw, every third block of speeds in turn or a whole recording."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -38,6 +39,14 @@ class Prediction:
         """The error as a multiple of what a right model has."""
         return self.error / self.expected
 
+    def is_better_than(self, other: "Prediction") -> bool:
+        """Say whether it predicts the same data better than `other`, by more than the standard error of that.
+
+        At all orders, in standard deviations; blocks of neighbouring rows count as independent.
+        """
+        lower = other.blocks - self.blocks
+        return float(lower.sum()) > float(lower.std(ddof=1)) * math.sqrt(len(lower))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fold:
@@ -46,6 +55,23 @@ class Fold:
     shown: float  # chi2 of its rows, priors included
     errors: NDArray[np.float64]  # see `errors`
     blocks: NDArray[np.float64]  # (block,) see `block_errors`; 0 where nothing was hidden
+
+
+class Unseen:
+    """Data hidden from a fit, which models of the same recordings are to predict."""
+
+    def __init__(self, problem: ExtendedProblem, p: Reals, *, holdout: Recording | None = None) -> None:
+        """Hide `holdout`, or blocks of the problem's own recordings; `p` is the fit of the base."""
+        self.on = "the recording no fit saw" if holdout else "blocks of speeds in turn"
+        self._holdout = problem.on([holdout]).expecting_error(p).recordings if holdout else None
+        self._parts = None if holdout else folds_of(problem.recordings)
+
+    def predict(self, problem: ExtendedProblem, p: Reals, *, fits: PartFits | None = None) -> Prediction:
+        """Return how well a model predicts it; `p` is its fit to all rows, `fits` those begun there, if known."""
+        if self._holdout:
+            return measure_prediction(problem.on(self._holdout), p)
+        known = fits if fits and fits.are_of(problem, p) else None
+        return cross_validate(problem, p, parts=self._parts, fits=known)
 
 
 def cross_validate(

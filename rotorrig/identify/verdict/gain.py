@@ -1,23 +1,16 @@
 """Gain by the extended model: prediction of data no fit saw, and what the base parameters had absorbed."""
 
-import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rotorrig.identify.base_fit import AssessedFit
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.causes import Candidate, Selection, is_significant, plausible, price
-from rotorrig.identify.extended_model import ExtendedProblem, Recording
+from rotorrig.identify.causes import Candidate, Selection, is_significant, leave_out, plausible, price
+from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Stop
-from rotorrig.identify.verdict.cross_validation import (
-    Prediction,
-    cross_validate,
-    folds_of,
-    measure_prediction,
-    pool_folds,
-)
+from rotorrig.identify.verdict.cross_validation import Prediction, Unseen, pool_folds
 from rotorrig.identify.verdict.disjoint_parts import Agreement, agreement
 from rotorrig.identify.verdict.part_fits import PartFits
 from rotorrig.identify.verdict.settings import VERDICT
@@ -70,13 +63,9 @@ class Predictions:
         """True if the extended model predicts better than the base, by more than the standard error of that.
 
         So does the first cause if each fit chooses it by its own rows: what is hidden from a fit has then no part in
-        the choice either. At all orders, in standard deviations; blocks of neighbouring rows count as independent.
+        the choice either.
         """
-        return all(self._is_better(by) for by in (self.after, self.chosen_again) if by is not None)
-
-    def _is_better(self, by: Prediction) -> bool:
-        lower = self.before.blocks - by.blocks
-        return float(lower.sum()) > float(lower.std(ddof=1)) * math.sqrt(len(lower))
+        return all(by.is_better_than(self.before) for by in (self.after, self.chosen_again) if by is not None)
 
     def one_no_worse(self, labels: Iterable[str]) -> bool:
         """Say whether the extended model, or one of these causes alone, predicts no worse than the base."""
@@ -84,25 +73,38 @@ class Predictions:
         return any(after.blocks.sum() <= before.blocks.sum() for before, after in pairs)
 
 
-def predict_unseen(selection: Selection, *, holdout: Recording | None = None) -> Predictions:
-    """Measure predictions of `holdout`, or cross-validate over blocks of speeds."""
+def leave_out_idle(selection: Selection, unseen: Unseen) -> Selection:
+    """Leave out, the one of least use first, every cause without which unseen data are predicted as well.
+
+    As well: the error rises by no more than the standard error of that. Two causes may predict better than none by the
+    merit of one: beside a bow a small step of unbalance takes up what the model of the bow leaves, at the rows it is
+    fitted to and at no others. The last one is left to the verdict.
+    """
+    kept = len(selection.start.effects)
+    while len(selection.problem.effects) > kept + 1:
+        problem, polished = selection.problem, selection.polished
+        whole = unseen.predict(problem, polished.p)
+        smaller = [leave_out(problem, polished, [effect]) for effect in problem.effects[kept:]]
+        without = [unseen.predict(model, fit.p) for model, fit in smaller]
+        least = min(range(len(smaller)), key=lambda i: without[i].blocks.sum())
+        if whole.is_better_than(without[least]):
+            break
+        problem, polished = smaller[least]
+        selection = replace(selection, problem=problem, polished=polished)
+    return selection
+
+
+def predict_unseen(selection: Selection, unseen: Unseen) -> Predictions:
+    """Measure predictions by the base, by the extended model and by single causes."""
     steps = selection.steps
     base = steps[0].before if steps else selection.base
-    problem = selection.start
-    if holdout:
-        holdout = problem.on([holdout]).expecting_error(base.p).recordings[0]
-
-    extended = selection.problem.effects != problem.effects
+    extended = selection.problem.effects != selection.start.effects
     final = PartFits(selection.problem, selection.polished.p) if extended else None
-    parts = None if holdout else folds_of(problem.recordings)
 
     def of(model: ExtendedProblem, p: Reals) -> Prediction:
-        if holdout:
-            return measure_prediction(model.on([holdout]), p)
-        known = final if final and final.are_of(model, p) else None
-        return cross_validate(model, p, parts=parts, fits=known)
+        return unseen.predict(model, p, fits=final)
 
-    before = of(problem, base.p)
+    before = of(selection.start, base.p)
     tried = _worth_predicting(steps[0].tried if steps else ())
     by_label = {c.effect.label: (before, of(c.problem, c.polished.p)) for c in tried}
     after, agreed = before, None
@@ -114,8 +116,9 @@ def predict_unseen(selection: Selection, *, holdout: Recording | None = None) ->
     if before.folds and tried:
         offered = [(price(c.problem, c.effect), by_label[c.effect.label][1]) for c in tried if plausible(c)]
         again = choose_again([(0.0, before), *offered])
-    on = "the recording no fit saw" if holdout else "blocks of speeds in turn"
-    return Predictions(before=before, after=after, by_label=by_label, chosen_again=again, agreement=agreed, on=on)
+    return Predictions(
+        before=before, after=after, by_label=by_label, chosen_again=again, agreement=agreed, on=unseen.on
+    )
 
 
 def _worth_predicting(tried: Sequence[Candidate]) -> list[Candidate]:

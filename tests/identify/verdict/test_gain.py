@@ -3,8 +3,15 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.verdict.cross_validation import Fold, Prediction, pool_folds
-from rotorrig.identify.verdict.gain import Predictions, choose_again
+from rotorrig.identify.causes.stepwise_selection import Selection
+from rotorrig.identify.extended_model.model import ExtendedModel
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.verdict.cross_validation import Fold, Prediction, Unseen, pool_folds
+from rotorrig.identify.verdict.gain import Predictions, choose_again, leave_out_idle
+from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.effects.base import find
+from tests.identify.swept import swept_response
 
 
 def model(shown: tuple[float, ...], hidden: tuple[float, ...]) -> Prediction:
@@ -43,3 +50,44 @@ def test_a_cause_that_fits_all_rows_but_is_another_in_each_part_of_them_has_gain
     found = Predictions(before=BASE, after=CAUSE, by_label={}, on="blocks")
     assert found.better
     assert not Predictions(before=BASE, after=CAUSE, by_label={}, chosen_again=again, on="blocks").better
+
+
+BOW, STEP, DELAY = "bow", "unbalance_step", "delay, probe 2y"
+
+
+def selection(rig: RigConfig, hidden: np.ndarray, there: tuple[str, ...], taken: tuple[str, ...]) -> Selection:
+    """Causes taken up by a fit to a recording in which these are."""
+    effects = {label: find(rig, label) for label in (*there, *taken)}
+    recording = swept_response(
+        rig,
+        rng=np.random.default_rng(4),
+        hidden=[
+            (effects[label], {q.name: q.at_zero + 1.5 * q.size for q in effects[label].parameters}) for label in there
+        ],
+    )
+    start = ExtendedProblem(ExtendedModel([Recording(recording)]))
+    base = start.solve(start.parameters.start(hidden))
+    problem = start.extended([effects[label] for label in taken])
+    polished = problem.solve(problem.parameters.start(hidden))
+    return Selection(start=start, base=base, steps=(), problem=problem, polished=polished)
+
+
+@pytest.mark.parametrize(
+    ("there", "taken", "kept"),
+    [
+        ((BOW,), (BOW, DELAY), [BOW]),
+        ((BOW,), (DELAY, BOW), [BOW]),
+        ((BOW, DELAY), (BOW, DELAY), [BOW, DELAY]),
+        ((), (DELAY,), [DELAY]),  # a single one is for the verdict
+        ((BOW,), (STEP, BOW, DELAY), [BOW]),
+    ],
+)
+def test_every_one_of_several_causes_has_to_predict_what_no_fit_saw(
+    rig: RigConfig, hidden: np.ndarray, there: tuple[str, ...], taken: tuple[str, ...], kept: list[str]
+) -> None:
+    found = selection(rig, hidden, there, taken)
+    left = leave_out_idle(found, Unseen(found.start, found.base.p))
+    assert [effect.label for effect in left.problem.effects] == kept
+    assert len(left.polished.p) == len(found.polished.p) - sum(
+        len(e.parameters) for e in found.problem.effects if e.label not in kept
+    )
