@@ -31,6 +31,7 @@ def with_mass(response: OrderTrackedResponse, u: complex) -> OrderTrackedRespons
     return replace(response, runs=tuple(replace(run, trial_unbalance={"disk": u}) for run in response.runs))
 
 
+@pytest.mark.campaign
 def test_one_trial_run_takes_the_vibration_down_tenfold(balanced: Balance) -> None:
     compared = balanced.comparison
     assert compared is not None

@@ -7,12 +7,9 @@ from benchmarks.parts.soak.faults import Case
 from benchmarks.parts.soak.judge import judge
 from benchmarks.parts.soak.run import run
 
-ALWAYS = "acs355-tcp"  # the others in `make test-all`
 
-
-@pytest.mark.parametrize(
-    "controller", [pytest.param(name, marks=[] if name == ALWAYS else pytest.mark.campaign) for name in CONTROLLERS]
-)
+@pytest.mark.campaign
+@pytest.mark.parametrize("controller", CONTROLLERS)
 def test_a_healthy_sweep_is_finished_with_the_rotor_at_rest(controller: str) -> None:
     verdict = run(Case(set="singles", controller=controller, faults=()), judge)
     assert verdict.wrong == [], verdict.last_line

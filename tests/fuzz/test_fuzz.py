@@ -15,6 +15,7 @@ from tests.fuzz.corpus import build
 from tests.fuzz.generated import STRATEGIES, generated
 from tests.fuzz.one_input import Sandbox, input_number, outcome
 from tests.fuzz.targets import TARGETS
+from tests.parameters import few
 
 ROOT = Path(__file__).parents[2]
 
@@ -24,7 +25,7 @@ def fuzz(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
 
 
-@pytest.mark.parametrize("inputs", [100, pytest.param(500, marks=pytest.mark.campaign)])
+@pytest.mark.parametrize("inputs", few([50, 500]))
 def test_damaged_and_made_up_inputs_are_read_or_refused(inputs: int, tmp_path: Path) -> None:
     done = fuzz(tmp_path, "--inputs", str(inputs), "--workers", "1", "--seed", "20261121")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -140,6 +141,7 @@ sys.exit(fuzz.main())
 """
 
 
+@pytest.mark.campaign
 def test_a_process_that_dies_or_wants_too_much_memory_is_a_finding_and_the_run_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

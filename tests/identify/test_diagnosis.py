@@ -19,6 +19,7 @@ from rotorrig.sims.rotor.model.loads import ONE_RECORDING
 from tests.conftest import CONFIGS
 from tests.identify.matched import taken_for_exact
 from tests.identify.swept import DRAWN, SIGMA, C, K, U, swept_response
+from tests.parameters import few
 
 KINDS = {effect.name for effect in catalogue(load(CONFIGS / "rk4.toml"))}
 QUICK = {"unbalance_plane", "delay", "skew_stiffness", "coupling", "stiffness_over_speed"}  # without force laws
@@ -132,6 +133,7 @@ def test_a_step_within_a_run_is_found_at_its_moment(rig: RigConfig, moment: floa
     assert found.gain.heldout_after == pytest.approx(DRAWN * SIGMA * np.sqrt(2), rel=0.1)
 
 
+@pytest.mark.campaign
 def test_what_was_lost_in_one_recording_is_gone_in_the_next_and_the_extended_config_knows(rig: RigConfig) -> None:
     rng, effect = np.random.default_rng(35), find(rig, "unbalance_step")
     theta = {"step re": 2e-6, "step im": 1e-6, "time": 15.0}
@@ -180,7 +182,7 @@ def test_what_the_data_cannot_show_is_told_with_what_is_missing(one_plane: RigCo
         assert "a run with a known trial mass" in each.missing
 
 
-@pytest.mark.parametrize("stage", ["base model", "causes", "cause 1", "unseen data"])
+@pytest.mark.parametrize("stage", few(["base model", "causes", "cause 1", "unseen data"], now=3))
 def test_an_interrupt_ends_it_at_once_and_leaves_nothing_behind(
     late: OrderTrackedResponse, named: Diagnosis, stage: str
 ) -> None:
@@ -212,6 +214,7 @@ def test_rows_of_nan_are_left_out(late: OrderTrackedResponse) -> None:
     assert np.isnan(found.residual[20:26]).all()
 
 
+@pytest.mark.campaign
 def test_nan_in_rows_called_usable_does_not_matter_either(late: OrderTrackedResponse) -> None:
     z = late.z.copy()
     z[20:26, 1:] = np.nan
@@ -227,6 +230,7 @@ def test_a_probe_that_is_missing_lowers_what_can_be_said(late: OrderTrackedRespo
     assert found.verdict in {Verdict.ADEQUATE, Verdict.CANNOT_TELL}, "it was that probe that came late"
 
 
+@pytest.mark.campaign
 def test_without_a_coast_down_the_cause_is_still_found(late: OrderTrackedResponse) -> None:
     up = late.run == 0
     alone = replace(

@@ -96,6 +96,7 @@ def test_one_probe_alone_leaves_the_other_direction_undetermined(blind_response:
     assert any(words.startswith("No probe looks along y") for words in alone.words)
 
 
+@pytest.mark.campaign
 def test_a_band_the_data_do_not_reach_is_left_out_and_said(blind_response: OrderTrackedResponse) -> None:
     sought = blind_response.rig.identify
     assert sought is not None

@@ -69,6 +69,7 @@ def test_it_is_the_one_finding_tied_with_what_else_would_explain_it(found: Diagn
     assert "; or bearing left B sits" in found.sentence
 
 
+@pytest.mark.campaign
 def test_two_probes_in_a_bracket_move_together(hurried_rig: RigConfig) -> None:
     """On a rig that is its model but for that, and says so."""
     exact = with_priors(hurried_rig, 'position = "0.3 mm"', "model_error = 0", "repeatability = 0")
@@ -101,6 +102,7 @@ def test_an_identification_finds_it_too(off: OrderTrackedResponse, tmp_path: Pat
     assert (back.nameplate, back.p, back.adequate) == (whole.nameplate, whole.p, whole.adequate)
 
 
+@pytest.mark.campaign
 def test_ordinary_deviations_are_no_finding(hurried_rig: RigConfig) -> None:
     """Everything one standard deviation off, this way or that."""
     ordinary = Geometry(

@@ -56,6 +56,7 @@ def test_the_prediction_has_the_rows_of_all_responses_in_their_order(
     assert np.nanmax(np.abs(both.fits[0].prediction[:first] - measured[first : 2 * first])) > 20e-6
 
 
+@pytest.mark.campaign
 def test_effects_of_the_config_are_in_the_model(rig: RigConfig) -> None:
     skew = find(rig, "skew_stiffness")
     (unknown,) = skew.parameters

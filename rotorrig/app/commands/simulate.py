@@ -12,8 +12,7 @@ from pathlib import Path
 from rotorrig.app.terminal import out
 from rotorrig.rig import ConfigError, DataError
 from rotorrig.rig.config import RigConfig, read_trial_mass, trial_unbalance
-from rotorrig.sims.plant import FaultSpec, Truth, draw, seal, unseal
-from rotorrig.sims.plant.faults import check_fault
+from rotorrig.sims import plant
 from rotorrig.sims.wire import BenchPorts, Message, read_script, simulated_bench
 
 
@@ -63,32 +62,34 @@ def run_simulated_rig(rig: RigConfig, simulation: SimulatedRig, *, trial: Sequen
         read_script(simulation.faults)  # so that its error is the sentence alone
     with tempfile.TemporaryDirectory(prefix="rotorrig-truth-") as scratch:
         hidden = Path(scratch) / "truth.json"
-        seal(truth_of(rig, simulation, trial=trial), hidden)
+        plant.seal(truth_of(rig, simulation, trial=trial), hidden)
         with simulated_bench(
             rig.text, seed=simulation.seed, hidden=hidden, rate=simulation.rate, faults=simulation.faults
         ) as ports:
             yield ports
 
 
-def truth_of(rig: RigConfig, simulation: SimulatedRig, *, trial: Sequence[str] = ()) -> Truth:
+def truth_of(rig: RigConfig, simulation: SimulatedRig, *, trial: Sequence[str] = ()) -> plant.Truth:
     """Return the truth of the simulated rig, trial masses on. Raises as `run_simulated_rig` does."""
     added = trial_unbalance(read_trial_mass(mass, planes=rig.unbalance_planes) for mass in trial)
     masses = {disk: (abs(u), cmath.phase(u)) for disk, u in added.items()}
     if simulation.hidden is None:
-        truth = draw(rig, seed=simulation.seed, faults=faults_of(rig), trial=masses)
+        truth = plant.draw(rig, seed=simulation.seed, faults=faults_of(rig), trial=masses)
     else:
-        truth = unseal(simulation.hidden)
-        truth = replace(truth, trial=draw(rig, seed=truth.seed, trial=masses).trial) if masses else truth
+        truth = plant.unseal(simulation.hidden)
+        truth = replace(truth, trial=plant.draw(rig, seed=truth.seed, trial=masses).trial) if masses else truth
     return replace(truth, run=truth.run + 1) if masses else truth  # the rig as before, in another run
 
 
-def faults_of(rig: RigConfig) -> tuple[FaultSpec, ...]:
+def faults_of(rig: RigConfig) -> tuple[plant.FaultSpec, ...]:
     """Return the plant's faults for the effects of the config. Raises ConfigError for an effect without one."""
+    from rotorrig.sims.plant.faults import check_fault  # takes half a second to import
+
     faults = []
     for effect in rig.effects:
         try:
             check_fault(effect.name, effect.parameters)
         except DataError as error:
             raise ConfigError(f"effects: the simulated rig cannot show '{effect.label}': {error}") from error
-        faults.append(FaultSpec(name=effect.name, parameters=dict(effect.parameters)))
+        faults.append(plant.FaultSpec(name=effect.name, parameters=dict(effect.parameters)))
     return tuple(faults)

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.signal.windows import kaiser
 
 from rotorrig.processing.noise.hum_phase import FOLLOWED
 from rotorrig.processing.noise.mains_lines import Line, LineSearch
@@ -60,7 +59,7 @@ def noise_spectrum(
     Raises DataError if no stretch of the recording leaves room between the lines.
     """
     size = round(SEGMENT * waveforms.rate)
-    taper = kaiser(size, BETA)
+    taper = np.kaiser(size, BETA)
     frequency = np.arange(size // 2 + 1, dtype=np.float64) * (waveforms.rate / size)
     frequency = frequency[frequency <= up_to]
     scale = 1 / (waveforms.rate * np.sum(taper**2))

@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 
 from rotorrig.acquisition import Event
 from rotorrig.processing.response import Run
@@ -91,7 +91,9 @@ def _from_speed(shaft: ShaftAngle) -> list[tuple[str, int, float, float]]:
 def _trend(speed: NDArray[np.float64]) -> NDArray[np.intp]:
     """Return +1, 0, -1 (point,): speed rises, dwells, falls, by the slope of a straight line through 4 s of it."""
     points = min(17, len(speed) - 1 + len(speed) % 2)  # an odd number
-    rate = savgol_filter(speed, points, 1, deriv=1, delta=_GRID)
+    from_middle = _GRID * (np.arange(points) - points // 2)
+    slopes = sliding_window_view(speed, points) @ from_middle / np.sum(from_middle**2)
+    rate = np.pad(slopes, points // 2, mode="edge")  # the first line is that of all points before its middle too
     steady = np.maximum(STEADY * speed, STEADY_SHARE * np.quantile(np.abs(rate), 0.9))
     return np.where(np.abs(rate) < steady, 0, np.sign(rate)).astype(np.intp)
 

@@ -11,7 +11,6 @@ from functools import cache
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.signal.windows import kaiser
 
 from rotorrig.processing.rows import Rows
 from rotorrig.processing.shaft_angle import TURN, ShaftAngle
@@ -47,7 +46,7 @@ def margin(omega: float, *, points: int, rate: float) -> float:
 def _table() -> NDArray[np.float64]:
     """Return the right half of the filter, its argument in zero crossings, `_FINE` entries to each."""
     x = np.arange(CROSSINGS * _FINE + 1) / _FINE
-    return np.sinc(x) * kaiser(2 * len(x) - 1, BETA)[len(x) - 1 :]
+    return np.sinc(x) * np.kaiser(2 * len(x) - 1, BETA)[len(x) - 1 :]
 
 
 @njit(cache=True)

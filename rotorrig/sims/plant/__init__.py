@@ -3,17 +3,6 @@
 `draw` a `Truth` from a seed, `seal` it, and let a `Plant` advance in time.
 """
 
-from rotorrig.sims.plant.draw import draw, expected_estimates
-from rotorrig.sims.plant.plant import Plant
-from rotorrig.sims.plant.sealed_truth import seal, unseal
-from rotorrig.sims.plant.truth import FaultSpec, Truth
+import lazy_loader
 
-__all__ = [
-    "FaultSpec",
-    "Plant",
-    "Truth",
-    "draw",
-    "expected_estimates",
-    "seal",
-    "unseal",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -7,8 +7,8 @@ depend on the seed and on when commands came, never on the size of the steps `ad
 import math
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from rotorrig.rig import DataError
 from rotorrig.rig.config import Bearing, RigConfig
@@ -69,7 +69,7 @@ class Plant:
         self._rattle_rms = truth.noise.bearing_force / math.sqrt(2.0 * step)
         self._growth = truth.unmodelled.noise_growth / REFERENCE
         self._memory = math.exp(-math.tau * RATTLE_CORNER * step)
-        self._coloured = np.zeros((1, len(shaken), 2))  # of the last step
+        self._coloured = np.zeros((len(shaken), 2))  # of the last step
         self._shaken = len(shaken)
         self._samples = 0
         self._take(0)  # compiles what no cache holds here, not while a driver waits for samples
@@ -129,10 +129,19 @@ class Plant:
 
     def _colour(self, white: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return noise that is as `white` at low frequency and falls off beyond the corner: first order."""
-        fresh = (1.0 - self._memory) * white
-        coloured, _ = lfilter([1.0], [1.0, -self._memory], fresh, axis=0, zi=self._memory * self._coloured)
-        self._coloured = coloured[-1:]
+        coloured = _low_pass(white, self._coloured, self._memory)
+        self._coloured = coloured[-1]
         return coloured
+
+
+@njit(cache=True)
+def _low_pass(white: NDArray[np.float64], last: NDArray[np.float64], memory: float) -> NDArray[np.float64]:
+    """Return (step, ...) what remembers a share of its last value; scipy.signal takes half a second to import."""
+    passed = np.empty_like(white)
+    for i in range(len(white)):
+        last = memory * last + (1.0 - memory) * white[i]
+        passed[i] = last
+    return passed
 
 
 def _damping_growth(truth: Truth, bearing: Bearing) -> tuple[float, float]:

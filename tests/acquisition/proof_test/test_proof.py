@@ -205,6 +205,7 @@ def test_a_drive_that_ignores_the_stop_fails_with_the_ladder_climbed(scripted: R
     assert scripted.shaft.speed == 0.0
 
 
+@pytest.mark.campaign
 def test_a_rotor_that_nothing_stops_is_said_to_turn(scripted: Rig) -> None:
     scripted.motor.obeys, scripted.motor.watchdog = set(), None
     (failed,) = scripted.prove("emergency stop").proofs

@@ -37,6 +37,7 @@ def test_both_are_tried_before_either_is_missed() -> None:
         checking.show_devices(parse(text, where="x.toml"))
 
 
+@pytest.mark.campaign
 def test_a_fault_the_drive_remembers_keeps_it_from_starting_until_it_is_cleared(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

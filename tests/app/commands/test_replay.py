@@ -48,6 +48,7 @@ def test_a_replay_is_tracked_as_the_recording_is(folder: Path, tmp_path: Path, r
     assert (tmp_path / "replayed.mcap").read_bytes() == (folder / "tracked.mcap").read_bytes()
 
 
+@pytest.mark.campaign
 def test_another_process_writes_the_same_bytes(folder: Path, tmp_path: Path) -> None:
     words = ["-m", "rotorrig.app.cli", "replay", str(folder / "run.mcap"), "--track", str(tmp_path / "replayed.mcap")]
     subprocess.run(

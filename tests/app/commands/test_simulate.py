@@ -67,6 +67,7 @@ def test_a_script_of_faults_that_is_none_is_said_before_anything_starts(rig: Rig
         pass
 
 
+@pytest.mark.campaign
 def test_a_script_of_faults_is_played_on_the_simulated_rig(rig: RigConfig, tmp_path: Path) -> None:
     script = tmp_path / "script.json"
     script.write_text('[{"kind": "silent", "on": "motor"}]')

@@ -164,6 +164,7 @@ def test_of_a_sweep_that_hangs_its_process_and_why_are_named(rig: RigConfig, mon
         stop(rig, say=pytest.fail)
 
 
+@pytest.mark.campaign
 @pytest.mark.usefixtures("impatient")
 def test_a_rotor_left_to_a_guardian_is_taken_over_from_it(
     ports: BenchPorts, config: Path, rig: RigConfig, tmp_path: Path

@@ -80,6 +80,7 @@ def test_a_sweep_that_will_not_fit_on_its_disk_is_refused_before_it_starts(tmp_p
         sweep(parse(text, where="x"), out=tmp_path / "x.mcap", plan="test", simulation=SimulatedRig(seed=1), view=False)
 
 
+@pytest.mark.campaign
 def test_a_sweep_whose_folder_is_deleted_ends_as_planned_and_says_where_its_recording_is(
     ports: BenchPorts, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -24,6 +24,7 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from tests.app.browser import Tab, browser, needs_chromium
 from tests.app.conftest import make_response
+from tests.parameters import few
 
 pytestmark = [pytest.mark.browser, needs_chromium]
 
@@ -116,7 +117,7 @@ def test_every_plots_data_is_json_that_cannot_end_its_element(report: Path) -> N
         assert {"data", "layout"} <= set(json.loads(data))
 
 
-@pytest.mark.parametrize("width", [390, 1200, 1600])
+@pytest.mark.parametrize("width", few([390, 1200, 1600]))
 def test_nothing_is_wider_than_the_window(tab: Tab, report: Path, width: int) -> None:
     opened(tab, report, width=width)
     tab.run("document.querySelectorAll('details').forEach((part) => (part.open = true))")  # a folded plot has no width
@@ -131,6 +132,7 @@ def test_nothing_is_wider_than_the_window(tab: Tab, report: Path, width: int) ->
     assert wider == 0
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 def test_letters_in_plots_and_drawings_stand_out_from_the_paper(tab: Tab, report: Path, dark: bool) -> None:
     opened(tab, report, dark=dark)
@@ -163,7 +165,7 @@ def test_headings_lead_down_one_step_at_a_time(tab: Tab, report: Path) -> None:
 
 
 @pytest.mark.skipif(shutil.which("pdftotext") is None, reason="needs pdftotext (Debian: poppler-utils)")
-@pytest.mark.parametrize("paper", PAPERS)
+@pytest.mark.parametrize("paper", few(PAPERS))
 def test_it_prints_within_the_margins_with_all_that_was_folded(
     tab: Tab, report: Path, tmp_path: Path, paper: str
 ) -> None:
@@ -191,6 +193,7 @@ def words_of(pdf: Path) -> list[tuple[str, float]]:
     ]
 
 
+@pytest.mark.campaign
 def test_after_printing_the_plots_are_as_wide_as_before(tab: Tab, report: Path) -> None:
     opened(tab, report)
     width = "document.querySelector('#bode-0 .main-svg').clientWidth"

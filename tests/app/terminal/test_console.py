@@ -116,6 +116,7 @@ def test_a_long_job_shows_its_share_its_rate_and_the_time_left(tmp_path: Path, r
     assert rates[-1] == pytest.approx(4, rel=0.15)
 
 
+@pytest.mark.campaign
 def test_nothing_is_drawn_where_nobody_looks(tmp_path: Path, run_file: Path) -> None:
     assert piped("replay", run_file).stderr == ""
     said = piped("track", run_file, "-o", tmp_path / "r.mcap").stderr.splitlines()

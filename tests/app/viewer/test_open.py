@@ -54,6 +54,7 @@ def test_showing_a_block_never_waits(rig: RigConfig, swept: Swept, tmp_path: Pat
     assert (tmp_path / "live.rrd").stat().st_size > 10_000
 
 
+@pytest.mark.campaign
 def test_a_fault_in_the_view_stays_in_the_view(
     rig: RigConfig, swept: Swept, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

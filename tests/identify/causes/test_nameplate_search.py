@@ -73,9 +73,8 @@ def assert_reached(candidate: Candidate, theta: dict[str, float]) -> None:
         assert sigma[name] < 0.5 * abs(value), name
 
 
-@pytest.mark.parametrize(
-    "form", [form if form == "one disk" else pytest.param(form, marks=pytest.mark.campaign) for form in LAYOUTS]
-)
+@pytest.mark.campaign
+@pytest.mark.parametrize("form", LAYOUTS)
 def test_a_pedestal_of_any_frequency_is_found_under_any_rotor(rig_config: RigConfig, form: str) -> None:
     rig = drawn_rig(form)
     rng = np.random.default_rng([3, LAYOUTS.index(form)])

@@ -102,6 +102,7 @@ def test_the_interval_leaves_out_a_fortieth_of_the_draws_at_either_end() -> None
     )
 
 
+@pytest.mark.campaign
 def test_a_fit_takes_its_intervals_from_the_bootstrap(response: OrderTrackedResponse, found: Bootstrap) -> None:
     counted: list[int] = []
     asked = Resampling(draws=UNCERTAINTY.fewest_draws, progress=counted.append)

@@ -75,6 +75,7 @@ def test_at_the_ends_of_a_profile_interval_a_refit_is_worse_by_the_rise(bounded:
             assert held.chi2 - best.chi2 == pytest.approx(rise, rel=0.03)
 
 
+@pytest.mark.campaign
 def test_on_demand_all_are_of_the_profile_and_hardly_differ_where_chi2_is_quadratic(
     ordinary: OrderTrackedResponse,
 ) -> None:

@@ -16,6 +16,7 @@ from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.motor.modbus_motor import ModbusMotor
 from rotorrig.rig.motor.modbus_profile import Profile
 from rotorrig.sims.wire.motors.inverters import commission_drive
+from tests.parameters import few
 from tests.rig.wire_fakes import Drive
 from tests.sims.wire.conftest import ToyPlant
 from tests.sims.wire.served_inverter import Served, Wire, served
@@ -191,7 +192,7 @@ def wire(request: pytest.FixtureRequest) -> Wire:
     return found
 
 
-@pytest.fixture(params=profile_names())
+@pytest.fixture(params=few(profile_names(), now=2))
 def drive(request: pytest.FixtureRequest, wire: Wire) -> Iterator[Served]:
     with served(request.param, wire=wire) as drive:
         yield drive

@@ -82,6 +82,7 @@ def test_the_supply_ripples_at_twice_the_mains_in_all_probes_alike(rk4: RigConfi
     assert abs(tone[4]) < 1e-4
 
 
+@pytest.mark.campaign
 def test_probes_warm_up_over_minutes(rk4: RigConfig) -> None:
     """Of 1.4 % and 70 um, 1 - exp(-t / 600 s): after 5 s and after 65 s of a steady whirl."""
     gains, gaps = (0.014, 0.0, -0.014, 0.0), (0.0, 7e-5, 0.0, -7e-5)

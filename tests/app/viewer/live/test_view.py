@@ -98,6 +98,7 @@ def test_a_sweep_hears_of_a_lost_view_so_that_its_recording_says_so(
     assert "signal 9" in viewer.fault
 
 
+@pytest.mark.campaign
 def test_a_view_that_sleeps_drops_the_oldest_blocks_and_goes_on_when_it_wakes(
     rig: RigConfig, swept: Swept, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -141,6 +142,7 @@ sys.stdin.read()
 """
 
 
+@pytest.mark.campaign
 def test_a_view_ends_with_the_program_it_belongs_to(tmp_path: Path) -> None:
     config = Path(__file__).parents[4] / "configs/rk4.toml"
     words = [sys.executable, "-c", ORPHAN, str(config), str(tmp_path / "live.rrd")]
@@ -153,6 +155,7 @@ def test_a_view_ends_with_the_program_it_belongs_to(tmp_path: Path) -> None:
     assert gone
 
 
+@pytest.mark.campaign
 def test_a_view_with_nowhere_to_draw_does_not_start(rig: RigConfig, swept: Swept) -> None:
     with pytest.raises(RigError, match="nowhere to write to"):
         LiveView(rig, swept[1], Sink(targets=()))

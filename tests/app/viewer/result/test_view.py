@@ -206,14 +206,17 @@ def test_results_of_different_layouts_go_by_different_names(response: OrderTrack
             {"Shaft centreline: 1x": (WHITE, 5), "Shaft centreline: 2x": (WHITE, 5), "Gap": (ORANGE, 100)},
             marks=pytest.mark.campaign,
         ),
-        (
+        pytest.param(
             "Spectrum",
             {
                 "Full spectrum over speed: 1x": (BLUE, 1000), "Full spectrum over speed: 2x": (BLUE, 1000),
                 "Forward and backward whirl: 1x": (GREEN, 200), "Forward and backward whirl: 2x": (GREEN, 200),
             },
+            marks=pytest.mark.campaign,
         ),
-        ("Rotor", {"1X deflection": (GREEN, 300), "critical speed 22": (WORDS, 20)}),
+        pytest.param(
+            "Rotor", {"1X deflection": (GREEN, 300), "critical speed 22": (WORDS, 20)}, marks=pytest.mark.campaign
+        ),
     ],
 )  # fmt: skip
 def test_every_view_of_a_tab_is_drawn(
