@@ -22,7 +22,7 @@ from rotorrig.acquisition.proof_test import (
 from rotorrig.app.commands.config_model import check_effects
 from rotorrig.app.commands.simulate import SimulatedRig, run_simulated_rig
 from rotorrig.app.commands.sweep import SIMULATED_PATIENCE, guardian_patience
-from rotorrig.app.terminal import HINT, confirm, operator_for, out, progress_bars, tables
+from rotorrig.app.terminal import HINT, confirm, operator_for, out, progress_bars, rig_table
 from rotorrig.rig import DataError, LinkLost, NotAtRest, RigError, connect
 from rotorrig.rig.config import RPM, RigConfig
 from rotorrig.rig.control import PERSIST
@@ -31,7 +31,7 @@ from rotorrig.rig.control import PERSIST
 def show_rig(rig: RigConfig) -> None:
     """Print the parts, and the critical speeds of the nameplate model. Raises ConfigError on an unknown effect."""
     check_effects(rig)
-    out.print(tables.rig_parts(rig))
+    out.print(rig_table(rig))
     listed = ", ".join(f"{s:.0f}" for s in _critical_rpm(rig)) or "none"
     out.print(f"critical speeds of the nameplate model up to {_ceiling(rig) * RPM:.0f} rpm: {listed}", highlight=False)
 

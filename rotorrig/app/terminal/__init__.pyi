@@ -11,6 +11,7 @@ from .operator import HINT as HINT
 from .operator import confirm as confirm
 from .operator import operator_for as operator_for
 from .proof_table import proof_table as proof_table
+from .rig_table import rig_table as rig_table
 
 __all__ = [
     "HINT",
@@ -24,6 +25,7 @@ __all__ = [
     "prediction_table",
     "progress_bars",
     "proof_table",
+    "rig_table",
     "tell",
     "working",
 ]
