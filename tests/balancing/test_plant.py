@@ -13,6 +13,7 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from tests.conftest import BLIND_SEED
 
+pytestmark = pytest.mark.campaign  # three sweeps
 TRIAL = cmath.rect(12e-6, 1.0)  # kg m
 
 
@@ -31,7 +32,6 @@ def with_mass(response: OrderTrackedResponse, u: complex) -> OrderTrackedRespons
     return replace(response, runs=tuple(replace(run, trial_unbalance={"disk": u}) for run in response.runs))
 
 
-@pytest.mark.campaign
 def test_one_trial_run_takes_the_vibration_down_tenfold(balanced: Balance) -> None:
     compared = balanced.comparison
     assert compared is not None

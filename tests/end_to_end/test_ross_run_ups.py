@@ -89,6 +89,7 @@ def test_a_healthy_run_up_is_adequate(healthy: OrderTrackedResponse) -> None:
     assert found.verdict is Verdict.ADEQUATE, found.sentence
 
 
+@pytest.mark.campaign
 def test_parallel_shafts_show_at_2x_whirling_backward_and_leave_the_fit_at_1x_alone(imported: Imported) -> None:
     fit = base_fit.fit_base([Recording(imported("parallel"))])
     assert not fit.adequacy.adequate

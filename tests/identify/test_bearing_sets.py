@@ -140,12 +140,9 @@ def test_with_one_probe_what_moves_across_it_is_not_determined(rig_config: RigCo
     assert not any(found.estimate(name).determined for name in ("kxy", "kyx", "kyy", "cxy", "cyx", "cyy"))
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(
-    "unknowns",
-    [
-        pytest.param({"coefficients": "all"}, id="all eight", marks=pytest.mark.campaign),
-        pytest.param({"also": ["youngs_modulus", "density"]}, id="E, density"),
-    ],
+    "unknowns", [{"coefficients": "all"}, {"also": ["youngs_modulus", "density"]}], ids=["all eight", "E, density"]
 )
 def test_what_the_blind_plant_hides_is_found(blind_response: OrderTrackedResponse, unknowns: dict[str, object]) -> None:
     rig = sought(blind_response.rig, **unknowns)

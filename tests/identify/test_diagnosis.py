@@ -103,6 +103,7 @@ def test_a_holdout_is_what_the_gain_is_measured_on(rig: RigConfig, late: OrderTr
     assert found.gain.heldout_before > 1.5 * found.gain.heldout_after
 
 
+@pytest.mark.campaign
 def test_a_cause_in_one_recording_of_two_is_named_there(rig: RigConfig) -> None:
     rng = np.random.default_rng(33)
     responses = [swept_response(rig, rng=rng), swept_response(rig, rng=rng, unbalance=U + 5e-6j)]
@@ -203,6 +204,7 @@ def test_progress_goes_from_nothing_to_all(healthy: OrderTrackedResponse) -> Non
     assert (told[0], told[-1]) == (0.0, 1.0)
 
 
+@pytest.mark.campaign
 def test_rows_of_nan_are_left_out(late: OrderTrackedResponse) -> None:
     z = late.z.copy()
     z[20:26] = np.nan

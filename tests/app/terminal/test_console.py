@@ -110,10 +110,10 @@ def test_what_is_not_a_number_is_null(capsys: pytest.CaptureFixture[str]) -> Non
 
 
 def test_a_long_job_shows_its_share_its_rate_and_the_time_left(tmp_path: Path, run_file: Path) -> None:
-    shown = at_a_terminal("replay", run_file, "--rate", "4")
+    shown = at_a_terminal("replay", run_file, "--rate", "10")
     assert re.search(r"replaying .* \d+ % 0:00:0\d 0:00:0\d left [\d.]+ x real time", shown)
     rates = [float(rate) for rate in re.findall(r"left ([\d.]+) x real time", shown)]
-    assert rates[-1] == pytest.approx(4, rel=0.15)
+    assert rates[-1] == pytest.approx(10, rel=0.15)
 
 
 @pytest.mark.campaign

@@ -111,6 +111,7 @@ def test_a_second_cause_has_to_explain_more_than_an_error_of_the_first_ones_mode
     assert not is_significant(best, explained=1.01 * just)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("begun", few(["at 440 mm", "at 520 mm"]))
 def test_an_unbalance_is_named_by_where_it_is_not_by_where_its_fit_began(
     rig: RigConfig, hidden: NDArray[np.float64], begun: str

@@ -95,6 +95,7 @@ def test_a_rig_that_is_its_model_is_fitted_with_the_models_error_or_without(quie
         assert _errors(fit).max() < 3
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("turns", few([4.0, 8.0]))
 def test_where_probes_wander_with_speed_damping_is_wrong_for_a_model_taken_for_exact_and_no_other(
     quiet: OrderTrackedResponse, turns: float

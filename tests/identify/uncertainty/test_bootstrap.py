@@ -71,6 +71,7 @@ def test_simulated_vectors_scatter_by_noise_and_priors(problem: ExtendedProblem,
     np.testing.assert_allclose(slow_roll.imag.std(axis=0), expected, rtol=0.15)
 
 
+@pytest.mark.campaign
 def test_a_draw_depends_on_the_seed_and_its_number_alone(
     problem: ExtendedProblem, best: Solution, found: Bootstrap
 ) -> None:

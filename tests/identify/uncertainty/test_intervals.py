@@ -54,6 +54,7 @@ def test_what_is_well_determined_has_the_interval_of_its_covariance(ordinary: Or
     )
 
 
+@pytest.mark.campaign
 def test_near_a_bound_the_profile_says_how_much_there_can_be_at_most(bounded: OrderTrackedResponse) -> None:
     found = identify([bounded]).fits[0]
     cxx = found.estimate("cxx")

@@ -29,6 +29,7 @@ def test_parts_of_what_one_rotor_did_agree(rig: RigConfig, seed: int) -> None:
     assert agreed(swept_response(rig, rng=np.random.default_rng(seed))).p > VERDICT.agreeing
 
 
+@pytest.mark.campaign
 def test_a_rotor_that_was_another_in_the_second_run_is_none(rig: RigConfig) -> None:
     """Unbalance of 11 g mm that is 10 % more and 10 degrees further round on the way down."""
     first, second = (

@@ -71,6 +71,7 @@ def test_friction_is_the_plants_sticking_and_sliding(base: base_fit.AssessedFit)
     assert error.max() < 2e-3  # 0.5e-3; without friction 28e-3 of some 350 um
 
 
+@pytest.mark.campaign
 def test_a_cubic_spring_leans_over_as_the_plants_does(base: base_fit.AssessedFit) -> None:
     error = off(base, FaultSpec(name="cubic_spring", parameters={"k3": 1e10}), "cubic_spring", {"k3": 1e10})
     assert error.max() < 2e-2  # 0.8e-2, where it falls off; without the spring 26e-2 of some 390 um

@@ -25,6 +25,7 @@ def test_it_is_a_tone_and_its_third_at_standstill_unlike_in_every_probe(rk4: Rig
             assert np.angle(tone / tone[0]) == pytest.approx(order * (longer - longer[0]), abs=0.05)
 
 
+@pytest.mark.campaign
 def test_its_frequency_strays_by_20_mhz_and_comes_back(rk4: RigConfig) -> None:
     """Of 50 Hz: the phase of each second against an even clock moves by 2 pi 0.02 rad a second at most."""
     spec = FaultSpec(name="line_hum", parameters={"amount": 3e-5, "third": 0.0})
