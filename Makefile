@@ -15,7 +15,7 @@ demo: .venv/ready
 test: .venv/ready
 	$(PYTEST) -m "not campaign"
 
-# What takes minutes: whole campaigns, every drive's contract, the documents' long commands, blind cases.
+# What takes minutes: whole campaigns, every drive's contract, the documents' long commands, blind cases, the benchmarks' tests.
 test-all: .venv/ready
 	$(PYTEST) -m campaign
 

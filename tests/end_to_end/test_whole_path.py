@@ -103,6 +103,7 @@ def test_the_report_stands_alone(healthy: Path) -> None:
     assert 'src="http' not in text
 
 
+@pytest.mark.campaign
 def test_replay_and_export_read_what_was_written(healthy: Path) -> None:
     assert "replayed" in done("replay", healthy / "run.mcap")
     done("export", healthy / "response.mcap", "--out", healthy / "vectors.csv")

@@ -53,6 +53,7 @@ def test_an_input_is_a_function_of_seed_and_number(corpus: dict[str, list[bytes]
     assert len(set(made)) > 180
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("kind", STRATEGIES)
 def test_hypothesis_makes_inputs_of_every_kind(kind: str) -> None:
     made = {generated(kind, np.random.default_rng(seed)) for seed in range(20)} - {None}

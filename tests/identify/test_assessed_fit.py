@@ -49,6 +49,7 @@ def test_one_bad_recording_makes_the_pair_inadequate(pair: AssessedFit) -> None:
     assert np.nanmax(found.sigmas[rows:]) > np.nanmax(found.sigmas[:rows])
 
 
+@pytest.mark.campaign
 def test_effects_of_the_config_begin_at_their_figures(rig: RigConfig) -> None:
     effect = find(rig, "unbalance_plane, at 160 mm")
     theta = {"unbalance re": 8e-6, "unbalance im": 3e-6, "shift": 0.0}

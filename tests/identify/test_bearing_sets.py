@@ -50,6 +50,7 @@ def check(found: Fit, truth: Mapping[str, float], *, undetermined: tuple[str, ..
         assert abs(off) < 4 * estimate.sigma, f"{name}: {estimate.value:.6g} ± {estimate.sigma:.2g}, truth {value:.6g}"
 
 
+@pytest.mark.campaign
 def test_all_eight_coefficients_are_found_negative_ones_too(rig_config: RigConfig, rng: np.random.Generator) -> None:
     K, C = np.array([[30e3, 6e3], [-4e3, 38e3]]), np.array([[18.0, 3.0], [-2.0, 12.0]])
     rig = sought(rig_config, coefficients="all")

@@ -94,6 +94,7 @@ def test_the_extended_config_is_adequate_the_second_time(late: OrderTrackedRespo
     assert again.verdict is Verdict.ADEQUATE
 
 
+@pytest.mark.campaign
 def test_a_holdout_is_what_the_gain_is_measured_on(rig: RigConfig, late: OrderTrackedResponse) -> None:
     effect = find(rig, "delay, probe 2y")
     unseen = swept_response(rig, rng=np.random.default_rng(32), hidden=[(effect, {"delay": DELAY})])
@@ -264,6 +265,7 @@ def test_a_rig_without_an_identify_table_is_refused(late: OrderTrackedResponse) 
         judged(replace(late, rig=late.rig.model_copy(update={"identify": None})))
 
 
+@pytest.mark.campaign
 def test_no_cause_to_try_leaves_the_verdict_on_the_base(late: OrderTrackedResponse) -> None:
     found = judged(late, tried=())
     assert found.verdict is Verdict.UNEXPLAINED

@@ -89,6 +89,7 @@ def test_a_diagnosis_with_findings_comes_back_from_its_file(found: Diagnosis, tm
     assert back.causes[0].nameplate
 
 
+@pytest.mark.campaign
 def test_an_identification_finds_it_too(off: OrderTrackedResponse, tmp_path: Path) -> None:
     found = identify([off])
     whole = found.fits[0]

@@ -156,6 +156,7 @@ def luminance(colour: str) -> float:
     return float(np.dot(linear, [0.2126, 0.7152, 0.0722]))
 
 
+@pytest.mark.campaign
 def test_headings_lead_down_one_step_at_a_time(tab: Tab, report: Path) -> None:
     opened(tab, report)
     levels = tab.run("[...document.querySelectorAll('h1,h2,h3,h4')].map((h) => Number(h.tagName[1]))")

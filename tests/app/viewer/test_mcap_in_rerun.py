@@ -87,6 +87,7 @@ def curve(picture: NDArray[np.int_]) -> tuple[NDArray[np.float64], NDArray[np.in
     return (columns - columns[0]) / np.ptp(columns), len(blue) - blue[:, columns].argmax(axis=0)
 
 
+@pytest.mark.campaign
 def test_a_response_is_plotted(viewer: ViewerClient, tmp_path: Path, response: OrderTrackedResponse) -> None:
     write_response(tmp_path / "response.mcap", response)
     pictures = seen(

@@ -130,6 +130,7 @@ def test_resumed_again_and_again_it_is_still_the_same_search(profile: str) -> No
     assert identical(result, whole)
 
 
+@pytest.mark.campaign
 def test_a_fresh_process_resumes_it_too(profile: str, tmp_path: Path) -> None:
     whole = finished(Search(BOX, rng=1, profile=profile))
     search = told(profile, whole.nfev // 2)

@@ -48,6 +48,7 @@ def found(problem: ExtendedProblem, best: Solution) -> Bootstrap:
     return bootstrap(problem, best, draws=80, seed=5)
 
 
+@pytest.mark.campaign
 def test_the_draws_scatter_as_the_covariance_says(problem: ExtendedProblem, best: Solution, found: Bootstrap) -> None:
     for i, quantity in enumerate(quantities(problem.parameters.base, best.p)):
         draws = np.log(found.draws[:, i]) if quantity.name[0] in "kc" else found.draws[:, i]
@@ -56,6 +57,7 @@ def test_the_draws_scatter_as_the_covariance_says(problem: ExtendedProblem, best
         assert abs(draws.mean() - quantity.read(best.p)) < 0.5 * stated, quantity.name
 
 
+@pytest.mark.campaign
 def test_phases_are_told_about_the_estimate_across_half_a_turn(found: Bootstrap, best: Solution) -> None:
     low, high = found.interval("phase") or (0.0, 0.0)
     assert high - low < 0.2  # and not a whole turn, though the unbalance is at 180 degrees
@@ -81,6 +83,7 @@ def test_a_draw_depends_on_the_seed_and_its_number_alone(
     assert np.abs(other.draws[0] / found.draws[0] - 1).max() > 1e-4
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("workers", [1, 2])
 def test_ctrl_c_keeps_the_draws_done(problem: ExtendedProblem, best: Solution, found: Bootstrap, workers: int) -> None:
     def impatient(done: int) -> None:

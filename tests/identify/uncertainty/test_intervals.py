@@ -65,6 +65,7 @@ def test_near_a_bound_the_profile_says_how_much_there_can_be_at_most(bounded: Or
     assert found.estimate("kxx").interval_by == "profile likelihood"  # correlated with it
 
 
+@pytest.mark.campaign
 def test_at_the_ends_of_a_profile_interval_a_refit_is_worse_by_the_rise(bounded: OrderTrackedResponse) -> None:
     problem = problem_of(bounded)
     found = identify([bounded], profile=True).fits[0]

@@ -41,6 +41,7 @@ def test_a_rotor_that_was_another_in_the_second_run_is_none(rig: RigConfig) -> N
     assert found.between == "runs"
 
 
+@pytest.mark.campaign
 def test_planes_that_tell_of_two_rotors_do_not_agree(rig: RigConfig) -> None:
     """The second plane is shown the motion of a rotor whose unbalance is 30 % larger: no gain is so far off."""
     first, second = (

@@ -29,6 +29,7 @@ def fits(slow: OrderTrackedResponse) -> tuple[AssessedFit, AssessedFit]:
     return still, swept
 
 
+@pytest.mark.campaign
 def test_the_peak_is_late_by_the_ramp_times_the_group_delay(
     slow: OrderTrackedResponse, fits: tuple[AssessedFit, AssessedFit]
 ) -> None:
@@ -43,6 +44,7 @@ def test_the_peak_is_late_by_the_ramp_times_the_group_delay(
     assert 0 < found.lower < 0.2
 
 
+@pytest.mark.campaign
 def test_it_is_said_in_numbers(slow: OrderTrackedResponse, fits: tuple[AssessedFit, AssessedFit]) -> None:
     cause = moving_speed(*fits, [slow])
     assert cause is not None
@@ -52,6 +54,7 @@ def test_it_is_said_in_numbers(slow: OrderTrackedResponse, fits: tuple[AssessedF
     assert cause.heldout_after < cause.heldout_before
 
 
+@pytest.mark.campaign
 def test_a_table_without_times_says_nothing_of_a_moving_speed(
     slow: OrderTrackedResponse, fits: tuple[AssessedFit, AssessedFit]
 ) -> None:

@@ -132,6 +132,7 @@ def test_notes_may_have_lines_and_no_escape_sequences() -> None:
         validate_table(RigConfig, table | {"notes": "\x1b[2J"}, where="x")
 
 
+@pytest.mark.campaign
 def test_a_list_of_a_hundred_thousand_is_refused_in_time() -> None:
     table = tomllib.loads(RK4)
     table["disks"] *= 100_000

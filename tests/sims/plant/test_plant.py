@@ -31,6 +31,7 @@ def with_unbalance(rig: RigConfig, angle: float, *, keyphasor_offset: float = 0.
     return Plant(rig, replace(plain, unbalances=(heavy,), keyphasor_offset=keyphasor_offset))
 
 
+@pytest.mark.campaign
 def test_counts_do_not_depend_on_the_size_of_the_blocks(rk4: RigConfig) -> None:
     truth = draw(rk4, seed=3, faults=[FaultSpec(name="coupling")])
     sizes = np.random.default_rng(0).integers(0, 3000, 400)

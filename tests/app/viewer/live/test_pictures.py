@@ -122,6 +122,7 @@ def centre(mask: np.ndarray) -> tuple[float, float]:
     return float(columns.mean()), float(rows.mean())
 
 
+@pytest.mark.campaign
 @pytest.mark.viewer
 @needs_vulkan
 def test_the_marks_are_where_the_closed_form_says(tmp_path: Path) -> None:

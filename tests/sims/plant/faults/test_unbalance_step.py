@@ -55,6 +55,7 @@ def at_slow_roll(rig: RigConfig, truth: Truth) -> np.ndarray:
     return measured(run_to(Plant(rig, truth), 900), 1.0)
 
 
+@pytest.mark.campaign
 def test_it_falls_out_on_the_way_down_and_not_on_the_way_up(rk4: RigConfig) -> None:
     """Hunting about that speed on the way up is no falling."""
     down = FaultSpec(name="unbalance_step", parameters=STEP | {"speed": -1200 * RPM})
