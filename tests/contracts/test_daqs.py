@@ -214,6 +214,7 @@ def test_an_overrun_of_the_device_is_seen_and_counted(stand: Stand, daq: Daq) ->
     assert [block.overrun for block in read].count(True) == daq.counters.overruns == 1
 
 
+@pytest.mark.campaign
 def test_a_motor_driver_at_the_port_of_the_daq_says_so(stand: Stand) -> None:
     if stand.ports is None:
         pytest.skip("the ports of a simulated rig alone can be mistaken")

@@ -84,6 +84,7 @@ def test_the_spring_and_the_unbalance_of_a_run_up_are_found(fit: AssessedFit) ->
     assert abs(unbalance - UNBALANCE) < 3 * sigma < 0.1 * abs(UNBALANCE)
 
 
+@pytest.mark.campaign
 def test_a_healthy_run_up_is_adequate(healthy: OrderTrackedResponse) -> None:
     found = judged(healthy, "bow", "runout", "coupling", "delay", "skew_stiffness")
     assert found.verdict is Verdict.ADEQUATE, found.sentence

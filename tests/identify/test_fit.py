@@ -82,6 +82,7 @@ def test_a_vector_added_in_a_narrow_band_is_located(
     assert worst.residual == pytest.approx(10e-6, rel=0.3)
 
 
+@pytest.mark.campaign
 def test_one_probe_alone_leaves_the_other_direction_undetermined(blind_response: OrderTrackedResponse) -> None:
     usable = blind_response.usable.copy()
     usable[:, [1, 2, 3]] = False

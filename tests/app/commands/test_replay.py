@@ -66,6 +66,7 @@ def test_from_a_time_on_it_is_the_recording_cut_there(folder: Path, tmp_path: Pa
     assert (tmp_path / "max.mcap").read_bytes() == (tmp_path / "cut.mcap").read_bytes()
 
 
+@pytest.mark.campaign
 def test_a_cut_recording_read_from_its_own_file_gives_the_same_vectors(folder: Path, tmp_path: Path) -> None:
     replay.play(folder / "run.mcap", rate="max", view=False, track=tmp_path / "replayed.mcap", begin=9.0)
     write_recording(tmp_path / "cut.mcap", trim_before(read_recording(folder / "run.mcap"), 9.0))

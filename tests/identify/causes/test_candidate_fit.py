@@ -50,6 +50,7 @@ def test_beyond_bounds_or_without_the_jacobian_of_the_fit_none_is_known(
     assert jacobian_at_zero(larger, kept_none, start) is None
 
 
+@pytest.mark.campaign
 def test_what_was_given_up_near_the_best_is_fitted_to_the_end_that_it_would_have_had(
     rig: RigConfig, hidden: np.ndarray
 ) -> None:

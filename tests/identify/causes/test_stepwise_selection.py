@@ -138,6 +138,7 @@ def test_without_the_hidden_effect_the_fit_does_not_get_as_good(rig: RigConfig, 
     assert without.polished.chi2 > with_it.polished.chi2 + SELECTION.detected
 
 
+@pytest.mark.campaign
 def test_evidence_is_the_fall_of_chi2_less_the_same_for_every_unknown(
     rig: RigConfig, hidden: NDArray[np.float64]
 ) -> None:

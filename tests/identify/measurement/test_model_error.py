@@ -88,6 +88,7 @@ def quiet(rig: RigConfig) -> OrderTrackedResponse:
     return replace(exact, z=z, covariance=exact.covariance / 100)
 
 
+@pytest.mark.campaign
 def test_a_rig_that_is_its_model_is_fitted_with_the_models_error_or_without(quiet: OrderTrackedResponse) -> None:
     for share in (0.0, SHARE):
         fit = fit_base([Recording(_expecting(quiet, share))])

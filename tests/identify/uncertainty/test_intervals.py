@@ -88,6 +88,7 @@ def test_on_demand_all_are_of_the_profile_and_hardly_differ_where_chi2_is_quadra
         assert interval(asked, e.name) == pytest.approx(interval(usual, e.name), abs=0.03 * width)
 
 
+@pytest.mark.campaign
 def test_coefficients_along_an_axis_no_probe_looks_at_get_no_interval(ordinary: OrderTrackedResponse) -> None:
     usable = ordinary.usable.copy()
     usable[:, [1, 3]] = False

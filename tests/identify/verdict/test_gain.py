@@ -83,7 +83,7 @@ def selection(rig: RigConfig, hidden: np.ndarray, there: tuple[str, ...], taken:
             ((BOW, DELAY), (BOW, DELAY), [BOW, DELAY]),
             ((BOW,), (STEP, BOW, DELAY), [BOW]),
         ],
-        now=2,
+        now=1,
     ),
 )
 def test_every_one_of_several_causes_has_to_predict_what_no_fit_saw(

@@ -75,7 +75,7 @@ def test_jitter_of_50_us_and_missed_pulses_cost_a_fifth_of_a_percent_at_most(tra
     assert found.usable > 0.95
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", few(METHODS))
 def test_a_row_at_a_resonance_is_the_mean_under_the_window_that_the_record_names(
     tracked: Track, method: Method
 ) -> None:

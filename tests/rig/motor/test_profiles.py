@@ -232,7 +232,7 @@ def test_a_trip_is_told_with_its_number_and_forbids_a_start(drive: Served) -> No
                 motor.clear_fault()
 
 
-@pytest.mark.parametrize("profile", [name for name in profile_names() if profile_of(name).watchdog])
+@pytest.mark.parametrize("profile", few(name for name in profile_names() if profile_of(name).watchdog))
 def test_the_drive_stops_the_rotor_when_its_master_falls_silent(profile: str) -> None:
     with served(profile, watchdog="1 s") as drive:
         with ModbusMotor(drive.table) as motor:

@@ -173,6 +173,7 @@ def test_run_out_is_what_a_slow_roll_sees(rk4: RigConfig) -> None:
     assert (second > 0.3e-6).all()
 
 
+@pytest.mark.campaign
 def test_a_rattling_bearing_shakes_the_shaft_at_its_natural_frequency_by_half_a_micrometre(rk4: RigConfig) -> None:
     noise = replace(Noise.none(), bearing_force=Noise().bearing_force)
     x = volts_of(Plant(rk4, replace(nameplate(rk4), noise=noise)), 60.0)[:, [0, 2]] / SENSITIVITY

@@ -66,6 +66,7 @@ def test_it_ends_cleanly_when_interrupted_while_it_streams() -> None:
         assert process.stderr.read() == b""
 
 
+@pytest.mark.campaign
 def test_a_sealed_truth_is_used_and_its_seed_kept_secret(tmp_path: Path) -> None:
     sealed = tmp_path / "sealed.json"
     seal(draw(load(CONFIG), seed=4242), sealed)
@@ -140,6 +141,7 @@ with simulated_bench(Path(sys.argv[1]), seed=1):
 """
 
 
+@pytest.mark.campaign
 def test_without_an_input_to_watch_it_runs_until_told() -> None:
     with Path(os.devnull).open("rb") as nothing:
         process = subprocess.Popen([*BENCH, str(CONFIG)], stdin=nothing, stdout=subprocess.PIPE)
@@ -205,6 +207,7 @@ def test_nobody_who_reads_what_it_says_holds_up_its_emulators() -> None:
             assert daq.read(3) == b"\xa5\x5a\x01"
 
 
+@pytest.mark.campaign
 def test_what_the_client_of_the_daq_is_sent_is_kept_if_wanted(tmp_path: Path) -> None:
     kept = tmp_path / "wire"
     with bench(str(CONFIG), "--wire", str(kept)) as process, serial.Serial(said(process)["daq"]["port"]) as daq:

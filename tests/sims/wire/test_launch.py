@@ -55,6 +55,7 @@ def test_its_console_plays_scripts_and_tells_the_true_speed() -> None:
         assert [line["event"] for line in ports.console.messages] == ["begins", "ends"]
 
 
+@pytest.mark.campaign
 def test_a_script_of_faults_is_played_from_the_start(tmp_path: Path) -> None:
     script = tmp_path / "script.json"
     script.write_text('[{"kind": "disconnect", "on": "daq"}]')

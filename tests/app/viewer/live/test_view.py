@@ -115,6 +115,7 @@ def test_a_view_that_sleeps_drops_the_oldest_blocks_and_goes_on_when_it_wakes(
     assert (tmp_path / "live.rrd").stat().st_size > 10_000
 
 
+@pytest.mark.campaign
 def test_a_view_that_never_wakes_is_ended_when_the_sweep_is_over(
     rig: RigConfig, swept: Swept, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

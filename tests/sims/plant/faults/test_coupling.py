@@ -69,6 +69,7 @@ def second_order(rig: RigConfig, rpm: float, faults: list[FaultSpec]) -> float:
     return float(abs(measured(plant, 1.5, order=2)[0]))
 
 
+@pytest.mark.campaign
 def test_2x_peaks_at_half_the_first_critical_speed_and_needs_the_fault(rk4: RigConfig) -> None:
     """The first criticals of 2226 and 2237 rpm are met by 2X at 1113 and 1118 rpm."""
     fault = [FaultSpec(name="coupling", parameters={"bore_force": 0.0})]

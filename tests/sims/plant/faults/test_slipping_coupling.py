@@ -19,6 +19,7 @@ def test_at_a_constant_speed_it_is_an_eccentric_bore(rk4: RigConfig) -> None:
     assert hub == pytest.approx(difference(rk4, "coupling", bore, rpm=600), abs=0.05e-6)
 
 
+@pytest.mark.campaign
 def test_every_ramp_leaves_it_further_back(rk4: RigConfig) -> None:
     """From 600 to 900 rpm and back at 100 rad/s^2: 2 * (w1^2 - w0^2) / (2 * 100) rad turned, 2 % of that crept."""
     phases = []

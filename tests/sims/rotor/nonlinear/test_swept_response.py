@@ -94,6 +94,7 @@ def test_a_law_is_that_of_integration_in_time(model, force, constants, sweep, to
     assert error(swept_columns(model, rows, loads=loads) @ [U], want) > 0.1  # what is being modelled
 
 
+@pytest.mark.campaign
 def test_a_place_that_rests_on_a_stop_is_pushed_off_it_and_shakes_twice_a_turn(model):
     """The mean and the second harmonic, against integration with the same offset."""
     ramp, rows = laid_out(*DOWN)
