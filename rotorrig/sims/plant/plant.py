@@ -118,7 +118,7 @@ class Plant:
         steps = samples * self._substeps
         angle, speed, alpha = self._motor.run(steps)
         rattle = self._rattle_rms * self._rattle.standard_normal((steps, self._shaken, 2))
-        if self._growth and steps:
+        if self._growth:  # of an empty stretch too: see below
             rattle += self._growth * speed[:, None, None] * self._colour(rattle)
         s = self._sense
         at_probes = self._shaft.run(s * angle, s * speed, s * alpha, rattle)
@@ -129,19 +129,20 @@ class Plant:
 
     def _colour(self, white: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return noise that is as `white` at low frequency and falls off beyond the corner: first order."""
-        coloured = _low_pass(white, self._coloured, self._memory)
-        self._coloured = coloured[-1]
+        coloured, self._coloured = _low_pass(white, self._coloured, self._memory)
         return coloured
 
 
 @njit(cache=True)
-def _low_pass(white: NDArray[np.float64], last: NDArray[np.float64], memory: float) -> NDArray[np.float64]:
-    """Return (step, ...) what remembers a share of its last value; scipy.signal takes half a second to import."""
+def _low_pass(
+    white: NDArray[np.float64], last: NDArray[np.float64], memory: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return (step, ...) what remembers a share of its last value, and the last; scipy.signal is slow to import."""
     passed = np.empty_like(white)
     for i in range(len(white)):
         last = memory * last + (1.0 - memory) * white[i]
         passed[i] = last
-    return passed
+    return passed, last
 
 
 def _damping_growth(truth: Truth, bearing: Bearing) -> tuple[float, float]:
