@@ -15,7 +15,8 @@ demo: .venv/ready
 test: .venv/ready
 	$(PYTEST) -m "not campaign"
 
-# What takes minutes: whole campaigns, every drive's contract, the documents' long commands, blind cases, the benchmarks' tests.
+# What takes minutes: whole campaigns, every drive's contract, the documents' long commands, blind cases, the tests of
+# the benchmarks.
 test-all: .venv/ready
 	$(PYTEST) -m campaign
 
@@ -52,7 +53,7 @@ bench: .venv/ready .venv-ross/ready
 chea-tables: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chea_tables.py --seeds 100 --peer-seeds 100 --dimensions --write
 
-# The chapter's Table 7 by the chapter's algorithm: some ten minutes of one core; Ctrl-C and the same command go on.
+# The chapter's Table 7 by the chapter's algorithm: some twenty minutes of one core; Ctrl-C and the same command go on.
 chea-table7: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chea_table7.py --seeds 200 --truths 100 --staged 6 --write
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_chea_table7

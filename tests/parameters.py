@@ -6,11 +6,8 @@ from typing import Any
 import pytest
 
 
-def few(values: Iterable[Any], *, now: int = 1) -> list[Any]:
-    """Return them with all but the first `now` left to `make test-all`: those do something of their own seldom."""
+def defer_rest(values: Iterable[Any], *, now: int = 1) -> list[Any]:
+    """Return the parameters with all but the first `now` left to `make test-all`; a tuple is of several names."""
     every = list(values)
-    later = [
-        pytest.param(*(value if isinstance(value, tuple) else (value,)), marks=pytest.mark.campaign)
-        for value in every[now:]
-    ]
-    return [*every[:now], *later]
+    later = (value if isinstance(value, tuple) else (value,) for value in every[now:])
+    return [*every[:now], *(pytest.param(*value, marks=pytest.mark.campaign) for value in later)]

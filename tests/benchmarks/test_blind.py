@@ -189,7 +189,6 @@ def test_the_effect_stands_before_the_place() -> None:
     assert np.all([effect_of(e.label) == e.name for e in catalogue(nameplate("P2"))])
 
 
-@pytest.mark.campaign
 def test_the_summary_of_a_fresh_clone_is_of_what_is_kept_in_the_repository(tmp_path: Path) -> None:
     """With the files that git has, and no cache."""
     clone = tmp_path / "clone"

@@ -70,7 +70,6 @@ def test_shares_are_counted_by_estimate_and_pooled_over_the_first_group() -> Non
     assert "83.3" in page(summary["coverage"])
 
 
-@pytest.mark.campaign
 def test_a_case_near_a_bound_is_profiled() -> None:
     found = case(("bound", 0, 1))
     assert [trial.name for trial in found.trials] == list(NAMES)

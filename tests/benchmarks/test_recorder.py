@@ -22,7 +22,6 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Bench:
     return Bench(tmp_path_factory.mktemp("recorder"))
 
 
-@pytest.mark.campaign
 def test_a_sweep_at_full_rate_loses_no_sample(bench: Bench) -> None:
     report = Report(minutes=0.03)
     measure_long_run(bench, report)
@@ -31,7 +30,6 @@ def test_a_sweep_at_full_rate_loses_no_sample(bench: Bench) -> None:
     assert report.compression < 0.45
 
 
-@pytest.mark.campaign
 def test_whatever_moment_it_is_killed_at_the_last_quarter_second_is_all_that_is_lost(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -64,7 +62,6 @@ def held_up() -> Iterator[list[float]]:
         sleeper.join()
 
 
-@pytest.mark.campaign
 def test_too_much_vibration_stops_the_drive_though_the_viewer_has_died(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -92,7 +92,6 @@ def test_rows_end_at_every_eighth_edge() -> None:
     np.testing.assert_allclose(run.theta(row_ends(run)) / (2 * np.pi), 8 * np.arange(1, len(row_ends(run)) + 1))
 
 
-@pytest.mark.campaign
 def test_a_live_view_shows_its_vectors_at_a_viewer_of_its_own() -> None:
     found = measure_latency(3.0)
     assert len(found) > 5

@@ -15,7 +15,7 @@ from tests.fuzz.corpus import build
 from tests.fuzz.generated import STRATEGIES, generated
 from tests.fuzz.one_input import Sandbox, input_number, outcome
 from tests.fuzz.targets import TARGETS
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 ROOT = Path(__file__).parents[2]
 
@@ -25,7 +25,7 @@ def fuzz(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
 
 
-@pytest.mark.parametrize("inputs", few([25, 500]))
+@pytest.mark.parametrize("inputs", defer_rest([25, 500]))
 def test_damaged_and_made_up_inputs_are_read_or_refused(inputs: int, tmp_path: Path) -> None:
     done = fuzz(tmp_path, "--inputs", str(inputs), "--workers", "1", "--seed", "20261121")
     assert done.returncode == 0, done.stdout + done.stderr

@@ -19,7 +19,7 @@ from rotorrig.sims.rotor.model.loads import ONE_RECORDING
 from tests.conftest import CONFIGS
 from tests.identify.matched import taken_for_exact
 from tests.identify.swept import DRAWN, SIGMA, C, K, U, swept_response
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 KINDS = {effect.name for effect in catalogue(load(CONFIGS / "rk4.toml"))}
 QUICK = {"unbalance_plane", "delay", "skew_stiffness", "coupling", "stiffness_over_speed"}  # without force laws
@@ -185,7 +185,7 @@ def test_what_the_data_cannot_show_is_told_with_what_is_missing(one_plane: RigCo
         assert "a run with a known trial mass" in each.missing
 
 
-@pytest.mark.parametrize("stage", few(["causes", "base model", "cause 1", "unseen data"]))
+@pytest.mark.parametrize("stage", defer_rest(["causes", "base model", "cause 1", "unseen data"]))
 def test_an_interrupt_ends_it_at_once_and_leaves_nothing_behind(
     late: OrderTrackedResponse, named: Diagnosis, stage: str
 ) -> None:

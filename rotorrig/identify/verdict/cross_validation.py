@@ -66,7 +66,7 @@ class Unseen:
         self._holdout = problem.on([holdout]).expecting_error(p).recordings if holdout else None
         self._parts = None if holdout else folds_of(problem.recordings)
 
-    def predict(self, problem: ExtendedProblem, p: Reals, *, fits: PartFits | None = None) -> Prediction:
+    def measure(self, problem: ExtendedProblem, p: Reals, *, fits: PartFits | None = None) -> Prediction:
         """Return how well a model predicts it; `p` is its fit to all rows, `fits` those begun there, if known."""
         if self._holdout:
             return measure_prediction(problem.on(self._holdout), p)

@@ -83,9 +83,9 @@ def leave_out_idle(selection: Selection, unseen: Unseen) -> Selection:
     kept = len(selection.start.effects)
     while len(selection.problem.effects) > kept + 1:
         problem, polished = selection.problem, selection.polished
-        whole = unseen.predict(problem, polished.p)
+        whole = unseen.measure(problem, polished.p)
         smaller = [leave_out(problem, polished, [effect]) for effect in problem.effects[kept:]]
-        without = [unseen.predict(model, fit.p) for model, fit in smaller]
+        without = [unseen.measure(model, fit.p) for model, fit in smaller]
         least = min(range(len(smaller)), key=lambda i: without[i].blocks.sum())
         if whole.is_better_than(without[least]):
             break
@@ -102,7 +102,7 @@ def predict_unseen(selection: Selection, unseen: Unseen) -> Predictions:
     final = PartFits(selection.problem, selection.polished.p) if extended else None
 
     def of(model: ExtendedProblem, p: Reals) -> Prediction:
-        return unseen.predict(model, p, fits=final)
+        return unseen.measure(model, p, fits=final)
 
     before = of(selection.start, base.p)
     tried = _worth_predicting(steps[0].tried if steps else ())

@@ -10,7 +10,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.probes.keyphasor_speed import KeyphasorSpeed
 from tests.acquisition.sweep.scripted_rig import notch
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 SCANS = 200
 UNEVEN = (0.0, 1.5, 3.0, 4.9)  # rad, of four teeth
@@ -194,7 +194,7 @@ def test_a_keyphasor_that_reads_what_it_never_read_before_proves_no_rest_by_its_
     assert machine.judge() is RotorState.UNKNOWN
 
 
-@pytest.mark.parametrize("gap", few([200, 0, 100, 150]))
+@pytest.mark.parametrize("gap", defer_rest([200, 0, 100, 150]))
 @pytest.mark.parametrize("teeth", [(0.0,), UNEVEN])
 def test_uneven_teeth_and_missing_samples_neither_hide_a_stop_nor_make_one(
     rig: RigConfig, daq_info: DaqInfo, teeth: tuple[float, ...], gap: int

@@ -16,7 +16,7 @@ from rotorrig.rig.errors import NotAtRest
 from rotorrig.rig.motor.base import MotorState, Stop
 from rotorrig.rig.probes.base import Block
 from tests.acquisition.sweep.scripted_bench import LOOKED, PLAN, Bench, MakeBench
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 SLOW_ROLL: tuple[Step, ...] = (Ramp(to=240 / RPM, rate=10.0), Dwell(seconds=10.0))  # as every plan begins
 MORE: tuple[Step, ...] = (*SLOW_ROLL, Ramp(to=480 / RPM, rate=10.0), Coast(until=240 / RPM))
@@ -68,7 +68,7 @@ def test_half_the_pole_pairs_are_found_within_two_seconds_and_below_300_rpm(
     assert fastest * RPM < 300
 
 
-@pytest.mark.parametrize("angle", few(PHASES))
+@pytest.mark.parametrize("angle", defer_rest(PHASES))
 @pytest.mark.parametrize("rate", [5.0, 10.0, 50.0])
 def test_twice_the_pole_pairs_are_found_soon_after_100_rpm_were_asked_for(
     bare: Callable[..., Bench], angle: float, rate: float
@@ -89,7 +89,7 @@ def test_three_pole_pairs_for_two_are_found_in_the_first_ramp_or_soon_after(
     assert at < 240 / RPM / 10.0 + 2.0
 
 
-@pytest.mark.parametrize("angle", few(PHASES))
+@pytest.mark.parametrize("angle", defer_rest(PHASES))
 @pytest.mark.parametrize("shaft", [{}, {"slip": 0.05}, {"steepest": 3.0}, {"steepest": 5.5}], ids=str)
 def test_a_drive_with_slip_or_a_gentler_ramp_of_its_own_trips_nothing(
     bare: Callable[..., Bench], shaft: dict[str, float], angle: float

@@ -24,7 +24,7 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from tests.app.browser import Tab, browser, needs_chromium
 from tests.app.conftest import make_response
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 pytestmark = [pytest.mark.browser, needs_chromium]
 
@@ -117,7 +117,7 @@ def test_every_plots_data_is_json_that_cannot_end_its_element(report: Path) -> N
         assert {"data", "layout"} <= set(json.loads(data))
 
 
-@pytest.mark.parametrize("width", few([390, 1200, 1600]))
+@pytest.mark.parametrize("width", defer_rest([390, 1200, 1600]))
 def test_nothing_is_wider_than_the_window(tab: Tab, report: Path, width: int) -> None:
     opened(tab, report, width=width)
     tab.run("document.querySelectorAll('details').forEach((part) => (part.open = true))")  # a folded plot has no width
@@ -166,7 +166,7 @@ def test_headings_lead_down_one_step_at_a_time(tab: Tab, report: Path) -> None:
 
 
 @pytest.mark.skipif(shutil.which("pdftotext") is None, reason="needs pdftotext (Debian: poppler-utils)")
-@pytest.mark.parametrize("paper", few(PAPERS))
+@pytest.mark.parametrize("paper", defer_rest(PAPERS))
 def test_it_prints_within_the_margins_with_all_that_was_folded(
     tab: Tab, report: Path, tmp_path: Path, paper: str
 ) -> None:

@@ -17,7 +17,7 @@ from rotorrig.app import cli
 from rotorrig.app.verbs.output_guard import check_outputs, outputs_of
 from rotorrig.rig import DataError, Provenance
 from rotorrig.rig.config import RigConfig
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 RK4 = Path(__file__).parents[3] / "configs/rk4.toml"
 #: arguments that name a file to read; any other path of any verb is held to be an output
@@ -171,7 +171,7 @@ def test_an_input_is_never_written_to(verb: str, argument: str, slip: str, refus
     assert "is the input file" in words or (verb == "export" and "ends in ''" in words)
 
 
-@pytest.mark.parametrize(("verb", "argument"), few(CASES, now=5))
+@pytest.mark.parametrize(("verb", "argument"), defer_rest(CASES, now=5))
 def test_a_file_of_another_kind_is_never_replaced(
     verb: str, argument: str, refused: Any, samples: dict[str, Path], tmp_path: Path
 ) -> None:

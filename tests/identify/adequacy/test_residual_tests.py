@@ -14,7 +14,7 @@ from scipy import stats
 from rotorrig.identify.adequacy.residual_tests import Adequacy, assess, assess_all, residual_maps
 from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.processing.response import OrderTrackedResponse, Run
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 ROWS = 6000 * ADEQUACY.stretch
 SIGMA = 0.3e-6  # m, of re or im
@@ -78,7 +78,7 @@ def test_white_residuals_have_sigma_one_and_their_worst_stretch_is_that_of_chi2(
     assert loud_stretches(found) == 0
 
 
-@pytest.mark.parametrize("louder", few([1.0, 2.0]))
+@pytest.mark.parametrize("louder", defer_rest([1.0, 2.0]))
 def test_noise_alone_is_called_inadequate_no_more_often_than_stated(judged, rng, louder: float) -> None:
     """Be it as loud as the covariance says or not: it is held against its own scatter."""
     draws = 400

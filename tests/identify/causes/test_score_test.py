@@ -14,7 +14,7 @@ from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
 from tests.identify.swept import swept_response
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 FAST = {"speeds": (700.0, 2600.0), "ramp": 400.0}
 
@@ -25,7 +25,7 @@ def fitted(problem: ExtendedProblem, hidden: np.ndarray) -> Solution:
 
 @pytest.mark.parametrize(
     "label",
-    few(
+    defer_rest(
         ["unbalance_plane, at 160 mm", "delay", "runout, plane 2, twice per turn", "coupling", "skew_stiffness"], now=2
     ),
 )

@@ -21,7 +21,7 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find
 from tests.identify.swept import swept_response
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 TRIED = (
     "bow",
@@ -48,7 +48,9 @@ def effect_of(rig: RigConfig, label: str, share: float = 1.0) -> tuple[Effect, T
     return effect, {q.name: q.at_zero + share * q.size for q in effect.parameters}
 
 
-@pytest.mark.parametrize("label", few(["unbalance_plane, at 160 mm", "delay, probe 2y", "skew_stiffness", "coupling"]))
+@pytest.mark.parametrize(
+    "label", defer_rest(["unbalance_plane, at 160 mm", "delay, probe 2y", "skew_stiffness", "coupling"])
+)
 def test_the_hidden_effect_is_taken_up_and_nothing_else(
     rig: RigConfig, hidden: NDArray[np.float64], label: str
 ) -> None:
@@ -112,7 +114,7 @@ def test_a_second_cause_has_to_explain_more_than_an_error_of_the_first_ones_mode
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize("begun", few(["at 440 mm", "at 520 mm"]))
+@pytest.mark.parametrize("begun", defer_rest(["at 440 mm", "at 520 mm"]))
 def test_an_unbalance_is_named_by_where_it_is_not_by_where_its_fit_began(
     rig: RigConfig, hidden: NDArray[np.float64], begun: str
 ) -> None:

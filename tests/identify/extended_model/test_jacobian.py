@@ -13,7 +13,7 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import load
 from rotorrig.sims.effects.base import Effect, catalogue
 from tests.conftest import CONFIGS
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 KINDS = sorted({effect.name for effect in catalogue(load(CONFIGS / "rk4.toml"))})
 BASE = ("kxx", "cyy", "E", "bearing left B y", "u re", "gain 2x", "angle 2x", "runout 2x re", "keyphasor angle")
@@ -42,7 +42,7 @@ def typical(problem: ExtendedProblem, hidden: np.ndarray) -> np.ndarray:
     return p
 
 
-@pytest.mark.parametrize("kind", few(KINDS, now=10))
+@pytest.mark.parametrize("kind", defer_rest(KINDS, now=10))
 def test_the_jacobian_is_the_derivative_of_the_residual(
     kind: str, short: OrderTrackedResponse, hidden: np.ndarray, every: dict[str, Effect]
 ) -> None:

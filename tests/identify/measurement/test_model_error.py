@@ -14,7 +14,7 @@ from rotorrig.identify.verdict.cross_validation import cross_validate
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from tests.identify.swept import SIGMA, C, K, swept_response
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 SHARE = 0.005
 REPEATABILITY = 0.003
@@ -97,7 +97,7 @@ def test_a_rig_that_is_its_model_is_fitted_with_the_models_error_or_without(quie
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize("turns", few([4.0, 8.0]))
+@pytest.mark.parametrize("turns", defer_rest([4.0, 8.0]))
 def test_where_probes_wander_with_speed_damping_is_wrong_for_a_model_taken_for_exact_and_no_other(
     quiet: OrderTrackedResponse, turns: float
 ) -> None:

@@ -14,6 +14,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 from tests.identify.swept import swept_response
 
+pytestmark = pytest.mark.campaign  # two fits of a long sweep
 RAMP = 60.0  # rpm/s: slow, so that the first order in the ramp holds
 
 
@@ -29,7 +30,6 @@ def fits(slow: OrderTrackedResponse) -> tuple[AssessedFit, AssessedFit]:
     return still, swept
 
 
-@pytest.mark.campaign
 def test_the_peak_is_late_by_the_ramp_times_the_group_delay(
     slow: OrderTrackedResponse, fits: tuple[AssessedFit, AssessedFit]
 ) -> None:
@@ -44,7 +44,6 @@ def test_the_peak_is_late_by_the_ramp_times_the_group_delay(
     assert 0 < found.lower < 0.2
 
 
-@pytest.mark.campaign
 def test_it_is_said_in_numbers(slow: OrderTrackedResponse, fits: tuple[AssessedFit, AssessedFit]) -> None:
     cause = moving_speed(*fits, [slow])
     assert cause is not None
@@ -54,7 +53,6 @@ def test_it_is_said_in_numbers(slow: OrderTrackedResponse, fits: tuple[AssessedF
     assert cause.heldout_after < cause.heldout_before
 
 
-@pytest.mark.campaign
 def test_a_table_without_times_says_nothing_of_a_moving_speed(
     slow: OrderTrackedResponse, fits: tuple[AssessedFit, AssessedFit]
 ) -> None:

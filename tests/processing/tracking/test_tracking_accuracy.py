@@ -16,7 +16,7 @@ from rotorrig.acquisition.files.recording_mcap import read_recording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import Method, OrderTrackedResponse
 from rotorrig.processing.settings import Tracking
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 METHODS: tuple[Method, ...] = ("resampling", "least-squares", "vold-kalman")
 FITTED: tuple[Method, ...] = ("least-squares", "vold-kalman")
@@ -39,7 +39,7 @@ def score(response: OrderTrackedResponse, run: RunUp, order: float = 1.0) -> Sco
     return Score.of(response.order(order), run.truth(order), response.usable)
 
 
-@pytest.mark.parametrize("method", few(METHODS))
+@pytest.mark.parametrize("method", defer_rest(METHODS))
 def test_a_run_up_of_constant_vectors_is_tracked_to_a_twentieth_of_a_percent(tracked: Track, method: Method) -> None:
     run = without(standard(2), orders=(0.47,))
     found = score(tracked(run, method=method), run)
@@ -67,7 +67,7 @@ def test_a_line_between_the_orders_leaks_through_blackmans_window_as_its_transfo
     assert score(tracked(run), run).vector_percent == pytest.approx(expected, rel=0.05)
 
 
-@pytest.mark.parametrize("method", few(METHODS))
+@pytest.mark.parametrize("method", defer_rest(METHODS))
 def test_jitter_of_50_us_and_missed_pulses_cost_a_fifth_of_a_percent_at_most(tracked: Track, method: Method) -> None:
     run = standard(2, jitter=50e-6, missed=0.01)
     found = score(tracked(run, method=method), run)
@@ -75,7 +75,7 @@ def test_jitter_of_50_us_and_missed_pulses_cost_a_fifth_of_a_percent_at_most(tra
     assert found.usable > 0.95
 
 
-@pytest.mark.parametrize("method", few(METHODS))
+@pytest.mark.parametrize("method", defer_rest(METHODS))
 def test_a_row_at_a_resonance_is_the_mean_under_the_window_that_the_record_names(
     tracked: Track, method: Method
 ) -> None:

@@ -16,7 +16,7 @@ from rotorrig.rig.motor.base import Stop
 from rotorrig.rig.motor.modbus_motor import ModbusMotor
 from rotorrig.rig.motor.modbus_profile import Profile
 from rotorrig.sims.wire.motors.inverters import commission_drive
-from tests.parameters import few
+from tests.parameters import defer_rest
 from tests.rig.wire_fakes import Drive
 from tests.sims.wire.conftest import ToyPlant
 from tests.sims.wire.served_inverter import Served, Wire, served
@@ -192,7 +192,7 @@ def wire(request: pytest.FixtureRequest) -> Wire:
     return found
 
 
-@pytest.fixture(params=few(profile_names(), now=2))
+@pytest.fixture(params=defer_rest(profile_names(), now=2))
 def drive(request: pytest.FixtureRequest, wire: Wire) -> Iterator[Served]:
     with served(request.param, wire=wire) as drive:
         yield drive
@@ -232,7 +232,7 @@ def test_a_trip_is_told_with_its_number_and_forbids_a_start(drive: Served) -> No
                 motor.clear_fault()
 
 
-@pytest.mark.parametrize("profile", few(name for name in profile_names() if profile_of(name).watchdog))
+@pytest.mark.parametrize("profile", defer_rest(name for name in profile_names() if profile_of(name).watchdog))
 def test_the_drive_stops_the_rotor_when_its_master_falls_silent(profile: str) -> None:
     with served(profile, watchdog="1 s") as drive:
         with ModbusMotor(drive.table) as motor:

@@ -31,6 +31,7 @@ from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import Block, DaqInfo
 from tests.app.conftest import jeffcott
 from tests.app.headless import headless_viewer, marked, needs_vulkan, views
+from tests.parameters import defer_rest
 
 BLUE, ORANGE, RED, VIOLET = (74, 163, 223), (242, 142, 43), (200, 24, 66), (176, 132, 214)
 PALE, GREEN, WHITE, WORDS = (250, 200, 140), (86, 196, 150), (240, 240, 240), (202, 216, 222)
@@ -183,7 +184,7 @@ def test_results_of_different_layouts_go_by_different_names(response: OrderTrack
 @needs_vulkan
 @pytest.mark.parametrize(
     ("tab", "wanted"),
-    [
+    defer_rest([
         (
             "Overview",
             {
@@ -193,31 +194,21 @@ def test_results_of_different_layouts_go_by_different_names(response: OrderTrack
                 "Residual 1X, sigmas of the noise: after": (WORDS, 20),
             },
         ),
-        pytest.param(
-            "Bode", {f"Bode 1X, probe {probe}": (VIOLET, 30) for probe in ("1x", "1y", "2x", "2y")},
-            marks=pytest.mark.campaign,
-        ),
-        pytest.param(
-            "Polar", {f"Polar 1X, probe {probe}": (WHITE, 8) for probe in ("1x", "1y", "2x", "2y")},
-            marks=pytest.mark.campaign,
-        ),
-        pytest.param(
+        ("Bode", {f"Bode 1X, probe {probe}": (VIOLET, 30) for probe in ("1x", "1y", "2x", "2y")}),
+        ("Polar", {f"Polar 1X, probe {probe}": (WHITE, 8) for probe in ("1x", "1y", "2x", "2y")}),
+        (
             "Centreline",
             {"Shaft centreline: 1x": (WHITE, 5), "Shaft centreline: 2x": (WHITE, 5), "Gap": (ORANGE, 100)},
-            marks=pytest.mark.campaign,
         ),
-        pytest.param(
+        (
             "Spectrum",
             {
                 "Full spectrum over speed: 1x": (BLUE, 1000), "Full spectrum over speed: 2x": (BLUE, 1000),
                 "Forward and backward whirl: 1x": (GREEN, 200), "Forward and backward whirl: 2x": (GREEN, 200),
             },
-            marks=pytest.mark.campaign,
         ),
-        pytest.param(
-            "Rotor", {"1X deflection": (GREEN, 300), "critical speed 22": (WORDS, 20)}, marks=pytest.mark.campaign
-        ),
-    ],
+        ("Rotor", {"1X deflection": (GREEN, 300), "critical speed 22": (WORDS, 20)}),
+    ]),
 )  # fmt: skip
 def test_every_view_of_a_tab_is_drawn(
     showing: ViewerClient,

@@ -48,7 +48,6 @@ def test_a_day_on_which_nothing_can_be_seen_is_said() -> None:
         draw_day(DAY, hide=lambda case: None)
 
 
-@pytest.mark.campaign
 def test_todays_case_can_be_seen_and_told_from_its_nearest_rival(tmp_path: Path) -> None:
     """Drawn twice, once with a sweep each: lam is computed anew."""
     today = datetime.now(UTC).date()

@@ -38,7 +38,6 @@ def test_of_two_probes_without_a_trial_mass_either_may_have_the_gain(recordings:
     assert found["rival_lam"] < VERDICT.nameable
 
 
-@pytest.mark.campaign
 def test_a_step_of_unbalance_is_taken_for_nothing_else(recordings: list[Recording]) -> None:
     omega, t = recordings[0].response.omega, recordings[0].response.t
     found = lam(

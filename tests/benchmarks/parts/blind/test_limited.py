@@ -6,8 +6,6 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
-import pytest
-
 from benchmarks.parts.blind.limited import run_limited
 
 
@@ -23,7 +21,6 @@ def job(kind: str) -> Iterator[dict[str, Any]]:
     yield {"whole": True}
 
 
-@pytest.mark.campaign
 def test_what_a_job_had_said_is_kept_however_it_ends() -> None:
     seen: dict[str, tuple[Any, str]] = {}
     began = time.monotonic()

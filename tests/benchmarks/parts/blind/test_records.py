@@ -57,7 +57,6 @@ def run(tmp_path: Path, count: int) -> subprocess.Popen[str]:
     return subprocess.Popen(arguments, env=os.environ | {"PYTHONPATH": str(ROOT)}, stdout=subprocess.PIPE, text=True)
 
 
-@pytest.mark.campaign
 def test_a_run_that_is_killed_goes_on_where_it_was(tmp_path: Path) -> None:
     path = tmp_path / "kept.jsonl"
     with run(tmp_path, 6) as first:

@@ -13,7 +13,6 @@ from benchmarks.parts.identification.table7 import CHAPTER, OBJECTIVES
 INF, NAN = float("inf"), float("nan")
 
 
-@pytest.mark.campaign
 def test_f2_is_exact_within_twice_the_chapters_calls() -> None:
     runs = [search("f2", seed) for seed in range(1000, 1010)]
     assert max(run.calls for run in runs) <= 2 * CHAPTER["f2"]

@@ -119,7 +119,6 @@ def test_table_8_says_whose_error_it_was_and_has_no_row_for_black_boxes_not_run(
     assert "black box" not in text
 
 
-@pytest.mark.campaign
 def test_one_rig_of_table_10_end_to_end(response: OrderTrackedResponse) -> None:
     case = table10.identified(response, table10.FIRST_SEED)
     assert case.outcomes.keys() == {*OBJECTIVES, *(f"{name} uncompensated" for name in OBJECTIVES), "residual"}

@@ -13,7 +13,7 @@ from rotorrig.sims.plant.draw import draw, draw_fault, nameplate
 from rotorrig.sims.plant.faults.base import fault_names, load_fault
 from rotorrig.sims.plant.plant import Plant
 from rotorrig.sims.plant.truth import FaultSpec, Truth
-from tests.parameters import few
+from tests.parameters import defer_rest
 
 #: parameters that stand in axes fixed to the ground: y up makes them change sign in a mirror
 FIXED_IN_SPACE = {"coupling": "offset_angle", "cross_stiffness": "stiffness", "probe_angle": "turn"}
@@ -41,7 +41,7 @@ def test_every_fault_says_what_it_takes_and_has_something_to_do(name: str) -> No
     assert module.__doc__
 
 
-@pytest.mark.parametrize("name", few(fault_names(), now=6))
+@pytest.mark.parametrize("name", defer_rest(fault_names(), now=6))
 def test_a_fault_of_no_size_leaves_the_counts_as_they_were_and_one_of_some_size_does_not(
     rk4: RigConfig, name: str
 ) -> None:

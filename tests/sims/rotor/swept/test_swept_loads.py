@@ -12,7 +12,7 @@ from rotorrig.sims.rotor.steady.harmonic_response import load_columns, probe_res
 from rotorrig.sims.rotor.swept.swept_response import swept_columns
 from rotorrig.sims.rotor.swept.timeline import Timeline
 from rotorrig.sims.rotor.swept.tracking_windows import tracked_rows
-from tests.parameters import few
+from tests.parameters import defer_rest
 from tests.sims.rotor.collocation import RPM, Ramp, integrated
 
 RAMPS = {1: (1800, 30, 24.0), 2: (900, 30, 16.0), 3: (600, 20, 16.0)}  # each through its resonance: rpm, rpm/s, s
@@ -43,7 +43,7 @@ def both(model, ramp: Ramp, *, order: int = 1, **load):
 
 
 @pytest.mark.parametrize("law", ["unbalance", "constant"])
-@pytest.mark.parametrize("order", few([1, 2, 3]))
+@pytest.mark.parametrize("order", defer_rest([1, 2, 3]))
 def test_every_law_and_order_is_that_of_integration_in_time(model, order, law):
     start, rate, seconds = RAMPS[order]
     ramp = Ramp(start * RPM, rate * RPM, seconds)
