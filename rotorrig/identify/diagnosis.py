@@ -75,6 +75,7 @@ class Diagnosis:
     hidden: tuple[HiddenEffect, ...] = ()  # effects this data would not show, with the size that would
     character: str = ""  # of the residual, where no known cause explains it
     extended_residual: NDArray[np.complex128] | None = None  # as `residual`, of the extended model; None: there is none
+    extended_sigmas: NDArray[np.float64] | None = None  # as `sigmas`, likewise; None of a file of an earlier version too
     responses: tuple[tuple[str, int], ...] = ()  # source hash and rows of each response, in the order of the rows
     source: Provenance
 
@@ -210,6 +211,7 @@ def _assemble(
         hidden=hidden_effects(selection),
         character=sentences.character(extended.adequacy) if verdict is Verdict.UNEXPLAINED else "",
         extended_residual=extended.adequacy.residual if extended is not base else None,
+        extended_sigmas=extended.adequacy.sigmas if extended is not base else None,
         responses=tuple((r.source.source_hash, len(r.omega)) for r in responses),
         source=replace(source, code_version=code_version()),
     )

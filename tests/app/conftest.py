@@ -202,6 +202,7 @@ def make_named(response: OrderTrackedResponse, base: NDArray[np.complex128]) -> 
         hidden=(HiddenEffect(effect="internal_damping", smallest=40.0, unit="N s/m", missing="a run in reverse"),),
         character="What is left is strongest at 2X.",
         extended_residual=after,
+        extended_sigmas=np.abs(after) / (np.sqrt(2) * SIGMA),
         responses=((response.source.source_hash, len(response.omega)),),
     )
 

@@ -68,6 +68,17 @@ def test_the_extension_predicts_what_no_fit_saw(named: Diagnosis) -> None:
     assert after < before
 
 
+def test_where_the_extended_model_is_right_its_residual_is_noise_wherever_the_base_is_by_chance(
+    named: Diagnosis,
+) -> None:
+    before, after = named.sigmas[..., 0], named.extended_sigmas
+    assert after is not None
+    known = after[..., 0][np.isfinite(after[..., 0])]
+    assert 0.5 < np.sqrt(np.mean(known**2)) < 1.1  # noise, and what may be the error of any model
+    at_chance = after[..., 0][before < 0.1]  # cells where the wrong model crosses the measurement
+    assert at_chance.size > 3 and at_chance.max() < 4.0
+
+
 def test_the_gain_tells_the_base_before_and_after(named: Diagnosis) -> None:
     base = named.gain.base
     assert set(base) == {"kxx", "kyy", "cxx", "cyy", "u"}

@@ -132,6 +132,7 @@ VERDICT = Diagnosis(
     ),
     character="strongest at 2X",
     extended_residual=Z[:, :, None],
+    extended_sigmas=np.abs(Z)[:, :, None],
     responses=(("b" * 16, 2),),
     residual=Z[:, :, None],
     sigmas=np.abs(Z)[:, :, None],

@@ -24,7 +24,7 @@ from rotorrig.identify import diagnose, write_diagnosis
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.sims.plant import Truth, expected_estimates, unseal
 
-ARRAYS = ("residual", "sigmas", "extended_residual")  # of diagnosis.json; not kept
+ARRAYS = ("residual", "sigmas", "extended_residual", "extended_sigmas")  # of diagnosis.json; not kept
 FAILED = "failed"  # for a verdict, of a case that ended in an error
 JUDGED = ("adequate", "named")  # verdicts whose stiffness and unbalance are held against the truth
 

@@ -23,7 +23,7 @@ from rotorrig.app.plot_data.curves import (
     vectors,
     whirl_grid,
 )
-from rotorrig.app.plot_data.diagnosis_of_response import Vectors, extended_sigmas, fits_of, part_of, predictions
+from rotorrig.app.plot_data.diagnosis_of_response import Vectors, fits_of, part_of, predictions
 from rotorrig.app.plot_data.nice_numbers import nice
 from rotorrig.app.plot_data.orbits import Plane, orbit, representative_rows
 from rotorrig.app.plot_data.order_spectrum import OrderSpectrum, order_spectra
@@ -41,7 +41,6 @@ __all__ = [
     "centreline_words",
     "clearance_circle",
     "curves",
-    "extended_sigmas",
     "fits_of",
     "lag_degrees",
     "model_vectors",

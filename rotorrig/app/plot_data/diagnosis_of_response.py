@@ -21,12 +21,13 @@ def part_of(diagnosis: Diagnosis, response: OrderTrackedResponse) -> Diagnosis:
             f"diagnosis: residual is (speed, probe, order) = {diagnosis.sigmas[mine].shape}, the response has "
             f"{response.z.shape}; want the diagnosis of this very response"
         )
-    after = diagnosis.extended_residual
+    after, after_sigmas = diagnosis.extended_residual, diagnosis.extended_sigmas
     return replace(
         diagnosis,
         residual=diagnosis.residual[mine],
         sigmas=diagnosis.sigmas[mine],
-        extended_residual=None if after is None else np.asarray(after[mine]),
+        extended_residual=None if after is None else after[mine],
+        extended_sigmas=None if after_sigmas is None else after_sigmas[mine],
     )
 
 
@@ -69,12 +70,3 @@ def predictions(
     base = fit.prediction if fit else measured - diagnosis.residual[:, :, place] if diagnosis else None
     after = diagnosis.extended_residual if diagnosis else None
     return base, None if after is None else measured - after[:, :, place]
-
-
-def extended_sigmas(diagnosis: Diagnosis) -> NDArray[np.float64] | None:
-    """Return the residual of the extended model in the standard deviations of `sigmas`; None without such a model."""
-    if diagnosis.extended_residual is None:
-        return None
-    with np.errstate(divide="ignore", invalid="ignore"):
-        per_metre = diagnosis.sigmas / np.abs(diagnosis.residual)
-    return np.where(np.isfinite(per_metre), np.abs(diagnosis.extended_residual) * per_metre, np.nan)

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from rotorrig.app.plot_data import extended_sigmas
 from rotorrig.app.report.figures import residual_map, whirl_map
 from rotorrig.app.report.html import Section, details, name_of_order, paragraph, plot, section, table
 from rotorrig.identify import Diagnosis, Verdict
@@ -46,8 +45,8 @@ def _has_residual(response: OrderTrackedResponse, diagnosis: Diagnosis, order: f
 
 def _maps(response: OrderTrackedResponse, diagnosis: Diagnosis, *, order: float) -> list[str]:
     """Return the map of the base model at an order and, where there is one, that of the extended model."""
-    after = extended_sigmas(diagnosis)
-    models = {"": ("model" if after is None else "base model", diagnosis.sigmas)}
+    after = diagnosis.extended_sigmas
+    models = {"": ("model" if diagnosis.extended_residual is None else "base model", diagnosis.sigmas)}
     if after is not None and np.isfinite(after[:, :, response.orders.index(order)]).any():
         models["-after"] = ("extended model", after)
     return [

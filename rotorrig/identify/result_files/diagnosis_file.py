@@ -28,11 +28,12 @@ _CAUSE = (
 
 def write_diagnosis(path: Path, diagnosis: Diagnosis) -> None:
     """Write diagnosis.json. Raises DataError if the file cannot be written."""
-    extended = diagnosis.extended_residual
+    extended, extended_sigmas = diagnosis.extended_residual, diagnosis.extended_sigmas
     arrays = {
         "residual": complex_out(diagnosis.residual),
         "sigmas": numbers_out(diagnosis.sigmas),
         "extended_residual": None if extended is None else complex_out(extended),
+        "extended_sigmas": None if extended_sigmas is None else numbers_out(extended_sigmas),
     }
     write_table(path, DIAGNOSIS, {**diagnosis_table(diagnosis), **arrays}, diagnosis.source)
 
@@ -83,6 +84,7 @@ def read_diagnosis(path: Path) -> Diagnosis:
             hidden=tuple(_hidden(effect) for effect in table["hidden"]),
             character=table["character"],
             extended_residual=None if (after := table["extended_residual"]) is None else complex_in(after),
+            extended_sigmas=None if (after := table.get("extended_sigmas")) is None else numbers_in(after),
             responses=tuple((str(source), int(rows)) for source, rows in table["responses"]),
             source=Provenance(**table["source"]),
         )

@@ -9,7 +9,6 @@ from rotorrig.app.plot_data import (
     CentrelinePath,
     centreline_paths,
     clearance_circle,
-    extended_sigmas,
     phase_window,
     residual_grid,
 )
@@ -96,7 +95,7 @@ def draw_residuals(stream: rr.RecordingStream, result: Result) -> None:
     diagnosis, response = result.diagnosis, result.response
     if diagnosis is None:
         return
-    for name, sigmas in (("before", diagnosis.sigmas), ("after", extended_sigmas(diagnosis))):
+    for name, sigmas in (("before", diagnosis.sigmas), ("after", diagnosis.extended_sigmas)):
         if sigmas is not None:
             ResidualPicture(stream, f"residual/{name}").draw(*residual_grid(response, sigmas, bins=MAP_BINS))
 
