@@ -211,13 +211,13 @@ def polar(theta: Theta, name: str) -> tuple[float, float]:
 
 
 def magnitudes(parameters: tuple[Parameter, ...], theta: Theta) -> Iterator[tuple[str, float, str]]:
-    """Yield name, value and unit of every unknown, phasors as magnitude and angle ("bow", "bow angle" in rad)."""
+    """Yield name, value and unit of every unknown, phasors as magnitude and angle ("bow", "bow angle", 0 to 2 pi rad)."""
     for p in parameters:
         stem = p.name.removesuffix(" re")
         if stem != p.name:
             z = phasor(theta, stem)
             yield stem, abs(z), p.unit
-            yield f"{stem} angle", float(np.angle(z)), "rad"
+            yield f"{stem} angle", float(np.angle(z)) % math.tau, "rad"
         elif not p.name.endswith(" im"):
             yield p.name, theta[p.name], p.unit
 
