@@ -57,6 +57,8 @@ class Parameters:
             self.runout,
         ) = (slice(int(a), int(b)) for a, b in zip(starts, ends, strict=True))
         self.structural = slice(0, self.tilts.stop)  # what the response depends on nonlinearly
+        of_shaft = ("E", "position disk ", "position bearing ", "diameter", "hub ")
+        self.of_shaft = np.flatnonzero([name.startswith(of_shaft) for name in self.names[: self.structural.stop]])
         prior = rig.prior
         given = {"E": prior.youngs_modulus, "disk mass": prior.disk_mass}
         self.prior_sigma = np.full(len(self.names), np.inf)  # infinite for what is sought

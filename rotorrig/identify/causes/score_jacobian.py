@@ -80,14 +80,17 @@ def _of_recording(
     """Return the columns of all steps in one recording, (value, step)."""
     stacked: list[Reals] = []
     for order, measured in recording.measured.items():
-        motion = model.motions(recording, p, moving)[order] if order == 1 else None
         columns = np.zeros((*measured.z.shape, len(steps)), complex)
         _by_loads(model, recording, p, moving, steps, order, columns)
         if order == 1:
+            motion = model.motions(recording, p, moving)[order]
             _by_matrices(model, recording, p, moving, steps, columns)
-        if motion is None:
+            first, first_changes = model.probes.of_motion(p, motion, order=1), columns.copy()
+        else:
             motion = model.motion_of(recording, p, moving, order=order)
-        _at_probes(model, recording, p, motion, steps, order, columns)
+        columns += model.probes.bent_changes(p, first, first_changes, order)
+        z = model.probes.of_motion(p, motion, order=order) + model.probes.hum(recording, p, order)
+        _at_probes(model, recording, p, z + model.probes.bent(p, first, order), steps, order, columns)
         stacked.append(measured.sigmas(columns).reshape(-1, len(steps)))
     return np.concatenate(stacked)
 
@@ -149,12 +152,12 @@ def _at_probes(
     model: ExtendedModel,
     recording: Recording,
     p: Reals,
-    motion: Complex,
+    z: Complex,
     steps: Sequence[_Step],
     order: int,
     columns: Complex,
 ) -> None:
-    z = model.probes.of_motion(p, motion, order=order) + model.probes.hum(recording, p, order)
+    """Take the columns through the effects of the model at the probes, which read `z`, and add the candidates' own."""
     if any("probes" in effect.acts_on for effect in model.effects):
         seen = model.probes.through_effects(recording, p, z, order=order)
         for c in range(columns.shape[-1]):

@@ -1,5 +1,7 @@
 """The derivatives of an extended model's vectors by its unknowns, column by column."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,7 @@ from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.measurement import Measurement
 from rotorrig.sims.effects import Effect
+from rotorrig.sims.rotor.model import Load
 
 Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
@@ -115,11 +118,12 @@ def _exact(
             motion = _by_rotor(model, recording, p, free, moving, order, found[order])
             if lawful is not None:
                 lawful.fill_above(recording, found[order], order=order)
-        _by_probes(model, p, motion, model.probes.common_hum(recording, p, order), free, found[order])
+        _by_probes(model, p, motion, free, found[order])
         _by_runout(model, free, order, found[order])
-        _by_hum(model, recording, p, free, order, found[order])
         if order == 1:
-            first = model.probes.of_motion(p, motion, order=1)
+            first, first_changes = model.probes.of_motion(p, motion, order=1), found[1].copy()
+        _by_hum(model, recording, p, free, order, found[order])
+        found[order] += model.probes.bent_changes(p, first, first_changes, order)
         _by_curvature(model, first, free, order, found[order])
         if any("probes" in effect.acts_on for effect in model.effects):
             z = model.probes.of_motion(p, motion, order=order) + model.probes.hum(recording, p, order)
@@ -154,6 +158,7 @@ def _by_rotor(
         for k, i in enumerate(structural):
             d = np.einsum("rpl,rl->rp", by[k], amounts)
             found[..., np.searchsorted(free, i)] = model.probes.linear(p, d)
+        _by_moved_loads(model, recording, p, free, moving, order, found)
     elif loads:
         unit = recording.columns(moving.model if order == 1 else model.above(moving), loads, order=order)
     if loads:
@@ -172,6 +177,27 @@ def _by_rotor(
             found[..., np.searchsorted(free, model.parameters.keyphasor)] = model.probes.linear(p, d)
     _by_loads(model, recording, p, free, moving, order, found)
     return motion
+
+
+def _by_moved_loads(
+    model: ExtendedModel, recording: Recording, p: Reals, free: Index, moving: Moving, order: int, found: Complex
+) -> None:
+    """Add what the base's structure makes of the loads of effects: a bow's are by the shaft's stiffness and spans."""
+    now, step = moving.loads(recording, order), EXTENDED_MODEL.structure_step
+    changed: list[tuple[int, Load]] = []
+    for i in np.intersect1d(free, model.parameters.base.of_shaft) if now else ():
+        moved = p.copy()
+        moved[i] += step
+        changed += [
+            (int(i), replace(load, pattern=(there.pattern - load.pattern) / step))
+            for load, there in zip(now, model.moving(moved).loads(recording, order), strict=True)
+            if not np.array_equal(there.pattern, load.pattern)
+        ]
+    if not changed:
+        return
+    z = recording.columns(moving.model, [load for _, load in changed], order=order)
+    for k, (i, _) in enumerate(changed):
+        found[..., np.searchsorted(free, i)] += model.probes.linear(p, z[..., k])
 
 
 def _structural(model: ExtendedModel, p: Reals, free: Index) -> Index:
@@ -206,14 +232,14 @@ def _by_loads(
         found[..., np.searchsorted(free, i)] += model.probes.linear(p, units[..., i - names.own.start])
 
 
-def _by_probes(model: ExtendedModel, p: Reals, motion: Complex, hum: Complex, free: Index, found: Complex) -> None:
-    """Fill in the columns by gain and angle error; the hum is common to all probes, (row + 1, 1)."""
+def _by_probes(model: ExtendedModel, p: Reals, motion: Complex, free: Index, found: Complex) -> None:
+    """Fill in the columns by gain and angle error, but for what the gain makes of the hum."""
     base = model.parameters.base
     gain, cos, sin = model.probes.figures(p)
     n = len(gain)
     along, across = motion[:, :n], motion[:, n:]
     for part, d in (
-        (base.gain, cos * along + sin * across + hum),
+        (base.gain, cos * along + sin * across),
         (base.angle, gain * (cos * across - sin * along)),
     ):
         for i in free[(free >= part.start) & (free < part.stop)]:
@@ -229,8 +255,10 @@ def _by_runout(model: ExtendedModel, free: Index, order: int, found: Complex) ->
 
 
 def _by_hum(model: ExtendedModel, recording: Recording, p: Reals, free: Index, order: int, found: Complex) -> None:
-    part = model.parameters.hums
-    gain = model.probes.figures(p)[0]
+    part, gains = model.parameters.hums, model.parameters.base.gain
+    gain, common = model.probes.figures(p)[0], model.probes.common_hum(recording, p, order)[:, 0]
+    for i in free[(free >= gains.start) & (free < gains.stop)]:
+        found[:, int(i) - gains.start, np.searchsorted(free, i)] += common
     own = part.start + 2 * len(FREQUENCIES) * recording.number
     for i in free[(free >= own) & (free < own + 2 * len(FREQUENCIES))]:
         frequency, imaginary = divmod(int(i) - own, 2)

@@ -209,9 +209,13 @@ class ExtendedModel:
             if i < base.structural.stop and plain:
                 found.append(self._structure.direction(model, values, by[i]))
                 continue
+            step = EXTENDED_MODEL.matrix_step
+            if i < base.structural.stop:
+                is_tilt = base.tilts.start <= i < base.tilts.stop
+                step = EXTENDED_MODEL.tilt_step if is_tilt else EXTENDED_MODEL.structure_step
             moved = p.copy()
-            moved[i] += EXTENDED_MODEL.matrix_step
-            found.append(finite_difference(model, self.rotor(moved), EXTENDED_MODEL.matrix_step))
+            moved[i] += step
+            found.append(finite_difference(model, self.rotor(moved), step))
         return found
 
     def amounts(self, recording: Recording, p: Reals, *, halved: bool = False) -> Complex:

@@ -24,8 +24,35 @@ def bend(first: NDArray[np.complex128], order: int, power: int) -> NDArray[np.co
     >>> print(bend(np.array([3e-4 + 0j]), 2, 2))  # cos^2 = 1/2 + 1/2 cos 2 theta
     [0.00015+0.j]
     """
-    left, odd = divmod(power - order, 2)
-    if odd or left < 0:
+    left = _left(order, power)
+    if left is None:
         return np.zeros_like(first)
     r = first / CURVED_AT
-    return CURVED_AT * 2.0 ** (1 - power) * comb(power, left) * np.abs(r) ** (2 * left) * r**order
+    return CURVED_AT * _share(left, power) * np.abs(r) ** (2 * left) * r**order
+
+
+def bend_slopes(first: NDArray[np.complex128], order: int, power: int) -> NDArray[np.complex128]:
+    """Return how `bend` goes with a change of `first`, and with that change's conjugate, (2, ...).
+
+    >>> along, mirrored = bend_slopes(np.array([3e-4 + 0j]), 1, 3)  # 3/4 |r|^2 r
+    >>> print(along, mirrored)
+    [1.5+0.j] [0.75+0.j]
+    """
+    left = _left(order, power)
+    if left is None:
+        return np.zeros((2, *first.shape), complex)
+    r = first / CURVED_AT
+    square, share = np.abs(r) ** 2, _share(left, power)
+    mirrored = left * square ** (left - 1) * r ** (order + 1) if left else np.zeros_like(r)
+    return share * np.stack([(left + order) * square**left * r ** (order - 1), mirrored])
+
+
+def _left(order: int, power: int) -> int | None:
+    """Return by how many pairs of factors r^power holds the order; None if it holds none of it."""
+    left, odd = divmod(power - order, 2)
+    return None if odd or left < 0 else left
+
+
+def _share(left: int, power: int) -> float:
+    """Return the share of the order in r^power."""
+    return 2.0 ** (1 - power) * comb(power, left)

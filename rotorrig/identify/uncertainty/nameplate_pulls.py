@@ -44,11 +44,15 @@ def nuisance_pulls(best: Solution, names: ExtendedParameters) -> dict[str, float
 
 
 def nuisance_posterior(best: Solution, names: ExtendedParameters) -> tuple[list[str], NuisancePosterior]:
-    """Return the names of the nuisances that are not at their bound of zero, and what the fit makes of them."""
-    base = names.base
-    at_zero = [i for part in (base.hubs, base.tilts) for i in range(part.start, part.stop) if best.p[i] <= 0]
-    free = np.setdiff1d(np.arange(len(names)), at_zero)
-    mine = np.setdiff1d(names.priors, at_zero)
+    """Return the names of the nuisances that are not at a bound, and what the fit makes of them.
+
+    Nothing at a bound counts as free, a cause's unknown neither: the fit is no minimum along it, which the posterior
+    takes it for.
+    """
+    low, high = names.bounds
+    at_bound = np.flatnonzero((best.p <= low) | (best.p >= high))
+    free = np.setdiff1d(np.arange(len(names)), at_bound)
+    mine = np.setdiff1d(names.priors, at_bound)
     sigma = names.stated_sigma[mine]
     places = np.searchsorted(free, mine)
     covariance = inverse_information(best.jacobian[:, free])[np.ix_(places, places)] / np.outer(sigma, sigma)

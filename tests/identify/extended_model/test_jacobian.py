@@ -16,6 +16,7 @@ from tests.conftest import CONFIGS
 from tests.parameters import defer_rest
 
 KINDS = sorted({effect.name for effect in catalogue(load(CONFIGS / "rk4.toml"))})
+GEOMETRY = ("position bearing left A", "position disk disk", "position probe 2x", "diameter", "hub disk", "tilt left B")
 BASE = ("kxx", "cyy", "E", "bearing left B y", "u re", "gain 2x", "angle 2x", "runout 2x re", "keyphasor angle")
 FORCE_LAWS = 0.01  # the differences are of a motion that is found by iteration
 MODELS: Models = {}
@@ -28,7 +29,10 @@ def every(short: OrderTrackedResponse) -> dict[str, Effect]:
 
 def central(problem: ExtendedProblem, p: np.ndarray, i: int) -> np.ndarray:
     name = problem.parameters.names[i]
-    h = 1e-9 if name.startswith(("u ", "runout", "hum")) and i < problem.parameters.own.start else 1e-4
+    h = 1e-4
+    if i < problem.parameters.own.start:
+        steps = {"u": 1e-9, "runout": 1e-9, "hum": 1e-9, "position": 1e-5, "tilt": 1.0}  # kg m, m, N m/rad
+        h = steps.get(name.split()[0], h)
     ahead, behind = p.copy(), p.copy()
     ahead[i] += h
     behind[i] -= h
@@ -36,9 +40,12 @@ def central(problem: ExtendedProblem, p: np.ndarray, i: int) -> np.ndarray:
 
 
 def typical(problem: ExtendedProblem, hidden: np.ndarray) -> np.ndarray:
-    p = problem.parameters.start(hidden)
-    (effect,) = problem.effects
-    p[problem.parameters.own] = [(q.at_zero + 0.4 * q.size * (q.low < q.high)) / q.size for q in effect.parameters]
+    names, (effect,) = problem.parameters, problem.effects
+    p = names.start(hidden)
+    p[names.curves] = 0.01 * np.resize([1.0, -1.0, 0.5], names.curves.stop - names.curves.start)
+    p[names.base.positions], p[names.base.diameter] = 1e-3, 1e-3
+    p[names.base.hubs], p[names.base.tilts] = 0.5, 20.0
+    p[names.own] = [(q.at_zero + 0.4 * q.size * (q.low < q.high)) / q.size for q in effect.parameters]
     return p
 
 
@@ -49,14 +56,16 @@ def test_the_jacobian_is_the_derivative_of_the_residual(
     problem = ExtendedProblem(ExtendedModel([Recording(short)], [every[kind]], models=MODELS))
     names, p = problem.parameters, typical(problem, hidden)
     follows_a_law = bool(problem.model.moving(p).laws)
+    pushes_above = any(load.order > 1 for _, load in problem.model.moving(p).effects)
     problem.residual(p)  # holds the rotor of the orders above 1X, as a solution does
     own = [i for i in range(names.own.start, len(p)) if i not in names.frozen]
-    base = [names.names.index(name) for name in BASE]
+    base = [names.names.index(name) for name in (*BASE, *GEOMETRY)]
     which = np.array(sorted([*base, *own]))
     jacobian = problem.jacobian(p, which)
     first = 2 * problem.recordings[0].measured[1].z.size
     for column, i in zip(jacobian.T, which, strict=True):
-        part = slice(None if i >= names.base.structural.stop and not follows_a_law else first)
+        by_rotor_above = follows_a_law or (pushes_above and i < names.base.structural.stop)
+        part = slice(first if by_rotor_above else None)
         expected = central(problem, p, int(i))[part]
         within = FORCE_LAWS if follows_a_law else 1e-3 if i in own else 5e-3
         assert np.linalg.norm(column[part] - expected) <= within * np.linalg.norm(expected), names.names[i]
