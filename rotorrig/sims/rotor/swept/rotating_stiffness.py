@@ -23,13 +23,10 @@ from rotorrig.sims.rotor.steady import solve_with_conjugate
 from rotorrig.sims.rotor.swept.envelope import Envelope, Motion, polynomial
 from rotorrig.sims.rotor.swept.passed_modes import PassedModes, Spectra
 from rotorrig.sims.rotor.swept.passed_modes_derivatives import differentiate_passed_modes
-from rotorrig.sims.rotor.swept.time_stepping import SMOOTH, STRAIGHT
+from rotorrig.sims.rotor.swept.time_stepping import SMOOTH, STRAIGHT, add_matrix
 from rotorrig.sims.rotor.swept.tracking_windows import TrackedRows
 
 Complex = NDArray[np.complex128]
-
-CONVERGED = 1e-10  # of the amplitude
-MOST_REPEATS = 40  # a step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,8 +118,24 @@ def step_coupled_modes(
     """Step through a force at the turns and halfway, (turn, mode, column), beginning in the steady state."""
     L, D, C = envelope.operator, polynomial(rows.power, modes.direct.L), polynomial(rows.power, modes.conjugate.L)
     start = solve_with_conjugate(L[0] + D[0], C[0], -force[0])
-    a, rate = _step_modes(L, D, C, envelope.steps, envelope.phases, force, force_mid, start)
+    ahead = _push_ahead(envelope.steps, envelope.phases)
+    own, mirrored = _inverse_with_conjugate(np.eye(L.shape[-1]) - ahead @ D[1:], -ahead @ C[1:])
+    a, rate = _step_modes(L, D, C, envelope.steps, envelope.phases, own, mirrored, force, force_mid, start)
     return Motion(a=a, rate=rate, average=rows.averages(a, rate, powers=len(modes.conjugate.L)))
+
+
+def _push_ahead(steps: Complex, phases: Complex) -> Complex:
+    """Return what a push at a step's end does to the amplitude there, (step, mode, mode)."""
+    weight = np.where(np.arange(len(steps)) > 1, SMOOTH[0], STRAIGHT[0])
+    halfway = weight * phases[:, 1].conj() * phases[:, 0]
+    return halfway[:, None, None] * steps[:, 2] + steps[:, 3]
+
+
+def _inverse_with_conjugate(Z: Complex, C: Complex) -> tuple[Complex, Complex]:
+    """Return P, Q of q = P right + Q conj(right) where Z q + C conj(q) = right, all (..., n, n)."""
+    unit = np.broadcast_to(np.eye(Z.shape[-1], dtype=complex), Z.shape)
+    real, imaginary = solve_with_conjugate(Z, C, unit), -1j * solve_with_conjugate(Z, C, 1j * unit)
+    return (real + imaginary) / 2, (real - imaginary) / 2
 
 
 @njit(cache=True)
@@ -132,86 +145,45 @@ def _step_modes(
     C: Complex,
     steps: Complex,
     phases: Complex,
+    own: Complex,
+    mirrored: Complex,
     force: Complex,
     force_mid: Complex,
     start: Complex,
 ) -> tuple[Complex, Complex]:
     """Return a and a' of a' = L a + D a + C conj(a) + force at the turns, (turn, mode, column) each.
 
-    As time_stepping.step_modes, D a + C conj(a) being one more force: over a step a cubic through its values at the
-    step's end, its start and the two turns before.
+    As time_stepping.step_modes, D a + C conj(a) being one more force, a push: over a step a cubic through its values at
+    the step's end, its start and the two turns before. `own` and `mirrored` (step, mode, mode) solve for the amplitude
+    at the end, on which the push there depends.
     """
     turns, size, columns = force.shape
     a, rate = np.zeros_like(force), force.copy()
-    for c in range(columns):
-        pushed, pair, forces = np.zeros((4, size), L.dtype), np.zeros((2, size), L.dtype), np.zeros((3, size), L.dtype)
-        a[0, :, c] = start[:, c]
-        _put_forces(
-            D[0], C[0], start[:, c], pushed[1]
-        )  # pushed: at the step's end, at its start, at the two turns before
-        for k in range(turns):
-            for i in range(size):
-                rate[k, i, c] += pushed[1, i]
-                for j in range(size):
-                    rate[k, i, c] += L[k, i, j] * a[k, j, c]
-            if k + 1 == turns:
-                break
-            pair[0] = a[k, :, c]
-            forces[0], forces[1], forces[2] = force[k, :, c], force_mid[k, :, c], force[k + 1, :, c]
-            weights = SMOOTH if k > 1 else STRAIGHT
-            _step(D[k + 1], C[k + 1], steps[k], phases[k], weights, pushed, forces, pair)
-            a[k + 1, :, c] = pair[1]
-            for n in range(3, 0, -1):
-                pushed[n] = pushed[n - 1]
+    pushed = np.zeros((3, size, columns), L.dtype)  # at the step's start, at the two turns before
+    a[0] = start
+    for k in range(turns):
+        pushed[2], pushed[1], pushed[0] = pushed[1], pushed[0], 0
+        add_matrix(D[k], a[k], 1.0, pushed[0])
+        _add_mirrored(C[k], a[k], pushed[0])
+        rate[k] += pushed[0]
+        add_matrix(L[k], a[k], 1.0, rate[k])
+        if k + 1 < turns:
+            _, now, last, before = SMOOTH if k > 1 else STRAIGHT
+            middle, end = phases[k]
+            known, halfway = np.zeros_like(start), force_mid[k] + now * pushed[0] + last * pushed[1] + before * pushed[2]
+            add_matrix(steps[k, 0], a[k], end.conjugate(), known)
+            add_matrix(steps[k, 1], force[k] + pushed[0], end.conjugate(), known)
+            add_matrix(steps[k, 2], halfway, end.conjugate() * middle, known)
+            add_matrix(steps[k, 3], force[k + 1], 1.0, known)
+            add_matrix(own[k], known, 1.0, a[k + 1])
+            _add_mirrored(mirrored[k], known, a[k + 1])
     return a, rate
 
 
 @njit(cache=True)
-def _step(
-    D: Complex,
-    C: Complex,
-    steps: Complex,
-    phases: Complex,
-    weights: tuple[float, float, float, float],
-    pushed: Complex,
-    force: Complex,
-    a: Complex,
-) -> None:
-    """Put the amplitude at the step's end into a[1] from that at its start, a[0], and the push there into pushed[0].
-
-    `force` (3, mode) is that at the start, halfway and at the end. The push at the end depends on the amplitude there:
-    solved by fixed-point iteration, which leaves a few per cent each time.
-    """
-    middle, end = phases
-    size = a.shape[1]
-    known, halfway = np.zeros((2, size), dtype=np.complex128)
-    for i in range(size):
-        halfway[i] = weights[1] * pushed[1, i] + weights[2] * pushed[2, i] + weights[3] * pushed[3, i]
-        pushed[0, i] = pushed[1, i]
-    for i in range(size):
-        for j in range(size):
-            past = steps[0, i, j] * a[0, j] + steps[1, i, j] * (force[0, j] + pushed[1, j])
-            known[i] += end.conjugate() * (past + middle * steps[2, i, j] * (force[1, j] + halfway[j]))
-            known[i] += steps[3, i, j] * force[2, j]
-    a[1] = a[0]
-    for _ in range(MOST_REPEATS):
-        change, largest = 0.0, 0.0
-        for i in range(size):
-            new = known[i]
-            for j in range(size):
-                ahead = weights[0] * end.conjugate() * middle * steps[2, i, j] + steps[3, i, j]
-                new += ahead * pushed[0, j]
-            change, largest = max(change, abs(new - a[1, i])), max(largest, abs(new))
-            a[1, i] = new
-        _put_forces(D, C, a[1], pushed[0])
-        if change <= CONVERGED * largest:
-            break
-
-
-@njit(cache=True)
-def _put_forces(D: Complex, C: Complex, a: Complex, out: Complex) -> None:
-    """Put D a + C conj(a) into `out`."""
-    for i in range(len(C)):
-        out[i] = 0
-        for j in range(len(C)):
-            out[i] += D[i, j] * a[j] + C[i, j] * a[j].conjugate()
+def _add_mirrored(A: Complex, x: Complex, y: Complex) -> None:
+    """Add A conj(x) to y, x and y (row, column)."""
+    for i in range(len(A)):
+        for j in range(len(x)):
+            for c in range(x.shape[1]):
+                y[i, c] += A[i, j] * x[j, c].conjugate()
