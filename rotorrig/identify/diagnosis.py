@@ -75,7 +75,9 @@ class Diagnosis:
     hidden: tuple[HiddenEffect, ...] = ()  # effects this data would not show, with the size that would
     character: str = ""  # of the residual, where no known cause explains it
     extended_residual: NDArray[np.complex128] | None = None  # as `residual`, of the extended model; None: there is none
-    extended_sigmas: NDArray[np.float64] | None = None  # as `sigmas`, likewise; None of a file of an earlier version too
+    extended_sigmas: NDArray[np.float64] | None = (
+        None  # as `sigmas`, likewise; None of a file of an earlier version too
+    )
     responses: tuple[tuple[str, int], ...] = ()  # source hash and rows of each response, in the order of the rows
     source: Provenance
 

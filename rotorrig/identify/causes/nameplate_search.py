@@ -16,7 +16,7 @@ from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.identify.least_squares import Index, LinearModel, Solution, Worth, always
+from rotorrig.identify.least_squares import Index, LinearModel, Solution
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect
 
@@ -33,11 +33,10 @@ def search_from_nameplate(problem: ExtendedProblem, polished: Solution, candidat
         return []
     search = _Search.of(problem, polished.p)
     scores: list[Score] = []
-    least = search.chi2
-    pinned = [(effect, fit) for effect in able if (fit := search.descend(effect))]
-    for effect, near in sorted(pinned, key=lambda each: each[1].chi2):
-        fit = search.free(effect, near, least)
-        least = min(least, fit.chi2)
+    for effect in able:
+        if (near := search.descend(effect)) is None:
+            continue
+        fit = search.free(effect, near)
         begin = np.append(polished.p, fit.p[len(search.index) :])
         begin[search.index] = fit.p[: len(search.index)]
         lam = polished.chi2 * (1 - fit.chi2 / search.chi2)
@@ -66,7 +65,7 @@ class _Search:
     def of(cls, whole: ExtendedProblem, p: Reals) -> "_Search":
         problem, index = whole.thinned(p, count=SELECTION.searched_rows)
         names = problem.parameters
-        nameplate = problem.begin(names.base.space.nameplate, p[index][names.own])
+        nameplate = _as_loud(problem, problem.begin(names.base.space.nameplate, p[index][names.own]))
         near = _solve(problem, p[index], 0.0, pinned=True)
         base = min((_solve(problem, start, 0.0) for start in (near.p, p[index])), key=lambda fit: fit.chi2)
         return cls(problem=problem, index=index, bases=(nameplate, near.p), chi2=base.chi2)
@@ -83,15 +82,11 @@ class _Search:
                 continue
         return min(ends, key=lambda fit: fit.chi2, default=None)
 
-    def free(self, effect: Effect, near: Solution, least: float) -> Solution:
-        """Return the fit with every unknown free, given up where it could not come near the `least` chi2 so far."""
+    def free(self, effect: Effect, near: Solution) -> Solution:
+        """Return the fit with every unknown free, to its end: what pinned nuisances spoil promises nothing there."""
         problem = self.problem.extended((*self.problem.effects, effect))
-
-        def worth(chi2: float, promise: float) -> bool:
-            return chi2 - SELECTION.hoped * promise < least
-
         try:
-            return _solve(problem, near.p, 0.0, worth=worth)
+            return _solve(problem, near.p, 0.0)
         except NO_MOTION:
             return near
 
@@ -109,6 +104,19 @@ class _Search:
                 yield _Start(p=p, chi2=np.inf)
 
 
+def _as_loud(problem: ExtendedProblem, p: Reals) -> Reals:
+    """Return `p` with its unbalance as much larger as the measured 1X motion is than that of `p`.
+
+    What fits best at a stiffness that is off is next to no unbalance at all, and without motion no force law acts.
+    """
+    pairs = zip((r.measured[1] for r in problem.recordings), problem.model.predict(p, orders=(1,)), strict=True)
+    sizes = [[np.linalg.norm((z - z[-1:])[m.usable]) for z in (m.z, one[1])] for m, one in pairs]
+    measured, predicted = np.linalg.norm(sizes, axis=0)
+    louder = p.copy()
+    louder[problem.parameters.base.unbalance] *= measured / predicted if predicted else 1.0
+    return louder
+
+
 def _cluster(starts: Iterator[_Start], effect: Effect) -> list[_Start]:
     """Return the starts that no neighbour is below."""
     every = list(starts)
@@ -117,14 +125,11 @@ def _cluster(starts: Iterator[_Start], effect: Effect) -> list[_Start]:
     return [every[i] for i in np.flatnonzero(lowest)]
 
 
-def _solve(
-    problem: ExtendedProblem, start: Reals, chi2: float, *, pinned: bool = False, worth: Worth = always
-) -> Solution:
+def _solve(problem: ExtendedProblem, start: Reals, chi2: float, *, pinned: bool = False) -> Solution:
     return problem.solve(
         np.clip(start, *problem.bounds),
         fixed=problem.parameters.pinned if pinned else {},
         tolerance=max(SELECTION.pinned_settled, SELECTION.searched_within * chi2),
         max_steps=SELECTION.searched_steps if pinned else SELECTION.steps_of_searched,
-        worth=worth,
         damped=True,
     )

@@ -11,7 +11,9 @@ class SelectionSettings:
     enough: float = 4.0  # of BIC
     detected: float = 18.0  # of chi2: no score of eleven simulated healthy rigs exceeded 10.3
     most: int = 3  # causes at once
-    model_error: float = 0.01  # of what the causes so far explain: that much of their vectors may be wrong
+    model_error: float = (
+        0.02  # of what the causes so far explain, in their vectors: laws differ by more (docs/plant.md)
+    )
     as_good: float = 1.0  # of chi2, by which fits of one and the same cause may differ that began elsewhere
     unsure: float = 2.0  # sigmas by which a size may be beyond its plausible range
 
@@ -49,9 +51,8 @@ class SelectionSettings:
     searched_rows: int = 80  # of the first recording, up and down: 80 rpm apart either way on the RK4
     searched_steps: int = 25  # of a descent with pinned nuisances
     searched_within: float = 1e-3  # of chi2: where a descent ends
-    hoped: float = 3.0  # times what a full step promises is what a descent may take in all
     descents: int = 6  # of every effect, from the best of its clusters
-    rival_search: float = 0.5  # of the best of their scores: an effect below is not fitted to all recordings
+    rival_search: float = 0.3  # of the best of their scores, rough as they are: below, all recordings are not fitted
 
     # grid search for a location
     moments: int = 16  # of a recording that are tried first for what may happen at any of them

@@ -211,7 +211,7 @@ def polar(theta: Theta, name: str) -> tuple[float, float]:
 
 
 def magnitudes(parameters: tuple[Parameter, ...], theta: Theta) -> Iterator[tuple[str, float, str]]:
-    """Yield name, value and unit of every unknown, phasors as magnitude and angle ("bow", "bow angle", 0 to 2 pi rad)."""
+    """Yield name, value and unit of every unknown, phasors as magnitude and angle ("bow angle", 0 to 2 pi rad)."""
     for p in parameters:
         stem = p.name.removesuffix(" re")
         if stem != p.name:

@@ -170,7 +170,10 @@ def _step_modes(
         if k + 1 < turns:
             _, now, last, before = SMOOTH if k > 1 else STRAIGHT
             middle, end = phases[k]
-            known, halfway = np.zeros_like(start), force_mid[k] + now * pushed[0] + last * pushed[1] + before * pushed[2]
+            known, halfway = (
+                np.zeros_like(start),
+                force_mid[k] + now * pushed[0] + last * pushed[1] + before * pushed[2],
+            )
             add_matrix(steps[k, 0], a[k], end.conjugate(), known)
             add_matrix(steps[k, 1], force[k] + pushed[0], end.conjugate(), known)
             add_matrix(steps[k, 2], halfway, end.conjugate() * middle, known)
