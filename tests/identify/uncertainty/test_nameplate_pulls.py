@@ -1,0 +1,43 @@
+"""What a fit makes of its nuisances where it stands at a bound."""
+
+import numpy as np
+import pytest
+
+from rotorrig.identify.causes.candidates import candidates
+from rotorrig.identify.extended_model.model import ExtendedModel
+from rotorrig.identify.extended_model.problem import ExtendedProblem
+from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.least_squares import Solution
+from rotorrig.identify.uncertainty.nameplate_pulls import nuisance_posterior
+from rotorrig.processing.response import OrderTrackedResponse
+
+ROWS = 400
+
+
+def test_what_ended_at_its_bound_counts_as_held_there(
+    short: OrderTrackedResponse, hidden: np.ndarray, rng: np.random.Generator
+) -> None:
+    """A cause's unknown at its bound: left free, it would take from the nuisances what the data say of them."""
+    recording = Recording(short)
+    inertia = next(effect for effect in candidates([recording]) if effect.name == "disk_inertia")
+    names = ExtendedProblem(ExtendedModel([recording], [inertia])).parameters
+    p = names.start(hidden)
+    bound = names.names.index("disk_inertia: transverse")
+    p[bound] = names.bounds[1][bound]
+    priors = np.zeros((len(names.priors), len(names)))
+    priors[np.arange(len(names.priors)), names.priors] = 1 / names.prior_sigma[names.priors]
+    figures = rng.standard_normal((ROWS, len(names))) / names.stated_sigma.clip(max=1.0)
+    jacobian = np.concatenate([figures, priors])
+    fit = Solution(p=p, covariance=np.eye(len(names)), jacobian=jacobian, chi2=float(ROWS), dof=ROWS)
+    kept, posterior = nuisance_posterior(fit, names)
+
+    low, high = names.bounds
+    held = np.delete(np.arange(len(names)), np.flatnonzero((p <= low) | (p >= high)))
+    assert bound not in held
+    covariance = np.linalg.inv(jacobian[:, held].T @ jacobian[:, held])
+    mine = [i for i in held if i in names.priors]
+    assert kept == [names.names[i] for i in mine]
+    where = [list(held).index(i) for i in mine]
+    sigma = names.stated_sigma[mine]
+    expected = covariance[np.ix_(where, where)] / np.outer(sigma, sigma)
+    assert posterior.covariance == pytest.approx(expected, rel=1e-6, abs=1e-9)
