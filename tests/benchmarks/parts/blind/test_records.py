@@ -97,9 +97,9 @@ def test_a_line_of_another_version_is_not_counted_and_the_newest_of_a_case_is(tm
 
 
 def test_the_version_is_that_of_the_sources(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    for name in ("rotorrig", "benchmarks/parts/blind/rigs", "configs"):
+    for name in ("rotorrig/identify", "rotorrig/app/report", "benchmarks/parts/blind/rigs", "configs"):
         (tmp_path / name).mkdir(parents=True)
-    source = tmp_path / "rotorrig/model.py"
+    source, report = tmp_path / "rotorrig/identify/model.py", tmp_path / "rotorrig/app/report/page.py"
     source.write_text("a = 1\n")
     (tmp_path / "configs/rk4.toml").write_text("")
     drawing, judging = (tmp_path / f"benchmarks/parts/blind/{name}" for name in ("rigs/drawn.py", "page.py"))
@@ -107,10 +107,17 @@ def test_the_version_is_that_of_the_sources(monkeypatch: pytest.MonkeyPatch, tmp
     judging.write_text("")
     monkeypatch.setattr(records, "ROOT", tmp_path)
     seen = []
-    for path, text in ((source, "a = 1\n"), (judging, "other words"), (source, "a = 2\n"), (drawing, "b = 1\n")):
+    changes = (
+        (source, "a = 1\n"),
+        (judging, "other words"),
+        (report, "other words"),
+        (source, "a = 2\n"),
+        (drawing, "b = 1\n"),
+    )
+    for path, text in changes:
         path.write_text(text)
         seen.append(source_version.__wrapped__())
-    assert seen[0] == seen[1], "the page makes no case"
+    assert seen[0] == seen[1] == seen[2], "neither page makes a case"
     assert len(set(seen)) == 3
 
 
