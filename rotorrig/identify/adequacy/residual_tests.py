@@ -119,7 +119,7 @@ def _freedom() -> tuple[float, float]:
 
 def _global_ratio(response: OrderTrackedResponse, model: NDArray[np.complex128], used: float) -> tuple[float, float]:
     """Return von Neumann's ratio of all 1X residuals, and its standard deviation for noise of any level."""
-    measured, off = _compare(response, model, order=1)
+    measured, off = _compare(response, model, order=1, first=model)
     white = measured.where_usable(measured.sigmas(off))[:-1]
     scatter = row_variance(white, response.run[measured.rows])
     known = white[np.isfinite(white)]
@@ -155,7 +155,7 @@ def residual_maps(
             sigmas[:, :, n] = np.abs(sigmas[:, :, n])
             continue
         predicted = prediction.get(int(order)) if order == int(order) else None
-        measured, off = _compare(response, predicted, order=order)
+        measured, off = _compare(response, predicted, order=order, first=prediction.get(1))
         usable = measured.usable[:-1]
         own = np.abs(measured.less_error(off)[:-1]) / np.where(usable, measured.sigma[:-1], np.nan)
         residual[measured.rows, :, n] = np.where(usable, off[:-1], np.nan)
@@ -163,11 +163,13 @@ def residual_maps(
     return residual, sigmas
 
 
-def _compare(response: OrderTrackedResponse, model: Complex | None, *, order: float) -> tuple[Measurement, Complex]:
+def _compare(
+    response: OrderTrackedResponse, model: Complex | None, *, order: float, first: Complex | None
+) -> tuple[Measurement, Complex]:
     """Return the measurement of an order and, (row + 1, probe) m, what it has beyond a model (speed, probe).
 
-    Its noise is at least as loud as the residual scatters from row to row, and with 1X comes the model's own error.
-    Without a model it should be its slow-roll vector.
+    Its noise is at least as loud as the residual scatters from row to row, and with 1X and its harmonics comes the
+    model's own error; `first` is the model of 1X. Without a model it should be its slow-roll vector.
     """
     measured = measure(response, order=order)
     slow_roll = np.nan_to_num(response.slow_roll[None, :, response.orders.index(order)])
@@ -175,9 +177,10 @@ def _compare(response: OrderTrackedResponse, model: Complex | None, *, order: fl
     off = np.where(measured.usable, measured.z - np.concatenate([rows, measured.z[-1:]]), 0)
     white = measured.where_usable(measured.row_sigmas(off))[:-1]
     measured = measured.louder(excess_scatter(white, response.run[measured.rows]))
-    if order == 1:
-        model_and_rest = np.concatenate([rows, np.zeros_like(slow_roll) if measured.compensated else slow_roll])
-        measured = measured.expecting_error(model_and_rest, response)
+    if first is not None and order == int(order) and order >= 1:
+        at_rest = np.nan_to_num(response.slow_roll[None, :, response.orders.index(1.0)])
+        model_and_rest = np.concatenate([first[measured.rows], 0 * at_rest if measured.compensated else at_rest])
+        measured = measured.expecting_error(model_and_rest, response, order=int(order))
     return measured, off
 
 

@@ -54,7 +54,7 @@ class ExtendedProblem:
 
     def taken_for_exact(self) -> "ExtendedProblem":
         """Return the same problem with noise alone in the covariance."""
-        if all(recording.measured[1].error is None for recording in self.recordings):
+        if all(m.error is None for recording in self.recordings for m in recording.measured.values()):
             return self
         return self.on([r.taken_for_exact() for r in self.recordings])
 

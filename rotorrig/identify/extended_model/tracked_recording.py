@@ -136,11 +136,11 @@ class Recording:
 
     def expecting_error(self, model: Mapping[int, Complex]) -> "Recording":
         """Return the same recording with the own error of a model that predicts these vectors (row + 1, probe) [m]."""
-        return self._with({**self.measured, 1: self.measured[1].expecting_error(model[1], self.response)})
+        return self._with({n: m.expecting_error(model[1], self.response, order=n) for n, m in self.measured.items()})
 
     def taken_for_exact(self) -> "Recording":
         """Return the same recording for a model without an error of its own."""
-        return self._with({**self.measured, 1: self.measured[1].taken_for_exact()})
+        return self._with({n: m.taken_for_exact() for n, m in self.measured.items()})
 
     def with_trial(self, unbalance: Mapping[str, complex]) -> "Recording":
         """Return the same recording with these masses [kg m] on in every row, and no others; none in the slow roll."""

@@ -9,6 +9,10 @@ same twice: a cabinet warms, grease moves, a coupling settles. By a share of `pr
 more. Their covariance is added to the noise's (Kennedy and O'Hagan, Journal of the Royal Statistical Society B 63
 (2001) 425).
 
+Above 1X the linear model has nothing of its own, and a rig is never quite linear: a bearing's, a coupling's or a
+probe's curve makes harmonics that grow with a power of the motion and turn with its phase (`harmonic_motion`). Their
+complex factor is of a standard deviation of `prior.harmonic_error`, and as smooth over speed.
+
 The motion is the model's, not the measured one: errors in proportion to a measured value favour what is measured too
 small (Peelle's puzzle; D'Agostini, Nuclear Instruments and Methods A 346 (1994) 306).
 """
@@ -43,6 +47,17 @@ def error_vectors(
     for probe in range(probes):
         vectors[:, probe, probe] = own[:, probe, :, None] * np.array([1, 1j])
     return vectors.reshape(rows, probes, -1)
+
+
+def harmonic_motion(motion: Complex, order: int) -> Complex:
+    """Return motion^n / largest^(n - 1), (row, probe) m: what a curve of the n-th power makes of 1X at n X.
+
+    >>> abs(harmonic_motion(np.array([[1e-6], [2e-6j]]), 2))
+    array([[5.e-07],
+           [2.e-06]])
+    """
+    largest = np.abs(motion).max(axis=0, initial=0.0)
+    return motion * np.divide(motion, largest, out=np.zeros_like(motion), where=largest > 0) ** (order - 1)
 
 
 def _root(covariance: Reals) -> Reals:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.measurement.model_error import Shrinkage, error_vectors
+from rotorrig.identify.measurement.model_error import Shrinkage, error_vectors, harmonic_motion
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RPM
@@ -90,18 +90,22 @@ class Measurement:
         own = {"z": self.z[rows], "sigma": self.sigma[rows], "whiten": self.whiten[rows], "usable": self.usable[rows]}
         return self._with(rows=self.rows[kept], error=None, **own)
 
-    def expecting_error(self, model: NDArray[np.complex128], response: OrderTrackedResponse) -> "Measurement":
-        """Return the same with the error of a model that predicts `model` (row + 1, probe) [m], as stated, at 1X.
+    def expecting_error(
+        self, model: NDArray[np.complex128], response: OrderTrackedResponse, *, order: int = 1
+    ) -> "Measurement":
+        """Return the same with the error, at this order, of a model that predicts `model` (row + 1, probe) [m] at 1X.
 
-        It is a share of its motion, which is what a vector has beyond that of the slow roll: `model_error` and
-        `repeatability` of the priors in the rig of the `response`.
+        It is a share of its motion, which is what a vector, as stated, has beyond that of the slow roll: `model_error`
+        and `repeatability` of the priors in the rig of the `response`, above 1X `harmonic_error`.
         """
-        prior = response.rig.prior
-        if not (prior.model_error or prior.repeatability):
+        prior, motion = response.rig.prior, model[:-1] - model[-1]
+        share, repeatability = prior.model_error, prior.repeatability
+        if order > 1:
+            motion, share, repeatability = harmonic_motion(motion, order), prior.harmonic_error, 0.0
+        if not (share or repeatability):
             return self.taken_for_exact()
-        motion, omega, run = model[:-1] - model[-1], response.omega[self.rows], response.run[self.rows]
-        vectors = error_vectors(motion, omega, run, share=prior.model_error, repeatability=prior.repeatability)
-        return self._with(error=_pad_row(vectors))
+        omega, run = response.omega[self.rows], response.run[self.rows]
+        return self._with(error=_pad_row(error_vectors(motion, omega, run, share=share, repeatability=repeatability)))
 
     def taken_for_exact(self) -> "Measurement":
         """Return the same for a model without an error of its own."""

@@ -72,11 +72,29 @@ def test_rows_left_out_have_no_part_in_it(blind_response: OrderTrackedResponse) 
     recording = Recording(expecting)
     model = {1: recording.measured[1].z}
     some = np.arange(len(recording.rows)) % 3 == 0
-    shown = recording.expecting_error(model).only(some).measured[1]
-    off = np.where(shown.usable, 1e-6 + 0j, 0)
-    assert (shown.sigmas(off)[:-1][~some] == 0).all()
-    again = recording.only(some).expecting_error(model).measured[1]
-    np.testing.assert_allclose(shown.sigmas(off), again.sigmas(off), atol=1e-9)
+    for order in (1, 2):
+        shown = recording.expecting_error(model).only(some).measured[order]
+        off = np.where(shown.usable, 1e-6 + 0j, 0)
+        assert (shown.sigmas(off)[:-1][~some] == 0).all()
+        again = recording.only(some).expecting_error(model).measured[order]
+        np.testing.assert_allclose(shown.sigmas(off), again.sigmas(off), atol=1e-9)
+
+
+def test_a_product_of_two_motions_is_expected_at_2x_and_a_steady_force_is_not(
+    blind_response: OrderTrackedResponse,
+) -> None:
+    """A probe that hears its neighbour the more the nearer both are: x y, a square of 1X turned by a right angle."""
+    recording = Recording(_expecting(blind_response, 0.01))
+    first = np.nan_to_num(recording.measured[1].z)
+    expecting = recording.expecting_error({1: first}).measured[2]
+    motion = first - first[-1]
+    largest = np.abs(motion).max(axis=0)
+    product, steady = 5e-4j * motion**2 / largest, np.full_like(motion, 5e-4 * largest.min())
+    usable = np.repeat(expecting.usable, 2, axis=1)
+    seen, unseen = (np.sqrt(np.mean(expecting.sigmas(z)[usable] ** 2)) for z in (steady, product))
+    plain = np.sqrt(np.mean(expecting.row_sigmas(product)[usable] ** 2))
+    assert unseen < 0.35 * plain
+    assert seen > 0.5 * np.sqrt(np.mean(expecting.row_sigmas(steady)[usable] ** 2))
 
 
 @pytest.fixture(scope="module")
@@ -122,7 +140,8 @@ def test_unseen_rows_are_predicted_within_what_noise_and_the_models_error_make_e
 
 
 def _expecting(response: OrderTrackedResponse, share: float) -> OrderTrackedResponse:
-    prior = response.rig.prior.model_copy(update={"model_error": share, "repeatability": share / 2})
+    own = {"model_error": share, "repeatability": share / 2, "harmonic_error": share / 10}
+    prior = response.rig.prior.model_copy(update=own)
     return replace(response, rig=response.rig.model_copy(update={"prior": prior}))
 
 
