@@ -47,7 +47,7 @@ class Prior(Part):
     model_error: Annotated[float, BeforeValidator(read_share)] = Field(0.005, ge=0, le=1)
     #: of the rig: share by which that motion differs from run to run, smooth over speed
     repeatability: Annotated[float, BeforeValidator(read_share)] = Field(0.0025, ge=0, le=1)
-    #: of the model's 2X and 3X, which need not be nothing: share of a probe's largest 1X motion, there; it falls with the
-    #: square of that motion at 2X, with its cube at 3X
+    #: of the model's 2X and 3X, which need not be nothing: share of a probe's largest 1X motion, there; it falls with
+    #: the square of that motion at 2X, with its cube at 3X
     harmonic_error: Annotated[float, BeforeValidator(read_share)] = Field(0.0005, ge=0, le=1)
     line_hum: Length = 0.2e-6  # 0-peak, mains hum in a probe
