@@ -73,6 +73,7 @@ class Diagnosis:
     gain: Gain | None = None  # what the extended model bought on data no fit saw; None: it was not extended
     nameplate: NameplateCheck = NO_CHECK  # pulls of the final model, and what of the config they contradict
     hidden: tuple[HiddenEffect, ...] = ()  # effects this data would not show, with the size that would
+    cut_short: bool = False  # before every cause was tried: `causes` are the best so far
     character: str = ""  # of the residual, where no known cause explains it
     extended_residual: NDArray[np.complex128] | None = None  # as `residual`, of the extended model; None: there is none
     extended_sigmas: NDArray[np.float64] | None = (
@@ -90,6 +91,7 @@ def diagnose(
     without: Collection[str] = (),
     seed: int = 0,
     progress: Progress = lambda stage, share: None,
+    go_on: Callable[[], bool] = lambda: True,
 ) -> Diagnosis:
     """Judge the base model by recordings of one rig, with and without trial masses, and name what it lacks.
 
@@ -98,14 +100,17 @@ def diagnose(
 
     Runs of a rotor turning the other way are recordings whose rig has the other sense of rotation than the first's;
     force laws are then not among the causes. Effects in the rig's config are part of the base. `holdout` is a recording
-    no fit may see; without one the gain is measured across blocks of speeds. Names in `without` are not tried. Raises
+    no fit may see; without one the gain is measured across blocks of speeds. Names in `without` are not tried.
+
+    `go_on` is asked between steps of the search for causes. Once it says no, the diagnosis ends with the best so far,
+    marked as cut short, which names nothing. Raises
     ConfigError if the rig has no [identify] table or an unknown effect, DataError if a recording holds too few rows or
     other probes or orders than the first.
     """
     if not responses:
         raise DataError("no response was given, want at least one to diagnose")
     if model == "quasi-static" and (steady := _quasi_static_base(responses, seed=seed, progress=progress)):
-        diagnosis = diagnose(responses, holdout=holdout, without=without, seed=seed, progress=progress)
+        diagnosis = diagnose(responses, holdout=holdout, without=without, seed=seed, progress=progress, go_on=go_on)
         return _add_moving_speed(diagnosis, *steady)
     with threadpool_limits(1, user_api="blas"):
         progress("base model", 0.0)
@@ -113,7 +118,9 @@ def diagnose(
         known = candidates(recordings, without=without)
         base = base_fit.fit_base(recordings, config_effects(responses[0].rig), seed=seed)
         progress("causes", 0.1)
-        found = select_beside_nameplate(base, known, lambda stage, share: progress(stage, 0.1 + 0.6 * share))
+        found = select_beside_nameplate(base, known, lambda stage, share: progress(stage, 0.1 + 0.6 * share), go_on)
+        if not go_on():
+            return replace(_cut_short(responses, found, base), model=model)
         progress("unseen data", 0.7)
         hidden = recordings_of([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
         unseen = Unseen(found.start.problem, found.start.polished.p, holdout=hidden)
@@ -176,24 +183,37 @@ def _add_moving_speed(diagnosis: Diagnosis, still: AssessedFit, cause: Cause) ->
     )
 
 
+def _cut_short(responses: Sequence[OrderTrackedResponse], found: NameplateSelection, base: AssessedFit) -> Diagnosis:
+    """Return what is known when not every cause was tried, nor any model on unseen data: no cause is named."""
+    extended, selection = base, found.selection
+    if selection.problem is not base.problem:
+        extended = base_fit.assess_fit(selection.problem, selection.polished)
+    verdict = Verdict.CANNOT_TELL if found.start.adequacy.adequate else Verdict.UNEXPLAINED
+    return replace(_assemble(responses, found, base, extended, verdict, None), cut_short=True)
+
+
 def _assemble(
     responses: Sequence[OrderTrackedResponse],
     found: NameplateSelection,
     base: AssessedFit,
     extended: AssessedFit,
     verdict: Verdict,
-    predictions: gain.Predictions,
+    predictions: gain.Predictions | None,
 ) -> Diagnosis:
+    """Return the diagnosis; without `predictions` of unseen data it was cut short."""
     adequacy, selection = base.adequacy, found.selection
     check = check_nameplate(extended.polished, extended.problem)
     pulled = found.pulled_far(check)
     named = () if verdict is Verdict.UNEXPLAINED else pulled  # what is not explained may pull at it
     ties, of_nameplate = effect_ties(found), nameplate_ties(found, named)
-    causes = rank_causes(selection, predictions.by_label)
+    causes = rank_causes(selection, predictions.by_label if predictions else {})
     source = responses[0].source
     was_extended = selection.problem.effects != base.problem.effects
     verdict = conclude_with_nameplate(verdict, (), ties)
-    concluded = sentences.sentence(verdict, found.start.adequacy, extended.adequacy, causes, ties, predictions)
+    if predictions is None:
+        concluded = sentences.cut_short(found.start.adequacy, extended.adequacy, causes)
+    else:
+        concluded = sentences.sentence(verdict, found.start.adequacy, extended.adequacy, causes, ties, predictions)
     concluded = sentences.with_nameplate(concluded, verdict, extended.adequacy, pulled, of_nameplate)
     return Diagnosis(
         verdict=conclude_with_nameplate(verdict, named, of_nameplate),
@@ -209,7 +229,7 @@ def _assemble(
         causes=rank_with_nameplate(causes, found, check, named),
         tied=(*ties, *of_nameplate),
         nameplate=check,
-        gain=gain.measure_gain(base, selection, predictions) if was_extended else None,
+        gain=gain.measure_gain(base, selection, predictions) if predictions and was_extended else None,
         hidden=hidden_effects(selection),
         character=sentences.character(extended.adequacy) if verdict is Verdict.UNEXPLAINED else "",
         extended_residual=extended.adequacy.residual if extended is not base else None,

@@ -60,6 +60,33 @@ def test_the_hidden_cause_is_named_with_its_size(named: Diagnosis) -> None:
     assert "late" in named.sentence
 
 
+def test_a_diagnosis_cut_short_leaves_the_best_so_far_and_names_nothing(late: OrderTrackedResponse) -> None:
+    stages: list[str] = []
+    found = judged(
+        late,
+        progress=lambda stage, share: stages.append(stage),
+        go_on=lambda: "cause 2" not in stages,
+    )
+    assert found.cut_short
+    assert found.verdict is Verdict.UNEXPLAINED
+    assert found.sentence.startswith("Cut short before every cause was tried")
+    assert "Best so far is delay, probe 2y, with which" in found.sentence
+    assert [cause.label for cause in found.causes if cause.chosen] == ["delay, probe 2y"]
+    assert (found.gain, found.next_run) == (None, None)
+    assert found.extended_residual is not None
+
+
+def test_a_diagnosis_cut_short_at_once_tells_the_test_of_the_base(
+    late: OrderTrackedResponse, healthy: OrderTrackedResponse
+) -> None:
+    for response, verdict in ((late, Verdict.UNEXPLAINED), (healthy, Verdict.CANNOT_TELL)):
+        found = judged(response, go_on=lambda: False)
+        assert (found.cut_short, found.verdict) == (True, verdict)
+        assert not any(cause.chosen for cause in found.causes)
+        assert "No cause was found so far." in found.sentence
+        assert len(found.residual) == len(response.omega)
+
+
 def test_the_extension_predicts_what_no_fit_saw(named: Diagnosis) -> None:
     assert named.gain.heldout_after < 0.6 * named.gain.heldout_before
     assert named.gain.over_noise_floor == pytest.approx(named.gain.heldout_after / named.gain.noise_floor)

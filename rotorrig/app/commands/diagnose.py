@@ -1,13 +1,18 @@
 """`rotor diagnose`: read responses of one rig, diagnose them with a progress bar, print or save the result."""
 
 import math
-from collections.abc import Sequence
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from types import FrameType
 from typing import Literal
 
 from rotorrig.app.commands.config_model import check_effects
-from rotorrig.app.terminal import out, progress_bars, tables
+from rotorrig.app.terminal import err, out, progress_bars, tables
 from rotorrig.app.text import (
     NOTHING_PULLED,
     finding_sentences,
@@ -20,8 +25,8 @@ from rotorrig.identify import Diagnosis, NameplateCheck, Verdict, diagnose
 from rotorrig.identify.verdict import Cause
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import read_response
-from rotorrig.rig import DataError, write_whole_text
-from rotorrig.rig.config import Extension, RigConfig, extend
+from rotorrig.rig import ConfigError, DataError, write_whole_text
+from rotorrig.rig.config import Extension, RigConfig, extend, to_si
 
 
 def read_responses(paths: Sequence[Path], *, config: RigConfig | None = None) -> list[OrderTrackedResponse]:
@@ -56,17 +61,51 @@ def diagnose_responses(
     holdout: OrderTrackedResponse | None = None,
     model: Literal["swept", "quasi-static"] = "swept",
     seed: int = 0,
+    time_limit: str | None = None,
 ) -> Diagnosis:
-    """Diagnose responses of one rig with a progress bar. Raises DataError, ConfigError."""
-    with progress_bars() as bars:
+    """Diagnose responses of one rig with a progress bar. Raises DataError, ConfigError.
+
+    After `time_limit`, "5 min", or on Ctrl-C it ends with the best so far; on the next one with KeyboardInterrupt.
+    """
+    limit = math.inf if time_limit is None else _seconds(time_limit)
+    with progress_bars() as bars, _patience(limit) as go_on:
         task = bars.add_task("diagnosing", total=1.0, note="")
 
         def show(stage: str, done: float) -> None:
             bars.update(task, completed=done, note=stage)
 
-        diagnosis = diagnose(responses, holdout=holdout, model=model, seed=seed, progress=show)
+        diagnosis = diagnose(responses, holdout=holdout, model=model, seed=seed, progress=show, go_on=go_on)
         bars.update(task, completed=1.0, note="")
     return diagnosis
+
+
+def _seconds(text: str) -> float:
+    """Return a time limit in s. Raises ConfigError."""
+    try:
+        limit = to_si(text, "time")
+    except ValueError as error:
+        raise ConfigError(f"--time-limit: {error}") from error
+    if not limit > 0:
+        raise ConfigError(f"--time-limit: got {text}, want a time above zero")
+    return limit
+
+
+@contextmanager
+def _patience(limit: float) -> Iterator[Callable[[], bool]]:
+    """Yield what says whether to go on: not after `limit` [s], nor after the first Ctrl-C."""
+    until, was_asked = time.monotonic() + limit, threading.Event()
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        if was_asked.is_set():
+            raise KeyboardInterrupt
+        was_asked.set()
+        err.print("ending with the best so far; Ctrl-C again leaves at once", highlight=False)
+
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        yield lambda: not was_asked.is_set() and time.monotonic() < until
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def show(diagnosis: Diagnosis) -> None:

@@ -78,6 +78,9 @@ def diagnose(
     model: Annotated[
         Literal["swept", "quasi-static"], typer.Option(help="model the speed ramp, or take every row as steady state")
     ] = "swept",
+    time_limit: Annotated[
+        str | None, typer.Option(help="end after that time, such as '5 min', with the best so far, as on Ctrl-C")
+    ] = None,
     force: Force = False,
     as_json: Annotated[bool, typer.Option("--json", help="print the result as JSON, without arrays")] = False,
     seed: Seed = 0,
@@ -90,7 +93,7 @@ def diagnose(
     seen = diagnose.read_responses(paths, config=load_config(config) if config else None)
     used, unseen = seen[: len(responses)], seen[-1] if holdout else None
     try:
-        diagnosis = diagnose.diagnose_responses(used, holdout=unseen, model=model, seed=seed)
+        diagnosis = diagnose.diagnose_responses(used, holdout=unseen, model=model, seed=seed, time_limit=time_limit)
     except KeyboardInterrupt as interrupt:
         err.print(f"interrupted: {out_file} was not written", highlight=False)
         raise typer.Exit(130) from interrupt

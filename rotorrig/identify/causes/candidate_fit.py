@@ -4,6 +4,7 @@ Evidence is the Bayesian information criterion, BIC = chi2 + k ln n (Schwarz, An
 values at 1X that are independent: those of neighbouring rows, `ADEQUACY.stretch` of them, are off together.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -48,7 +49,13 @@ def plausible(candidate: Candidate) -> bool:
 
 
 def fit_candidate(
-    problem: ExtendedProblem, polished: Solution, plain: Solution | None, score: Score, *, leader: float
+    problem: ExtendedProblem,
+    polished: Solution,
+    plain: Solution | None,
+    score: Score,
+    *,
+    leader: float,
+    go_on: Callable[[], bool],
 ) -> Candidate | None:
     """Fit the effect of a score beside those of `problem`, fitted as `polished`; None if there is none.
 
@@ -57,13 +64,13 @@ def fit_candidate(
 
     It is given up once it could not come near `leader`, the evidence of the best so far, with twice the fall of chi2
     that a full step promises, or ten times under a force law, which bends more; and not begun where ten times its score
-    could not.
+    could not. So it is once `go_on` says no.
     """
     cost = price(problem, score.effect)
     hoped = SELECTION.promised_by_law if score.effect.needs_starts else SELECTION.promised
 
     def worth(chi2: float, promise: float) -> bool:
-        return polished.chi2 - chi2 + hoped * promise - cost > leader - SELECTION.near
+        return go_on() and polished.chi2 - chi2 + hoped * promise - cost > leader - SELECTION.near
 
     if not SELECTION.promised_by_law * score.lam - cost > leader - SELECTION.near:
         return None

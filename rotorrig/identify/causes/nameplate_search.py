@@ -6,7 +6,7 @@ of all these unknowns would lead. Cluster: the lowest few of them that are apart
 pinned at their priors; the lowest then with every unknown free. It begins at the nameplate and at the base's fit.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,8 +23,10 @@ from rotorrig.sims.effects import Effect
 NO_MOTION = (DataError, np.linalg.LinAlgError)  # at some unknowns a rotor has none, or none that is finite
 
 
-def search_from_nameplate(problem: ExtendedProblem, polished: Solution, candidates: Sequence[Effect]) -> list[Score]:
-    """Score effects that need starts, beside those of `problem`, whose fit is `polished`; best first.
+def search_from_nameplate(
+    problem: ExtendedProblem, polished: Solution, candidates: Sequence[Effect], *, go_on: Callable[[], bool]
+) -> list[Score]:
+    """Score effects that need starts, beside those of `problem`, whose fit is `polished`, while `go_on`; best first.
 
     The score is the share of chi2 that the candidate takes on those rows, of the chi2 of `polished`.
     """
@@ -34,7 +36,7 @@ def search_from_nameplate(problem: ExtendedProblem, polished: Solution, candidat
     search = _Search.of(problem, polished.p)
     scores: list[Score] = []
     for effect in able:
-        if (near := search.descend(effect)) is None:
+        if not go_on() or (near := search.descend(effect)) is None:
             continue
         fit = search.free(effect, near)
         begin = np.append(polished.p, fit.p[len(search.index) :])

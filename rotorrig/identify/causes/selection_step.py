@@ -6,6 +6,7 @@ from the nameplate, and where an unmodelled cause has biased the base, only if n
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -41,22 +42,27 @@ def try_candidates(
     *,
     wrong: bool,
     first: bool,
+    go_on: Callable[[], bool],
 ) -> SelectionStep:
-    """Fit what scores high; where the base is biased, force laws only if nothing else explains the misfit."""
+    """Fit what scores high; where the base is biased, force laws only if nothing else explains the misfit.
+
+    Once `go_on` says no, nothing more is fitted.
+    """
     scored = scores(problem, polished.p, candidates)
     excess = _excess(problem, polished)
     plain = fit_with_pinned_nuisances(problem, polished.p) if nuisances_biased(problem, polished.p) else None
     searched = first and (wrong or (bool(scored) and scored[0].lam > SELECTION.detected))
     later = bool(scored) and plain is not None and excess - scored[0].lam < SELECTION.reached * excess
-    laws = search_from_nameplate(problem, polished, candidates) if searched and not later else []
+    laws = search_from_nameplate(problem, polished, candidates, go_on=go_on) if searched and not later else []
     promising = _promising(sorted((*scored, *laws), key=lambda s: -s.lam))
     progress(0.3)
-    tried = _fit_all(problem, polished, plain, promising, (), progress=lambda share: progress(0.3 + 0.5 * share))
+    fit_all = partial(_fit_all, problem, polished, plain, go_on=go_on)
+    tried = fit_all(promising, (), progress=lambda share: progress(0.3 + 0.5 * share))
     if searched and not any(_explains(candidate, excess) for candidate in tried):
-        laws = search_from_nameplate(problem, polished, candidates) if later else laws
+        laws = search_from_nameplate(problem, polished, candidates, go_on=go_on) if later else laws
         late = [s for s in _promising(laws if later else scored) if s not in promising]
-        tried = _fit_all(problem, polished, plain, late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
-    if not any(_explains(candidate, excess) for candidate in tried):
+        tried = fit_all(late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
+    if go_on() and not any(_explains(candidate, excess) for candidate in tried):
         tried = _finish_rivals(tried)
     progress(1.0)
     ranked = sorted(tried, key=lambda c: (not plausible(c), -c.evidence))
@@ -78,12 +84,15 @@ def _fit_all(
     before: Sequence[Candidate],
     *,
     progress: Callable[[float], None],
+    go_on: Callable[[], bool],
 ) -> list[Candidate]:
     """Return the candidates of `before` and after them those of the scores, each up against the best so far."""
     tried = list(before)
     for i, score in enumerate(scored):
+        if not go_on():
+            break
         leader = max((c.evidence for c in tried if plausible(c)), default=-np.inf)
-        if (candidate := fit_candidate(problem, polished, plain, score, leader=leader)) is not None:
+        if (candidate := fit_candidate(problem, polished, plain, score, leader=leader, go_on=go_on)) is not None:
             _keep_better(tried, candidate)
         progress((i + 1) / len(scored))
     return tried

@@ -46,15 +46,21 @@ def select(
     *,
     wrong: bool,
     progress: Progress = lambda stage, share: None,
+    go_on: Callable[[], bool] = lambda: True,
 ) -> Selection:
-    """Extend the model of `problem`, fitted as `base`, by what its residual supports; `wrong`: its test failed."""
+    """Extend the model of `problem`, fitted as `base`, by what its residual supports; `wrong`: its test failed.
+
+    Once `go_on` says no, it is extended by what has been found.
+    """
     steps: list[SelectionStep] = []
     current, polished = problem, base
 
     def search(what: str, problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> SelectionStep:
         taken = {own.label for own in problem.effects if not own.is_nuisance}
         rest = [e for e in among if e.label not in taken]
-        return try_candidates(problem, polished, rest, partial(progress, what), wrong=wrong, first=not steps)
+        return try_candidates(
+            problem, polished, rest, partial(progress, what), wrong=wrong, first=not steps, go_on=go_on
+        )
 
     for number in range(SELECTION.most):
         step = search(f"cause {number + 1}", current, polished, candidates)
@@ -62,12 +68,12 @@ def select(
         if not step.tried or not is_significant(step.tried[0], explained=base.chi2 - polished.chi2):
             break
         current, polished = _refit_best(steps)
-        if current.curved:
+        if current.curved or not go_on():
             break  # what a force law leaves is its own harmonics as much as another cause
     kept = len(problem.effects)
     if len(current.effects) > kept + 1:
         current, polished = _drop_idle(current, polished, kept=kept)
-    if len(steps) > 1 and not current.curved and len(current.effects) > kept:
+    if go_on() and len(steps) > 1 and not current.curved and len(current.effects) > kept:
         current, polished = _search_again(
             current, polished, partial(search, "causes again"), candidates, steps, kept=kept
         )

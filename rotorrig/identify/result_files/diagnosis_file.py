@@ -51,7 +51,7 @@ def diagnosis_table(diagnosis: Diagnosis) -> dict[str, Any]:
         "next_run": {} if diagnosis.next_run is None else fields_of(diagnosis.next_run, "kind words lam separates"),
         "gain": {} if diagnosis.gain is None else _gain_out(diagnosis.gain),
         "hidden": [fields_of(effect, "effect smallest unit missing") for effect in diagnosis.hidden],
-        **fields_of(diagnosis, "character responses"),
+        **fields_of(diagnosis, "character cut_short responses"),
     }
 
 
@@ -83,6 +83,7 @@ def read_diagnosis(path: Path) -> Diagnosis:
             nameplate=nameplate_in(table.get("nameplate", {})),
             hidden=tuple(_hidden(effect) for effect in table["hidden"]),
             character=table["character"],
+            cut_short=bool(table.get("cut_short", False)),
             extended_residual=None if (after := table["extended_residual"]) is None else complex_in(after),
             extended_sigmas=None if (after := table.get("extended_sigmas")) is None else numbers_in(after),
             responses=tuple((str(source), int(rows)) for source, rows in table["responses"]),

@@ -46,11 +46,17 @@ class NameplateSelection:
         )
 
 
-def select_beside_nameplate(base: AssessedFit, known: Sequence[Effect], progress: Progress) -> NameplateSelection:
-    """Select effects for a base fit, those last that explain less than what of the nameplate the fit pulls at."""
+def select_beside_nameplate(
+    base: AssessedFit, known: Sequence[Effect], progress: Progress, go_on: Callable[[], bool] = lambda: True
+) -> NameplateSelection:
+    """Select effects for a base fit, those last that explain less than what of the nameplate the fit pulls at.
+
+    Once `go_on` says no, what has been found is selected.
+    """
 
     def search(start: AssessedFit) -> Selection:
-        return select(start.problem, start.polished, known, wrong=not start.adequacy.adequate, progress=progress)
+        wrong = not start.adequacy.adequate
+        return select(start.problem, start.polished, known, wrong=wrong, progress=progress, go_on=go_on)
 
     selection = search(base)
     able = [c for c in (selection.steps[0].tried if selection.steps else ()) if is_significant(c)]

@@ -47,6 +47,17 @@ def sentence(
     return f"The model is wrong here: {words}. {bought}"
 
 
+def cut_short(before: Adequacy, after: Adequacy, causes: Sequence[Cause]) -> str:
+    """Say what is known of a diagnosis that was ended before every cause was tried."""
+    fits = "is adequate" if before.adequate else "is NOT adequate"
+    labels = " and ".join(cause.label for cause in causes if cause.chosen)
+    best = f"Best so far is {labels}, with which {_figures(after)}" if labels else "No cause was found so far"
+    return (
+        f"Cut short before every cause was tried, and without a test on data no fit saw: the model {fits}: "
+        f"{_figures(before)}. {best}."
+    )
+
+
 def _attempt(after: Adequacy, causes: Sequence[Cause], predictions: Predictions) -> str:
     """Say what was tried in vain."""
     labels = " and ".join(cause.label for cause in causes if cause.chosen)

@@ -20,6 +20,7 @@ ALIAS_FREE = 1 / 2.56  # of the sample rate: what an anti-alias filter lets thro
 LONGEST_TOP = 3  # samples in a row at the highest or lowest code; more may be a flat top
 FLAT_SHARE = 0.6  # of the samples within TOP_STEPS of the extreme that are on it; a cosine leaves 0.3 = 1 / sqrt(11)
 TOP_STEPS = 10  # steps of the ADC
+FEWEST_NEAR = 16  # samples within these: where vibration grows from turn to turn, one crest alone has so few, by chance
 MOVING = 50  # steps of the ADC from lowest to highest code, below which a top is a matter of rounding
 
 Reasons = tuple[tuple[str, ...], ...]
@@ -131,7 +132,7 @@ def _flat_top(counts: NDArray[np.int32]) -> bool:
     borders = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]])))
     longest = (borders[1::2] - borders[0::2]).max()
     near = (values >= top - TOP_STEPS * step).sum()
-    return bool(longest > LONGEST_TOP and on.sum() > FLAT_SHARE * near)
+    return bool(longest > LONGEST_TOP and near >= FEWEST_NEAR and on.sum() > FLAT_SHARE * near)
 
 
 def _volts(probe: Probe, x: float) -> float:

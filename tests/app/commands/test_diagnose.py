@@ -2,7 +2,9 @@
 
 import dataclasses
 import json
+import signal
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -152,6 +154,53 @@ def test_ctrl_c_ends_in_one_sentence_and_leaves_no_file(rotor: Run, asked: dict[
     assert code == 130
     assert err == "interrupted: d.json was not written\n"
     assert not Path("d.json").exists()
+
+
+def test_ctrl_c_asks_for_the_best_so_far_and_the_next_one_leaves(
+    rotor: Run, asked: dict[str, Any], file: str, monkeypatch: pytest.MonkeyPatch, named: Diagnosis
+) -> None:
+    """The keys are pressed while the diagnosis runs."""
+    seen: list[bool] = []
+
+    def pressed(times: int) -> Callable[..., Diagnosis]:
+        def diagnose(responses: list[OrderTrackedResponse], **more: Any) -> Diagnosis:
+            seen.append(more["go_on"]())
+            for _ in range(times):
+                signal.raise_signal(signal.SIGINT)
+                seen.append(more["go_on"]())
+            return dataclasses.replace(named, cut_short=True)
+
+        return diagnose
+
+    monkeypatch.setattr(diagnosing, "diagnose", pressed(1))
+    code, _, err = rotor("diagnose", file, "--out", "d.json")
+    assert (code, seen) == (0, [True, False])
+    assert "ending with the best so far; Ctrl-C again leaves at once" in err
+    assert read_diagnosis(Path("d.json")).cut_short
+    monkeypatch.setattr(diagnosing, "diagnose", pressed(2))
+    code, _, err = rotor("diagnose", file, "--out", "e.json")
+    assert (code, err.splitlines()[-1]) == (130, "interrupted: e.json was not written")
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [("5", "without a unit"), ("0 s", "want a time above zero"), ("5 mm", "want a time"), ("soon", "no number")],
+)
+def test_a_time_limit_that_is_none_is_refused(
+    rotor: Run, asked: dict[str, Any], file: str, given: str, words: str
+) -> None:
+    code, _, err = rotor("diagnose", file, "--out", "d.json", "--time-limit", given)
+    assert code == 1
+    assert err.startswith("error: --time-limit: ")
+    assert words in err
+    assert not Path("d.json").exists()
+
+
+def test_a_time_limit_ends_the_search(rotor: Run, asked: dict[str, Any], file: str) -> None:
+    assert rotor("diagnose", file, "--out", "d.json", "--time-limit", "1 ms")[0] == 0
+    time.sleep(0.002)
+    assert not asked["go_on"]()
 
 
 def test_responses_of_two_rigs_are_refused(

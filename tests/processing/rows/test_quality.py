@@ -43,6 +43,20 @@ def test_nothing_is_said_of_a_sound_waveform(
     assert faults(rk4, x + noise * rng.standard_normal(len(x))) == [""]
 
 
+def test_one_high_crest_that_noise_has_made_flat_is_not_taken_for_clipped(rk4: RigConfig) -> None:
+    """Of a sweep through the critical speed: 5 of the 8 samples within ten steps of the top are on it, by chance."""
+    lower = wave(-1.3, mean=-10.0, samples=270, turns=7)
+    crest = [-11950, -11944, -11938, -11928, -11927, -11924, *5 * [-11915], -11919, -11920, -11927, -11931, -11939]
+    highest = wave(-1.3, mean=-10.0, samples=270, turns=1) - 0.03
+    at = int(highest.argmax())
+    per_count, down = 0.000732421875, -10.0 + 1.25
+    steps = np.array(crest) - max(crest)
+    highest = np.minimum(highest, down - 0.01)
+    highest[at - 8 : at + 8] = down + steps * per_count
+    said = faults(rk4, np.concatenate([np.minimum(lower, down - 0.02), highest]), per_count=per_count)
+    assert said == [""]
+
+
 def test_clipping_at_the_end_of_the_range_is_said(rk4: RigConfig) -> None:
     low = -FULL_SCALE * VOLTS
     assert faults(rk4, np.maximum(wave(2.0, mean=low + 1.5), low)) == ["clipped"]
