@@ -9,6 +9,7 @@ from rotorrig.identify import Deviation, Fit, NameplateCheck
 PULLED = 2.0  # sigmas: a group that the fit pulls less is not worth a line
 #: SI unit of a config's statement -> (unit shown, factor), where it is another than a result's
 STATED = {"m": ("mm", 1e3), "V/m": ("mV/µm", 1e-3)}
+IMPOSSIBLE = "none that can be"
 NOTHING_PULLED = f"The fit pulls at nothing the config states by more than {PULLED:g} sigma."
 
 
@@ -31,10 +32,15 @@ def stated_text(deviation: Deviation) -> str:
 
 
 def found_text(deviation: Deviation) -> str:
-    """Return the value by the data alone ± 1 sigma: that of the part, or how far it is off where none is stated."""
+    """Return the value by the data alone ± 1 sigma: that of the part, or how far it is off where none is stated.
+
+    A fit that something else pulls at may ask for a stiffness or a length of less than nothing, which is not shown.
+    """
     nameplate, value, sigma = deviation.nameplate, deviation.value, deviation.sigma
     if math.isfinite(nameplate):
         scale = 1.0 if deviation.unit else nameplate
+        if nameplate > 0 >= nameplate + scale * value and deviation.nameplate_unit != "rad":
+            return IMPOSSIBLE
         return _stated(nameplate + scale * value, abs(scale) * sigma, deviation.nameplate_unit)
     return off_text(value, sigma, deviation.unit)
 

@@ -37,6 +37,14 @@ def test_other_statements_are_told_in_their_units(
     assert (stated_text(deviation), found_text(deviation)) == (stated, found)
 
 
+def test_a_stiffness_of_less_than_nothing_is_not_shown() -> None:
+    stiff = {"nameplate": 2e6, "nameplate_unit": "N/m", "unit": "", "sigma": 0.1}
+    assert found_text(dataclasses.replace(OFF, **stiff, value=-24.0)) == "none that can be"
+    assert found_text(dataclasses.replace(OFF, **stiff, value=-0.5)) == "1000 ± 200 kN/m"
+    turned = {"nameplate": 1.0, "nameplate_unit": "rad", "unit": "rad", "sigma": 0.01}
+    assert found_text(dataclasses.replace(OFF, **turned, value=-1.5)) == "-28.65 ± 0.57°"
+
+
 def test_only_groups_pulled_by_more_than_two_sigmas_have_a_row() -> None:
     slight = Pull(group="shaft stiffness", sigmas=1.9, deviations=(OFF,))
     check = NameplateCheck(pulls=(*WRONG_CONFIG.pulls, slight))
