@@ -64,7 +64,7 @@ CASES = {
         Hidden(bow=22e-6),
         np.linspace(480, 3600, 80),
         ("1",),
-        {"runout, plane 1", "bow", "coupling"},
+        {"runout, plane 1", "bow", "bow, even", "coupling"},
     ),
     "a late probe of two planes, at low speeds": (
         Hidden(delay={"1y": 1e-3}),

@@ -72,7 +72,9 @@ def test_it_is_the_one_finding_tied_with_what_else_would_explain_it(found: Diagn
 @pytest.mark.campaign
 def test_two_probes_in_a_bracket_move_together(hurried_rig: RigConfig) -> None:
     """On a rig that is its model but for that, and says so."""
-    exact = with_priors(hurried_rig, 'position = "0.3 mm"', "model_error = 0", "repeatability = 0")
+    exact = with_priors(
+        hurried_rig, 'position = "0.3 mm"', "model_error = 0", "repeatability = 0", "harmonic_error = 0"
+    )
     found = judged(swept(exact, Geometry(probe_shifts=(0.0, 0.0, BRACKET, BRACKET))))
     assert found.verdict is Verdict.NAMED
     assert found.sentence.startswith("The config is wrong here: probes 2x and 2y sit ")

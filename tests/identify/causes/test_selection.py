@@ -92,8 +92,8 @@ def test_it_stops_when_the_unknowns_cost_what_they_gain(unknowns: int, expected:
 
 
 def test_a_second_cause_has_to_exceed_an_error_of_the_first_ones_model() -> None:
-    """A fiftieth of an amplitude of 400 sigmas is 8: 64 of chi2, beside the 18 asked for anyway."""
-    for fall, expected in ((81.0, "A"), (83.0, "AB")):
+    """A hundredth of an amplitude of 400 sigmas is 4: 16 of chi2, beside the 18 asked for anyway."""
+    for fall, expected in ((33.0, "A"), (35.0, "AB")):
         assert taken(selected(alone(A=400.0**2, B=fall), [A, B])) == expected
 
 
