@@ -76,9 +76,7 @@ class Diagnosis:
     cut_short: bool = False  # before every cause was tried: `causes` are the best so far
     character: str = ""  # of the residual, where no known cause explains it
     extended_residual: NDArray[np.complex128] | None = None  # as `residual`, of the extended model; None: there is none
-    extended_sigmas: NDArray[np.float64] | None = (
-        None  # as `sigmas`, likewise; None of a file of an earlier version too
-    )
+    extended_sigmas: NDArray[np.float64] | None = None  # as `sigmas`, likewise; None of an older file too
     responses: tuple[tuple[str, int], ...] = ()  # source hash and rows of each response, in the order of the rows
     source: Provenance
 
@@ -103,9 +101,10 @@ def diagnose(
     no fit may see; without one the gain is measured across blocks of speeds. Names in `without` are not tried.
 
     `go_on` is asked between steps of the search for causes. Once it says no, the diagnosis ends with the best so far,
-    marked as cut short, which names nothing. Raises
-    ConfigError if the rig has no [identify] table or an unknown effect, DataError if a recording holds too few rows or
-    other probes or orders than the first.
+    marked as cut short, which names nothing.
+
+    Raises ConfigError if the rig has no [identify] table or an unknown effect, DataError if a recording holds too few
+    rows or other probes or orders than the first.
     """
     if not responses:
         raise DataError("no response was given, want at least one to diagnose")

@@ -52,7 +52,5 @@ def test_what_was_taken_off_is_named_with_its_share(bent: OrderTrackedResponse) 
     assert found.verdict is Verdict.NAMED
     causes = {cause.effect: cause for cause in found.causes if cause.chosen}
     assert causes["slow_roll_subtracted"].theta["share"] == pytest.approx(1.0, abs=0.005)
-    assert set(causes) <= {
-        "slow_roll_subtracted",
-        "bow",
-    }  # the shaft is bent, too, by what hardly shows at these speeds
+    # the shaft is bent, too, by what at these speeds may be less than an error of one per cent of what was taken off
+    assert set(causes) <= {"slow_roll_subtracted", "bow"}

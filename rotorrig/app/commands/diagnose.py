@@ -25,8 +25,8 @@ from rotorrig.identify import Diagnosis, NameplateCheck, Verdict, diagnose
 from rotorrig.identify.verdict import Cause
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import read_response
-from rotorrig.rig import ConfigError, DataError, write_whole_text
-from rotorrig.rig.config import Extension, RigConfig, extend, to_si
+from rotorrig.rig import DataError, write_whole_text
+from rotorrig.rig.config import Extension, RigConfig, extend, read_quantity
 
 
 def read_responses(paths: Sequence[Path], *, config: RigConfig | None = None) -> list[OrderTrackedResponse]:
@@ -67,7 +67,7 @@ def diagnose_responses(
 
     After `time_limit`, "5 min", or on Ctrl-C it ends with the best so far; on the next one with KeyboardInterrupt.
     """
-    limit = math.inf if time_limit is None else _seconds(time_limit)
+    limit = math.inf if time_limit is None else read_quantity(time_limit, "time", where="--time-limit", positive=True)
     with progress_bars() as bars, _patience(limit) as go_on:
         task = bars.add_task("diagnosing", total=1.0, note="")
 
@@ -77,17 +77,6 @@ def diagnose_responses(
         diagnosis = diagnose(responses, holdout=holdout, model=model, seed=seed, progress=show, go_on=go_on)
         bars.update(task, completed=1.0, note="")
     return diagnosis
-
-
-def _seconds(text: str) -> float:
-    """Return a time limit in s. Raises ConfigError."""
-    try:
-        limit = to_si(text, "time")
-    except ValueError as error:
-        raise ConfigError(f"--time-limit: {error}") from error
-    if not limit > 0:
-        raise ConfigError(f"--time-limit: got {text}, want a time above zero")
-    return limit
 
 
 @contextmanager
@@ -143,6 +132,8 @@ def show_nameplate(check: NameplateCheck, *, told: str = "") -> None:
 
 def write_extended(path: Path, rig: RigConfig, diagnosis: Diagnosis) -> RigConfig:
     """Write and return the config of `rig` extended by the named causes. Raises DataError if none was named."""
+    if diagnosis.cut_short:
+        raise DataError(f"{path}: not written: the diagnosis was cut short, and what it leaves is not tested")
     extended = extend_rig(rig, diagnosis)
     if extended is None:
         raise DataError(f"{path}: not written: no cause was named that extends the model")

@@ -30,7 +30,9 @@ def banner(identification: Identification | None, diagnosis: Diagnosis | None) -
             c.nameplate for c in diagnosis.causes if c.chosen
         ):
             headline = CONFIG_WRONG
-        if diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.causes:
+        if diagnosis.cut_short:
+            headline += "; the search for causes was cut short"
+        elif diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.causes:
             headline += ", and none of the causes tried explains it"
         words = [*_worst(diagnosis), *_next(diagnosis)]
         return _banner(tone, headline, diagnosis.sentence, _evidence(diagnosis), words)

@@ -55,7 +55,7 @@ def fit_candidate(
     score: Score,
     *,
     leader: float,
-    go_on: Callable[[], bool],
+    go_on: Callable[[], bool] = lambda: True,
 ) -> Candidate | None:
     """Fit the effect of a score beside those of `problem`, fitted as `polished`; None if there is none.
 

@@ -24,7 +24,11 @@ NO_MOTION = (DataError, np.linalg.LinAlgError)  # at some unknowns a rotor has n
 
 
 def search_from_nameplate(
-    problem: ExtendedProblem, polished: Solution, candidates: Sequence[Effect], *, go_on: Callable[[], bool]
+    problem: ExtendedProblem,
+    polished: Solution,
+    candidates: Sequence[Effect],
+    *,
+    go_on: Callable[[], bool] = lambda: True,
 ) -> list[Score]:
     """Score effects that need starts, beside those of `problem`, whose fit is `polished`, while `go_on`; best first.
 

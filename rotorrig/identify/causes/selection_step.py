@@ -42,7 +42,7 @@ def try_candidates(
     *,
     wrong: bool,
     first: bool,
-    go_on: Callable[[], bool],
+    go_on: Callable[[], bool] = lambda: True,
 ) -> SelectionStep:
     """Fit what scores high; where the base is biased, force laws only if nothing else explains the misfit.
 

@@ -68,8 +68,10 @@ def select(
         if not step.tried or not is_significant(step.tried[0], explained=base.chi2 - polished.chi2):
             break
         current, polished = _refit_best(steps)
-        if current.curved or not go_on():
+        if current.curved:
             break  # what a force law leaves is its own harmonics as much as another cause
+        if not go_on():
+            break
     kept = len(problem.effects)
     if len(current.effects) > kept + 1:
         current, polished = _drop_idle(current, polished, kept=kept)

@@ -255,6 +255,7 @@ def _by_runout(model: ExtendedModel, free: Index, order: int, found: Complex) ->
 
 
 def _by_hum(model: ExtendedModel, recording: Recording, p: Reals, free: Index, order: int, found: Complex) -> None:
+    """Fill in the columns by the amounts of hum, and what of it the gains show."""
     part, gains = model.parameters.hums, model.parameters.base.gain
     gain, common = model.probes.figures(p)[0], model.probes.common_hum(recording, p, order)[:, 0]
     for i in free[(free >= gains.start) & (free < gains.stop)]:

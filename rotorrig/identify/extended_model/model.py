@@ -209,14 +209,18 @@ class ExtendedModel:
             if i < base.structural.stop and plain:
                 found.append(self._structure.direction(model, values, by[i]))
                 continue
-            step = EXTENDED_MODEL.matrix_step
-            if i < base.structural.stop:
-                is_tilt = base.tilts.start <= i < base.tilts.stop
-                step = EXTENDED_MODEL.tilt_step if is_tilt else EXTENDED_MODEL.structure_step
-            moved = p.copy()
+            moved, step = p.copy(), self._matrix_step(i)
             moved[i] += step
             found.append(finite_difference(model, self.rotor(moved), step))
         return found
+
+    def _matrix_step(self, i: int) -> float:
+        """Return the step of unknown `i` for a difference of matrices."""
+        base = self.parameters.base
+        if i >= base.structural.stop:
+            return EXTENDED_MODEL.matrix_step
+        is_tilt = base.tilts.start <= i < base.tilts.stop
+        return EXTENDED_MODEL.tilt_step if is_tilt else EXTENDED_MODEL.structure_step
 
     def amounts(self, recording: Recording, p: Reals, *, halved: bool = False) -> Complex:
         """Return the unbalance on every plane, trial masses included, (row + 1, plane) kg m, or its real halves."""

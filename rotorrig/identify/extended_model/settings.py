@@ -11,7 +11,7 @@ class ExtendedModelSettings:
     step: float = 1e-4  # of an effect's size: vectors
     matrix_step: float = 1e-5  # of an effect's size: its matrices
     structure_step: float = 1e-7  # of the base's structure, m and shares: a bearing pair's element is some mm long
-    tilt_step: float = 1.0  # N m/rad
+    tilt_step: float = 1.0  # N m/rad, of a tilt stiffness, in which the matrices are linear
     law_step: float = 1e-5  # of an unknown in working coordinates: loads and laws
 
     # unknowns

@@ -44,7 +44,7 @@ from rotorrig.rig.config.nameplate import (
 from rotorrig.rig.config.sweep_plans import DwellAt, Plan, RunUpCoastDown, RunUpRampDown, Stepped, TrialMassRuns
 from rotorrig.rig.config.toml_file import read_toml
 from rotorrig.rig.config.trial_mass import NO_TRIAL, TrialMass, read_trial_mass, trial_unbalance
-from rotorrig.rig.config.units import RPM, UM, micrometres, reads, to_si
+from rotorrig.rig.config.units import RPM, UM, micrometres, read_quantity, reads, to_si
 from rotorrig.rig.config.validation import validate_table
 
 __all__ = [
@@ -103,6 +103,7 @@ __all__ = [
     "profile_names",
     "read_motor",
     "read_power_cut",
+    "read_quantity",
     "read_toml",
     "read_trial_mass",
     "reads",

@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import BeforeValidator, ValidationInfo
 
 from rotorrig.rig.config.unit_registry import registry
+from rotorrig.rig.errors import ConfigError
 
 RPM = 30.0 / math.pi  # rpm per rad/s
 UM = 1e6  # um per m
@@ -91,6 +92,21 @@ def _check_range(number: float, quantity: str) -> float:
     if abs(number) > largest:
         raise ValueError(f"got {number:.4g} {unit}, want at most {largest:g} {unit}")
     return 0.0 if abs(number) < SMALLEST else number  # NaN stays, for the field to refuse
+
+
+def read_quantity(text: str, quantity: str, *, where: str, positive: bool = False) -> float:
+    """Return a text with a unit in SI. Raises ConfigError, with `where` it was written, as an option's name.
+
+    >>> read_quantity("5 min", "time", where="--time-limit")
+    300.0
+    """
+    try:
+        value = to_si(text, quantity)
+    except ValueError as error:
+        raise ConfigError(f"{where}: {error}") from error
+    if positive and not value > 0:
+        raise ConfigError(f"{where}: got {text}, want {_a(quantity)} above zero")
+    return value
 
 
 def _a(noun: str) -> str:

@@ -197,6 +197,17 @@ def test_a_time_limit_that_is_none_is_refused(
     assert not Path("d.json").exists()
 
 
+def test_what_a_diagnosis_cut_short_leaves_extends_no_config(
+    rotor: Run, asked: dict[str, Any], file: str, named: Diagnosis
+) -> None:
+    asked["answer"] = dataclasses.replace(named, verdict=Verdict.UNEXPLAINED, cut_short=True)
+    code, _, err = rotor("diagnose", file, "--out", "d.json", "--rig-out", "e.toml")
+    assert code == 1
+    assert err.startswith("error: e.toml: not written: the diagnosis was cut short")
+    assert not Path("e.toml").exists()
+    assert Path("d.json").exists()
+
+
 def test_a_time_limit_ends_the_search(rotor: Run, asked: dict[str, Any], file: str) -> None:
     assert rotor("diagnose", file, "--out", "d.json", "--time-limit", "1 ms")[0] == 0
     time.sleep(0.002)

@@ -183,6 +183,9 @@ def test_an_unexplained_run_claims_no_more_than_was_tried(
     tried = dataclasses.replace(poor, causes=(make_cause("bow", "residual bow", evidence=-3.0, after=5e-6),))
     write_report(path, response=response, identification=poorly_fitted, diagnosis=tried)
     assert Page(path.read_text()).first("h2").endswith("none of the causes tried explains it")
+    cut_short = dataclasses.replace(tried, cut_short=True)
+    write_report(path, response=response, identification=poorly_fitted, diagnosis=cut_short)
+    assert Page(path.read_text()).first("h2").endswith("the search for causes was cut short")
 
 
 def test_why_there_is_no_next_run_is_said(

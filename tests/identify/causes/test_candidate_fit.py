@@ -59,8 +59,8 @@ def test_what_was_given_up_near_the_best_is_fitted_to_the_end_that_it_would_have
     problem = ExtendedProblem(ExtendedModel([Recording(response)]))
     before = problem.solve(problem.parameters.start(hidden))
     (score,) = scores(problem, before.p, [effect])
-    whole = fit_candidate(problem, before, None, score, leader=-np.inf, go_on=lambda: True)
-    left = fit_candidate(problem, before, None, score, leader=5 * score.lam, go_on=lambda: True)
+    whole = fit_candidate(problem, before, None, score, leader=-np.inf)
+    left = fit_candidate(problem, before, None, score, leader=5 * score.lam)
     assert whole is not None and left is not None
     assert left.polished.stop is Stop.GIVEN_UP
     assert whole.polished.stop is Stop.CONVERGED

@@ -60,7 +60,7 @@ def base_fit(problem: ExtendedProblem) -> Solution:
 
 def best_fit(problem: ExtendedProblem, base: Solution, scores: Sequence[Score]) -> Candidate:
     """Return the best fit from where the scores begin, a plausible one first, as the selection ranks them."""
-    fits = [fit_candidate(problem, base, None, score, leader=-np.inf, go_on=lambda: True) for score in scores]
+    fits = [fit_candidate(problem, base, None, score, leader=-np.inf) for score in scores]
     return max((fit for fit in fits if fit is not None), key=lambda fit: (plausible(fit), fit.evidence))
 
 
@@ -85,7 +85,7 @@ def test_a_pedestal_of_any_frequency_is_found_under_any_rotor(rig_config: RigCon
     theta = {"lightness": lightness, "omega": omega, "damping ratio": rng.uniform(0.02, 0.06), "compliance across": 0.2}
     problem = recorded(rig_config, rig, "pedestal, x", theta, seed=11)
     base = base_fit(problem)
-    first, second, *_ = search_from_nameplate(problem, base, candidates(problem.recordings), go_on=lambda: True)
+    first, second, *_ = search_from_nameplate(problem, base, candidates(problem.recordings))
     best = best_fit(problem, base, [first, second])
     assert best.effect.label == "pedestal, x"
     assert_reached(best, {"omega": omega})
@@ -104,5 +104,5 @@ def test_a_force_law_of_any_size_is_found(rig_config: RigConfig, form: str, caus
     )
     problem = recorded(rig_config, rig, cause, theta, seed=12)
     base = base_fit(problem)
-    found = search_from_nameplate(problem, base, [find(rig, cause)], go_on=lambda: True)
+    found = search_from_nameplate(problem, base, [find(rig, cause)])
     assert_reached(best_fit(problem, base, found), theta)

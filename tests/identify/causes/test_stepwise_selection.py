@@ -94,9 +94,7 @@ def test_parts_of_one_cause_are_replaced_by_the_whole(rig: RigConfig, hidden: ND
     polished = problem.solve(problem.parameters.start(hidden))
 
     def search(problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> SelectionStep:
-        return try_candidates(
-            problem, polished, among, lambda share: None, wrong=False, first=False, go_on=lambda: True
-        )
+        return try_candidates(problem, polished, among, lambda share: None, wrong=False, first=False)
 
     steps: list[SelectionStep] = []
     found, fit = _search_again(problem, polished, search, [whole[0], *parts], steps, kept=0)

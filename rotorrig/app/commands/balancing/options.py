@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from rotorrig.balancing import Holes
 from rotorrig.rig import ConfigError
-from rotorrig.rig.config import to_si
+from rotorrig.rig.config import read_quantity
 
 NEAR = 0.01  # relative: rows that count as at a speed
 
@@ -34,9 +34,9 @@ def read_bands(text: str | None) -> tuple[tuple[float, float], ...]:
         if to:
             unit = high.strip().partition(" ")[2]
             low = low if any(letter.isalpha() for letter in low) else f"{low} {unit}"
-            band = _si(low, "speed", "--speeds"), _si(high, "speed", "--speeds")
+            band = read_quantity(low, "speed", where="--speeds"), read_quantity(high, "speed", where="--speeds")
         else:
-            speed = _si(part, "speed", "--speeds")
+            speed = read_quantity(part, "speed", where="--speeds")
             band = speed * (1 - NEAR), speed * (1 + NEAR)
         if not 0 < band[0] < band[1]:
             raise ConfigError(f"--speeds: got '{part}', want speeds that rise, such as '1800 to 2400 rpm'")
@@ -62,7 +62,7 @@ def read_radii(text: str | None, *, known: Sequence[str]) -> dict[str, float]:
             raise ConfigError(
                 f"--radius: the config has no disk or plane '{plane.strip()}', want some of {list(known)}"
             )
-        value = _si(radius.strip(), "length", "--radius")
+        value = read_quantity(radius.strip(), "length", where="--radius")
         if not value > 0:
             raise ConfigError(f"--radius: got '{part}', want a length above zero")
         radii |= {plane.strip(): value} if colon else dict.fromkeys(known, value)
@@ -78,10 +78,10 @@ def read_holes(options: HoleOptions, planes: Sequence[str], radii: dict[str, flo
     missing = [plane for plane in planes if plane not in radii]
     if missing:
         raise ConfigError(f"--radius: missing for '{missing[0]}', want the radius of its holes, such as '30 mm'")
-    masses = tuple(sorted({_si(part, "mass", "--masses") for part in _parts(options.masses)}))
+    masses = tuple(sorted({read_quantity(part, "mass", where="--masses") for part in _parts(options.masses)}))
     if not masses or masses[0] <= 0:
         raise ConfigError(f"--masses: got '{options.masses}', want masses above zero, such as '1 g, 2 g, 5 g'")
-    first = _si(options.first, "angle", "--first-hole") % math.tau
+    first = read_quantity(options.first, "angle", where="--first-hole") % math.tau
     return {
         plane: Holes(count=options.holes, masses=masses, radius=radii[plane], first=first, most=options.most)
         for plane in planes
@@ -90,10 +90,3 @@ def read_holes(options: HoleOptions, planes: Sequence[str], radii: dict[str, flo
 
 def _parts(text: str | None) -> list[str]:
     return [part.strip() for part in (text or "").split(",") if part.strip()]
-
-
-def _si(text: str, quantity: str, option: str) -> float:
-    try:
-        return to_si(text, quantity)
-    except ValueError as error:
-        raise ConfigError(f"{option}: {error}") from error

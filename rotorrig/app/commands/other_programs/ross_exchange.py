@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from rotorrig.rig import ConfigError, write_whole_text
-from rotorrig.rig.config import load, parse, to_si
+from rotorrig.rig import write_whole_text
+from rotorrig.rig.config import load, parse, read_quantity
 from rotorrig.rig.ross import RossRotor, config_text, read_ross, ross_rotor, ross_text, sections
 
 
@@ -22,12 +22,7 @@ def write_out(config: Path, *, out: Path, max_element: str) -> list[str]:
     from rotorrig.sims.rotor.model import assemble
 
     rig = load(config)
-    try:
-        longest = to_si(max_element, "length")
-    except ValueError as error:
-        raise ConfigError(f"--max-element: {error}") from error
-    if not longest > 0:
-        raise ConfigError(f"--max-element: got {max_element}, want a length above zero")
+    longest = read_quantity(max_element, "length", where="--max-element", positive=True)
     rotor = ross_rotor(rig, nodes=assemble(rig, max_element=longest).z.tolist())
     write_whole_text(out, ross_text(rotor, source=config.name))
     return [*rotor.notes, f"{out}: {_count_parts(rotor)}"]

@@ -164,7 +164,7 @@ def _step_modes(
     for k in range(turns):
         pushed[2], pushed[1], pushed[0] = pushed[1], pushed[0], 0
         add_matrix(D[k], a[k], 1.0, pushed[0])
-        _add_mirrored(C[k], a[k], pushed[0])
+        _add_times_conjugate(C[k], a[k], pushed[0])
         rate[k] += pushed[0]
         add_matrix(L[k], a[k], 1.0, rate[k])
         if k + 1 < turns:
@@ -179,12 +179,12 @@ def _step_modes(
             add_matrix(steps[k, 2], halfway, end.conjugate() * middle, known)
             add_matrix(steps[k, 3], force[k + 1], 1.0, known)
             add_matrix(own[k], known, 1.0, a[k + 1])
-            _add_mirrored(mirrored[k], known, a[k + 1])
+            _add_times_conjugate(mirrored[k], known, a[k + 1])
     return a, rate
 
 
 @njit(cache=True)
-def _add_mirrored(A: Complex, x: Complex, y: Complex) -> None:
+def _add_times_conjugate(A: Complex, x: Complex, y: Complex) -> None:
     """Add A conj(x) to y, x and y (row, column)."""
     for i in range(len(A)):
         for j in range(len(x)):
