@@ -39,8 +39,9 @@ TABLE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("balancing", "identify", "processing.response", *BASE),
         ("scipy", "threadpoolctl"),
     ),
+    "investigation": (("investigation", "identify", *BASE), ()),
     "app": (
-        ("rig", "acquisition", "processing", "sims", "identify", "balancing", "app"),
+        ("rig", "acquisition", "processing", "sims", "identify", "balancing", "investigation", "app"),
         ("scipy", "pydantic", "rerun", "typer", "rich", "plotly", "threadpoolctl"),
     ),
 }
@@ -107,6 +108,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "balance",
         "balance_file",
     ),
+    "investigation": ("beliefs budget menu", "journal", "choice"),
     "identify": (
         "chea identification measurement",
         "least_squares",
@@ -311,4 +313,4 @@ def test_an_import_up_the_stairs_is_found(module: str, line: str) -> None:
 
 
 def test_an_import_past_the_face_is_found() -> None:
-    assert past_the_face("app.report.rig", ast.parse("from rotorrig.rig.config.units import RPM"))
+    assert past_the_face("app.report.sections.rig", ast.parse("from rotorrig.rig.config.units import RPM"))

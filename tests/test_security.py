@@ -12,7 +12,7 @@ from mcap.records import Message
 from mcap.writer import CompressionType, Writer
 
 from rotorrig.acquisition.files import mcap_records
-from rotorrig.app.commands.import_files import bring_in
+from rotorrig.app.commands.other_programs.import_files import bring_in
 from rotorrig.app.report.page import write_report
 from rotorrig.app.viewer.result.view import write_result_rrd
 from rotorrig.identify.identification import Estimate, Fit, Identification

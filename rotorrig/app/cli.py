@@ -50,6 +50,7 @@ VERBS: dict[str, tuple[str, Callable[..., None]]] = {
     "track": ("Track the orders of a recording into a response.", data.track),
     "identify": ("Fit bearing stiffness, damping and unbalance.", model.identify),
     "diagnose": ("Test the model; locate misfit and name its cause.", model.diagnose),
+    "investigate": ("Sweep and diagnose until the cause is known.", rig.investigate),
     "balance": ("Say which mass to put where, and what it will do.", balancing.balance),
     "predict": ("Predict vibration with masses on, by the fit.", balancing.predict),
     "report": ("Write a self-contained HTML report.", model.report),

@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 from rotorrig.identify import base_fit
 from rotorrig.identify.adequacy import ADEQUACY, Adequacy, Misfit
 from rotorrig.identify.base_fit import AssessedFit, config_effects
-from rotorrig.identify.causes import candidates
+from rotorrig.identify.causes import Selection, candidates
 from rotorrig.identify.extended_model import recordings_of
 from rotorrig.identify.identification import NO_CHECK, NameplateCheck
 from rotorrig.identify.uncertainty import check_nameplate
@@ -69,7 +69,7 @@ class Diagnosis:
     model: str = "swept"  # or "quasi-static": the base took every row for steady motion
     causes: tuple[Cause, ...] = ()  # best first, the chosen ones before all others
     tied: tuple[tuple[str, ...], ...] = ()  # sets of labels the data cannot separate
-    next_run: NextRun | None = None  # the cheapest to separate them, or why there is none; None: nothing is tied
+    next_run: NextRun | None = None  # the cheapest that tells more, or why there is none; None: nothing is open
     gain: Gain | None = None  # what the extended model bought on data no fit saw; None: it was not extended
     nameplate: NameplateCheck = NO_CHECK  # pulls of the final model, and what of the config they contradict
     hidden: tuple[HiddenEffect, ...] = ()  # effects this data would not show, with the size that would
@@ -87,6 +87,7 @@ def diagnose(
     holdout: OrderTrackedResponse | None = None,
     model: Literal["swept", "quasi-static"] = "swept",
     without: Collection[str] = (),
+    not_possible: Collection[str] = (),
     seed: int = 0,
     progress: Progress = lambda stage, share: None,
     go_on: Callable[[], bool] = lambda: True,
@@ -98,7 +99,8 @@ def diagnose(
 
     Runs of a rotor turning the other way are recordings whose rig has the other sense of rotation than the first's;
     force laws are then not among the causes. Effects in the rig's config are part of the base. `holdout` is a recording
-    no fit may see; without one the gain is measured across blocks of speeds. Names in `without` are not tried.
+    no fit may see; without one the gain is measured across blocks of speeds. Names in `without` are not tried. Kinds
+    of runs in `not_possible` ("trial mass", "ramp rate") are not proposed for the next.
 
     `go_on` is asked between steps of the search for causes. Once it says no, the diagnosis ends with the best so far,
     marked as cut short, which names nothing.
@@ -109,7 +111,15 @@ def diagnose(
     if not responses:
         raise DataError("no response was given, want at least one to diagnose")
     if model == "quasi-static" and (steady := _quasi_static_base(responses, seed=seed, progress=progress)):
-        diagnosis = diagnose(responses, holdout=holdout, without=without, seed=seed, progress=progress, go_on=go_on)
+        diagnosis = diagnose(
+            responses,
+            holdout=holdout,
+            without=without,
+            not_possible=not_possible,
+            seed=seed,
+            progress=progress,
+            go_on=go_on,
+        )
         return _add_moving_speed(diagnosis, *steady)
     with threadpool_limits(1, user_api="blas"):
         progress("base model", 0.0)
@@ -138,12 +148,21 @@ def diagnose(
             predictions=predictions,
         )
         progress("next run", 0.9)
-        further = next_run.find_next_run(selection) if verdict is Verdict.TIED else None
+        further = _find_next_run(verdict, selection, not_possible)
         found = replace(found, selection=selection)
         diagnosis = _assemble(responses, found, base, extended, verdict, predictions)
         diagnosis = replace(diagnosis, model=model, next_run=further)
     progress("done", 1.0)
     return diagnosis
+
+
+def _find_next_run(verdict: Verdict, selection: Selection, not_possible: Collection[str]) -> NextRun | None:
+    """Return the run to make next; None where there is nothing left to find out."""
+    if verdict is Verdict.TIED:
+        return next_run.find_next_run(selection, not_possible=not_possible)
+    if verdict in (Verdict.UNEXPLAINED, Verdict.CANNOT_TELL):
+        return next_run.find_other_run(selection, not_possible=not_possible)
+    return None
 
 
 def _quasi_static_base(

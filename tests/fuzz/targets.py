@@ -9,8 +9,8 @@ from typing import TypeVar
 
 from rotorrig.acquisition.files.recording_mcap import open_recording, read_recording, salvage
 from rotorrig.acquisition.importers.channel_mapping import load_channels
-from rotorrig.app.commands.export_files import write_out
-from rotorrig.app.commands.import_files import bring_in
+from rotorrig.app.commands.other_programs.export_files import write_out
+from rotorrig.app.commands.other_programs.import_files import bring_in
 from rotorrig.processing.files.bode_table import read_table
 from rotorrig.rig.config.description import load
 from rotorrig.rig.errors import BadFrame, RigError

@@ -118,7 +118,16 @@ VERDICT = Diagnosis(
         ),
     ),
     tied=(("runout, plane 2", "bow"), ("delay", "probe_angle, 1x")),
-    next_run=NextRun(kind="trial mass", words="Add a mass.", lam=40.0, separates=("bow",)),
+    next_run=NextRun(
+        kind="trial mass",
+        words="Add a mass.",
+        lam=40.0,
+        separates=("bow",),
+        top=400.0,
+        ramp=3.0,
+        trial=("disk: 12 g mm at 90 deg",),
+        share_of_limit=0.4,
+    ),
     gain=Gain(
         heldout_before=5e-6,
         heldout_after=2.2e-6,
@@ -208,7 +217,16 @@ def test_what_is_not_finite_in_a_table_is_null(tmp_path: Path) -> None:
 def test_the_typed_parts_are_the_tables_that_are_documented(tmp_path: Path) -> None:
     write_diagnosis(tmp_path / "diagnosis.json", VERDICT)
     table = json.loads((tmp_path / "diagnosis.json").read_text())
-    assert table["next_run"] == {"kind": "trial mass", "words": "Add a mass.", "lam": 40.0, "separates": ["bow"]}
+    assert table["next_run"] == {
+        "kind": "trial mass",
+        "words": "Add a mass.",
+        "lam": 40.0,
+        "separates": ["bow"],
+        "top": 400.0,
+        "ramp": 3.0,
+        "trial": ["disk: 12 g mm at 90 deg"],
+        "share_of_limit": 0.4,
+    }
     assert list(table["gain"]) == ["heldout_before", "heldout_after", "noise_floor", "over_noise_floor", "on", "base"]
     assert table["gain"]["over_noise_floor"] == pytest.approx(1.1)
     assert table["hidden"][0] == {"effect": "couple", "smallest": 1e-3, "unit": "rad", "missing": "a second plane"}

@@ -20,6 +20,7 @@ KINDS = {
     "diagnosis": "a diagnosis",
     "balance": "a balance",
     "prediction": "a prediction",
+    "investigation": "an investigation",
     "proof": "a certificate of a proof test",
     "report": "a report",
     "rrd": "a Rerun file",
@@ -38,6 +39,7 @@ _JSON_KINDS = {
     "rotorrig diagnosis": "diagnosis",
     "rotorrig balance": "balance",
     "rotorrig prediction": "prediction",
+    "rotorrig investigation": "investigation",
     "rotorrig proof test": "proof",
 }
 _CSV_HEADS = (b"time [s],", b"# order vectors, raw;", b"# predicted vectors;")

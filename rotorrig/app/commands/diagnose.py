@@ -4,7 +4,7 @@ import math
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -60,11 +60,13 @@ def diagnose_responses(
     *,
     holdout: OrderTrackedResponse | None = None,
     model: Literal["swept", "quasi-static"] = "swept",
+    not_possible: Collection[str] = (),
     seed: int = 0,
     time_limit: str | None = None,
 ) -> Diagnosis:
     """Diagnose responses of one rig with a progress bar. Raises DataError, ConfigError.
 
+    Kinds of runs in `not_possible` are not proposed for the next.
     After `time_limit`, "5 min", or on Ctrl-C it ends with the best so far; on the next one with KeyboardInterrupt.
     """
     limit = math.inf if time_limit is None else read_quantity(time_limit, "time", where="--time-limit", positive=True)
@@ -74,7 +76,15 @@ def diagnose_responses(
         def show(stage: str, done: float) -> None:
             bars.update(task, completed=done, note=stage)
 
-        diagnosis = diagnose(responses, holdout=holdout, model=model, seed=seed, progress=show, go_on=go_on)
+        diagnosis = diagnose(
+            responses,
+            holdout=holdout,
+            model=model,
+            not_possible=not_possible,
+            seed=seed,
+            progress=show,
+            go_on=go_on,
+        )
         bars.update(task, completed=1.0, note="")
     return diagnosis
 

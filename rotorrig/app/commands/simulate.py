@@ -24,6 +24,7 @@ class SimulatedRig:
     hidden: Path | None = None  # sealed truth; None: drawn from the seed
     rate: float = 20.0  # simulated seconds per second, at most
     faults: Path | None = None  # fault script, docs/simulated-rig.md
+    before: int = 0  # runs of the rig before this one: each strays a little from the others
 
 
 def run_until_interrupted(rig: RigConfig, simulation: SimulatedRig) -> None:
@@ -78,7 +79,7 @@ def truth_of(rig: RigConfig, simulation: SimulatedRig, *, trial: Sequence[str] =
     else:
         truth = plant.unseal(simulation.hidden)
         truth = replace(truth, trial=plant.draw(rig, seed=truth.seed, trial=masses).trial) if masses else truth
-    return replace(truth, run=truth.run + 1) if masses else truth  # the rig as before, in another run
+    return replace(truth, run=truth.run + (simulation.before or bool(masses)))  # the rig as before, in another run
 
 
 def faults_of(rig: RigConfig) -> tuple[plant.FaultSpec, ...]:

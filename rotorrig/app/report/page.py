@@ -16,18 +16,27 @@ from string import Template
 from plotly.offline import get_plotlyjs
 
 from rotorrig.app.plot_data import fits_of, part_of
-from rotorrig.app.report.causes import causes_section, nameplate_section, undetectable_section
 from rotorrig.app.report.html import Section
-from rotorrig.app.report.identified import identified_section
-from rotorrig.app.report.motion import centreline_section, orbits_section
-from rotorrig.app.report.orders import full_spectrum_section, other_orders_section
-from rotorrig.app.report.residuals import residuals_section
-from rotorrig.app.report.rig import rig_section
-from rotorrig.app.report.source import conventions_section, provenance_section
-from rotorrig.app.report.synchronous import synchronous_section
-from rotorrig.app.report.tracking import tracking_section
-from rotorrig.app.report.verdict import banner
+from rotorrig.app.report.sections import (
+    banner,
+    causes_section,
+    centreline_section,
+    conventions_section,
+    full_spectrum_section,
+    identified_section,
+    investigation_section,
+    nameplate_section,
+    orbits_section,
+    other_orders_section,
+    provenance_section,
+    residuals_section,
+    rig_section,
+    synchronous_section,
+    tracking_section,
+    undetectable_section,
+)
 from rotorrig.identify import Diagnosis, Identification
+from rotorrig.investigation import Journal
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import write_whole_text
 
@@ -39,8 +48,9 @@ def write_report(
     identification: Identification | None = None,
     diagnosis: Diagnosis | None = None,
     truth: Mapping[str, float] | None = None,
+    journal: Journal | None = None,
 ) -> None:
-    """Write the report of a response, with its fit and diagnosis if given.
+    """Write the report of a response, with its fit and diagnosis if given, and the investigation that led to it.
 
     `truth` maps names of estimates to the simulated rig's own values in SI, for a column beside the estimates.
     Raises DataError if fit or diagnosis belong to another run, or the file cannot be written.
@@ -49,6 +59,7 @@ def write_report(
     diagnosis = part_of(diagnosis, response) if diagnosis else None
     verdict = banner(identification, diagnosis)
     parts = (
+        investigation_section(journal),
         residuals_section(response, diagnosis),
         synchronous_section(response, identification, diagnosis),
         causes_section(diagnosis),

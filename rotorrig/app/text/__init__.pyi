@@ -21,6 +21,8 @@ from .causes import hidden_effects_sentence as hidden_effects_sentence
 from .causes import next_run_sentence as next_run_sentence
 from .causes import parameter_shifts as parameter_shifts
 from .causes import tie_sentences as tie_sentences
+from .investigation import belief_text as belief_text
+from .investigation import run_text as run_text
 from .nameplate import NOTHING_PULLED as NOTHING_PULLED
 from .nameplate import finding_sentences as finding_sentences
 from .nameplate import misfit_sentence as misfit_sentence
@@ -54,6 +56,7 @@ __all__ = [
     "UNDETERMINED",
     "Highest",
     "bearing_coefficients",
+    "belief_text",
     "bound_text",
     "cause_evidence",
     "cause_prediction_error",
@@ -88,6 +91,7 @@ __all__ = [
     "quality_lines",
     "quantity_text",
     "quantity_with_sigma",
+    "run_text",
     "search_line",
     "spacing_remark",
     "stages_text",

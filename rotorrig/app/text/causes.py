@@ -62,11 +62,16 @@ def tie_sentences(diagnosis: Diagnosis) -> list[str]:
 
 
 def next_run_sentence(diagnosis: Diagnosis) -> str:
-    """Return the run that would separate tied causes, or why there is none; empty if nothing is tied."""
+    """Return the run that would tell more, or why there is none; empty if nothing is open."""
     run = diagnosis.next_run
-    if run is None or not math.isfinite(run.lam):
-        return run.words if run else ""
-    return f"{run.words} Expected separation: {run.lam:.3g} in chi2, where {VERDICT.nameable:g} names a cause."
+    if run is None:
+        return ""
+    words = [run.words]
+    if math.isfinite(run.lam):
+        words.append(f"Expected separation: {run.lam:.3g} in chi2, where {VERDICT.nameable:g} names a cause.")
+    if math.isfinite(run.share_of_limit):
+        words.append(f"Its vibration stays below {100 * run.share_of_limit:.0f} % of the limit, with 95 % probability.")
+    return " ".join(words)
 
 
 def gain_sentence(diagnosis: Diagnosis) -> str:

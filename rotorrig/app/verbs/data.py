@@ -84,13 +84,13 @@ def track(
 
 
 def _imported_kind(given: Arguments) -> str:
-    from rotorrig.app.commands import import_files
+    from rotorrig.app.commands.other_programs import import_files
 
     return "config" if given["ross"] else import_files.kind_made(given["mapping"])
 
 
 def _exported_kind(given: Arguments) -> str:
-    from rotorrig.app.commands import export_files
+    from rotorrig.app.commands.other_programs import export_files
 
     return "ross" if given["ross"] else export_files.kind_made(given["out_file"])
 
@@ -113,7 +113,8 @@ def import_(
     as_json: AsJson = False,
 ) -> None:
     """Import waveforms to a run.mcap, a mapped Bode table to a response.mcap or, with --ross, a rotor to a config."""
-    from rotorrig.app.commands import import_files, other_programs
+    from rotorrig.app.commands import other_programs
+    from rotorrig.app.commands.other_programs import import_files
 
     if ross and (config or mapping):
         raise ConfigError("--ross: makes a config, want neither --config nor --mapping")
@@ -141,7 +142,7 @@ def export(
 
     For a response, an --out ending in .json writes a Foxglove layout.
     """
-    from rotorrig.app.commands import export_files
+    from rotorrig.app.commands.other_programs import export_files
 
     if ross:
         from rotorrig.app.commands import other_programs

@@ -1,4 +1,4 @@
-"""Verbs for a rig: init, check, sweep, stop, simulate, demo."""
+"""Verbs for a rig: init, check, sweep, investigate, stop, simulate, demo."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -203,6 +203,62 @@ def sweep(
     tell(words, {"file": str(out_file), **sweep.sweep_facts(result)}, as_json=as_json)
     if result.trip:
         raise RigError(f"{result.trip}; the rotor is at rest; {out_file} holds the sweep up to the trip")
+
+
+def investigate(
+    config: Config,
+    folder: Annotated[Path, typer.Option("--out", "-o", help="the folder to work in", show_default=False)],
+    plan: Plan = "default",
+    budget: Annotated[str, typer.Option(help="runs and time at the rig, at most: '6 runs, 30 min'")] = "6 runs",
+    unattended: Annotated[
+        bool, typer.Option("--unattended", help="ask nobody, mount nothing; wants a valid proof test")
+    ] = False,
+    simulate: Annotated[bool, typer.Option("--simulate", help="use a simulated rig instead of the devices")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="rehearsal: do not wait for the operator")] = False,
+    seed: Seed = 1,
+    hidden: Hidden = None,
+    rate: Rate = 20.0,
+    as_json: AsJson = False,
+) -> None:
+    """Sweep, diagnose and choose the next run by what would tell most, until the rig is understood.
+
+    What is known is in the folder at once: killed at any moment, the same command goes on from there. Ends with a
+    report and, if a cause is named, the config extended by it.
+    """
+    from rotorrig.acquisition.sweep import SweepInterrupted
+    from rotorrig.app.commands import diagnose
+    from rotorrig.app.commands import investigate as investigating
+    from rotorrig.app.commands.simulate import SimulatedRig
+    from rotorrig.investigation import read_budget
+
+    setup = investigating.prepare(
+        load_config(config),
+        config=config,
+        folder=folder,
+        plan=plan,
+        budget=read_budget(budget, where="--budget"),
+        simulation=SimulatedRig(seed=seed, hidden=hidden, rate=rate) if simulate else None,
+        unattended=unattended,
+        yes=yes,
+        seed=seed,
+    )
+    try:
+        journal, diagnosis = investigating.investigate(setup)
+    except SweepInterrupted as interrupt:
+        err.print(f"interrupted: the rotor is at rest; the same command goes on from {folder}", highlight=False)
+        raise typer.Exit(130) from interrupt
+    except KeyboardInterrupt as interrupt:
+        err.print(f"interrupted between runs; the same command goes on from {folder}", highlight=False)
+        raise typer.Exit(130) from interrupt
+    if not as_json:
+        out.rule("verdict")
+        diagnose.show(diagnosis)
+        out.print(journal.ending, highlight=False, markup=False)
+    tell(
+        f"{setup.file(investigating.REPORT)}: how it was found; {setup.file(investigating.JOURNAL)}: the same as data",
+        investigating.journal_facts(journal),
+        as_json=as_json,
+    )
 
 
 def stop(config: Config) -> None:

@@ -11,15 +11,18 @@ from rotorrig.identify.result_files.identification_file import (
 )
 from rotorrig.identify.result_files.plain_json import (
     BALANCE,
+    INVESTIGATION,
     PREDICTION,
     complex_out,
     finite,
     numbers_out,
+    read_table,
     write_table,
 )
 
 __all__ = [
     "BALANCE",
+    "INVESTIGATION",
     "PREDICTION",
     "complex_out",
     "diagnosis_table",
@@ -28,6 +31,7 @@ __all__ = [
     "numbers_out",
     "read_diagnosis",
     "read_identification",
+    "read_table",
     "write_diagnosis",
     "write_identification",
     "write_table",

@@ -38,6 +38,9 @@ def write_diagnosis(path: Path, diagnosis: Diagnosis) -> None:
     write_table(path, DIAGNOSIS, {**diagnosis_table(diagnosis), **arrays}, diagnosis.source)
 
 
+_NEXT_RUN = "kind words lam separates top ramp trial share_of_limit"
+
+
 def diagnosis_table(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return what diagnosis.json holds, less its arrays and its provenance."""
     misfit = "run probe order speed_from speed_to sigma residual relative phase backward other_run sentence"
@@ -48,7 +51,7 @@ def diagnosis_table(diagnosis: Diagnosis) -> dict[str, Any]:
         "causes": [_cause_out(cause) for cause in diagnosis.causes],
         **fields_of(diagnosis, "tied"),
         "nameplate": nameplate_out(diagnosis.nameplate),
-        "next_run": {} if diagnosis.next_run is None else fields_of(diagnosis.next_run, "kind words lam separates"),
+        "next_run": {} if diagnosis.next_run is None else fields_of(diagnosis.next_run, _NEXT_RUN),
         "gain": {} if diagnosis.gain is None else _gain_out(diagnosis.gain),
         "hidden": [fields_of(effect, "effect smallest unit missing") for effect in diagnosis.hidden],
         **fields_of(diagnosis, "character cut_short responses"),
@@ -146,8 +149,16 @@ def _shift(table: dict[str, Any]) -> Shift:
 
 
 def _next_run(table: dict[str, Any]) -> NextRun:
-    separates = tuple(table["separates"])
-    return NextRun(kind=table["kind"], words=table["words"], lam=number(table["lam"]), separates=separates)
+    """Return the next run; an older file has its words alone."""
+    numbers = {key: number(table[key]) for key in ("top", "ramp", "share_of_limit") if key in table}
+    return NextRun(
+        kind=table["kind"],
+        words=table["words"],
+        lam=number(table["lam"]),
+        separates=tuple(table["separates"]),
+        trial=tuple(table.get("trial", ())),
+        **numbers,
+    )
 
 
 def _hidden(table: dict[str, Any]) -> HiddenEffect:

@@ -15,7 +15,8 @@ FIT = "rotorrig fit"
 DIAGNOSIS = "rotorrig diagnosis"
 BALANCE = "rotorrig balance"
 PREDICTION = "rotorrig prediction"
-VERSIONS = {FIT: 1, DIAGNOSIS: 2, BALANCE: 1, PREDICTION: 1}
+INVESTIGATION = "rotorrig investigation"
+VERSIONS = {FIT: 1, DIAGNOSIS: 2, BALANCE: 1, PREDICTION: 1, INVESTIGATION: 1}
 CONVENTIONS = "SI units; amplitudes 0-peak; z = 2 mean(x exp(-j theta)), theta = 0 at the keyphasor edge; lag = -arg z"
 
 

@@ -1,17 +1,24 @@
 """Next run: the cheapest that would separate the tied causes, computed for this rig and these causes.
 
 Every plan is simulated with the best cause, as it was fitted, and fitted with each of its rivals (separability.py); the
-cheapest that tells all of them from the best is proposed, or the one that comes nearest.
+cheapest that tells all of them from the best is proposed, or the one that comes nearest. Where nothing is tied and
+nothing known explains the data, it is the cheapest run of another kind. No run is proposed that may come near a
+vibration limit (forecast.py).
 """
 
+import cmath
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes import Candidate, Selection
-from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem
-from rotorrig.identify.verdict.planned_runs import Plan, plan_recordings, plans
+from rotorrig.identify.extended_model import ExtendedProblem, Recording
+from rotorrig.identify.least_squares import Solution
+from rotorrig.identify.verdict.forecast import planned_truth, share_of_limit
+from rotorrig.identify.verdict.planned_runs import Plan, plans
 from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.verdict import tied_candidates
@@ -28,7 +35,11 @@ class NextRun:
     kind: str  # "trial mass", "through critical": that of a `Plan`; "none": there is none
     words: str  # what to do, as a sentence, and what it supposes; or why there is none
     lam: float  # expected chi2 between the best cause and the rival that is nearest then; NaN: there is none
-    separates: tuple[str, ...]  # labels
+    separates: tuple[str, ...]  # labels; none where the run is one of another kind
+    top: float = math.nan  # rad/s, the highest speed
+    ramp: float = math.nan  # rad/s^2
+    trial: tuple[str, ...] = ()  # masses to mount, "disk: 12 g mm at 90 deg"
+    share_of_limit: float = math.nan  # of vibration, at the most with 95 % probability; NaN: the config has no limits
 
     @property
     def planned(self) -> bool:
@@ -36,49 +47,111 @@ class NextRun:
         return self.kind != NONE
 
 
-def find_next_run(selection: Selection) -> NextRun | None:
+def find_next_run(selection: Selection, *, not_possible: Collection[str] = ()) -> NextRun | None:
     """Return the cheapest run that separates the first set of tied causes, or comes nearest; None: nothing is tied.
 
-    Causes that are tied never go without: where no plan can be computed, the words say why.
+    Causes that are tied never go without: where no plan can be computed, the words say why. Kinds of plans in
+    `not_possible` are passed over.
     """
     groups = tied_candidates(selection)
     if not groups:
         return None
     best, *rivals = groups[0]
     labels = tuple(candidate.effect.label for candidate in (best, *rivals))
-    rated: list[tuple[float, Plan]] = []
+    rated: list[tuple[float, Plan, float]] = []
     failed: list[str] = []
+    fits = [(each.problem, each.polished) for each in (best, *rivals)]
     try:
-        for plan in _open_plans(best):
-            lam, why = _rate(best, rivals, plan)
+        for plan in _open_plans(best.problem.recordings, not_possible):
+            share, why = _check_limit(fits, plan)
+            lam, why = (math.nan, why) if why else _rate(best, rivals, plan)
             if why:
                 failed.append(f"{plan.kind}: {why}")
                 continue
-            rated.append((lam, plan))
+            rated.append((lam, plan, share))
             if lam >= VERDICT.nameable:
                 break
     except _FAILURES as error:
         failed.append(str(error))
     if not rated:
-        why = "; ".join(dict.fromkeys(failed)) or "every run this rig can make has been made"
-        return NextRun(kind=NONE, words=f"No next run could be computed: {why}.", lam=math.nan, separates=labels)
-    lam, plan = max(rated, key=lambda pair: pair[0])
+        return _none(failed, labels)
+    lam, plan, share = max(rated, key=lambda each: each[0])
     enough = "" if lam >= VERDICT.nameable else "Even that would leave them close."
-    words = " ".join(filter(None, (plan.words, enough, plan.assumed)))
-    return NextRun(kind=plan.kind, words=words, lam=lam, separates=labels)
+    return _next_run(plan, share, enough, lam=lam, separates=labels)
+
+
+def find_other_run(selection: Selection, *, not_possible: Collection[str] = ()) -> NextRun:
+    """Return the cheapest run of another kind than those made: for data that nothing known explains."""
+    failed: list[str] = []
+    fits = [(selection.start, selection.base), (selection.problem, selection.polished)]
+    try:
+        for plan in _open_plans(selection.problem.recordings, not_possible):
+            share, why = _check_limit(fits, plan)
+            if not why:
+                return _next_run(plan, share, "")
+            failed.append(f"{plan.kind}: {why}")
+    except _FAILURES as error:
+        failed.append(str(error))
+    return _none(failed, ())
+
+
+def _next_run(plan: Plan, share: float, more: str, *, lam: float = math.nan, separates: Sequence[str] = ()) -> NextRun:
+    trial = [f"{disk}: {abs(u) * 1e6:g} g mm at {math.degrees(cmath.phase(u)):g} deg" for disk, u in plan.trial.items()]
+    return NextRun(
+        kind=plan.kind,
+        words=" ".join(filter(None, (plan.words, more, plan.assumed))),
+        lam=lam,
+        separates=tuple(separates),
+        top=plan.high,
+        ramp=plan.ramp,
+        trial=tuple(trial),
+        share_of_limit=share,
+    )
+
+
+def _none(failed: Sequence[str], labels: tuple[str, ...]) -> NextRun:
+    why = "; ".join(dict.fromkeys(failed)) or "every run this rig can make has been made"
+    return NextRun(kind=NONE, words=f"No next run could be computed: {why}.", lam=math.nan, separates=labels)
 
 
 #: what a plan may fail by: no motion, a matrix without an inverse, a number that is none
 _FAILURES = (DataError, ConfigError, ValueError, ArithmeticError)
 
 
-def _open_plans(best: Candidate) -> Iterator[Plan]:
-    """Yield the plans for the recordings of a candidate that were not made yet."""
-    measured = best.problem.recordings
+def _open_plans(measured: Sequence[Recording], not_possible: Collection[str]) -> Iterator[Plan]:
+    """Yield the possible plans for a rig whose recordings are `measured`, that were not made yet."""
     with_trial = any(run.trial_unbalance for recording in measured for run in recording.response.runs)
     for plan in plans(measured[0].response, with_trial=with_trial):
-        if not (plan.backward and any(recording.backward for recording in measured)):
+        made = plan.backward and any(recording.backward for recording in measured)
+        if not (made or plan.kind in not_possible or _was_made(plan, measured)):
             yield plan
+
+
+def _was_made(plan: Plan, measured: Sequence[Recording]) -> bool:
+    """Return whether a later recording than the first was run like that, as fast and as far."""
+    if plan.kind not in ("ramp rate", "through critical"):
+        return False
+    for recording in measured[1:]:
+        alpha, top = recording.response.alpha, float(recording.response.omega.max())
+        moving = np.abs(alpha[np.isfinite(alpha) & (alpha != 0)])
+        alike = len(moving) and abs(math.log(float(np.median(moving)) / plan.ramp)) < math.log(1.5)
+        if alike and top > 0.95 * plan.high:
+            return True
+    return False
+
+
+def _check_limit(fits: Sequence[tuple[ExtendedProblem, Solution]], plan: Plan) -> tuple[float, str]:
+    """Return how near to a limit a plan may come by any of the fits, and why it is not to be run, empty if it is."""
+    limits = plan.rig.limits
+    if limits is None:
+        return math.nan, ""
+    try:
+        share = max(share_of_limit(problem, fit, plan, limits) for problem, fit in fits)
+    except _FAILURES as error:
+        return math.nan, str(error)
+    if share > VERDICT.of_limit:
+        return share, f"its vibration may reach {100 * share:.0f} % of a limit, want {100 * VERDICT.of_limit:.0f} %"
+    return share, ""
 
 
 def _rate(best: Candidate, rivals: Sequence[Candidate], plan: Plan) -> tuple[float, str]:
@@ -88,7 +161,7 @@ def _rate(best: Candidate, rivals: Sequence[Candidate], plan: Plan) -> tuple[flo
     """
     lams: list[float] = []
     try:
-        truth, p = _planned_truth(best, plan)
+        truth, p = planned_truth(best.problem, best.polished.p, plan)
         for rival in rivals:
             nearest = min(lams, default=math.inf)
             lams.append(_separability(truth, p, (*plan.unknown, *rival.problem.effects), enough=nearest))
@@ -96,18 +169,6 @@ def _rate(best: Candidate, rivals: Sequence[Candidate], plan: Plan) -> tuple[flo
         return math.nan, str(error)
     lam = min(lams)
     return lam, "" if math.isfinite(lam) else "its prediction is not finite"
-
-
-def _planned_truth(best: Candidate, plan: Plan) -> tuple[ExtendedProblem, Reals]:
-    """Return the problem of a plan's recordings with the best cause in the model, and its unknowns as fitted."""
-    recordings = plan_recordings(best.problem.recordings[0].response, plan)
-    effects = (*plan.unknown, *best.problem.effects)
-    truth = ExtendedProblem(ExtendedModel(recordings, effects, widened=best.problem.model.widened))
-    named = dict(zip(best.problem.parameters.names, best.polished.p, strict=True))
-    p = truth.parameters.start(best.polished.p[:0])
-    for i, name in enumerate(truth.parameters.names):
-        p[i] = named.get(name, p[i])
-    return truth, p
 
 
 def _separability(truth: ExtendedProblem, p: Reals, rival: Sequence[Effect], *, enough: float) -> float:

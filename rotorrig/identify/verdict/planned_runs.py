@@ -43,7 +43,7 @@ class Plan:
 
 
 def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None) -> Iterator[Plan]:
-    """Yield what one could do next, cheapest first: what takes no tools, then a trial mass, then more probes.
+    """Yield what one could do next: what takes no tools, then a trial mass, then more probes; the shortest first.
 
     Of what takes none, turning the other way comes last: not every drive can, and screws may work loose. `with_trial`
     says whether a trial mass was on in any recording there is; None: see the runs of this one.
@@ -62,7 +62,7 @@ def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None) -> 
         every=manner.every,
         assumed=manner.assumed,
     )
-    for factor, word in ((1 / 3, "slower"), (3.0, "faster")):
+    for factor, word in ((3.0, "faster"), (1 / 3, "slower")):
         words = f"Repeat the sweep {word}, at {factor * manner.ramp * RPM:.0f} rpm/s."
         yield again(kind="ramp rate", words=words, ramp=factor * manner.ramp)
     if (top := _fastest(rig, high)) > 1.05 * high:

@@ -5,7 +5,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 
-from rotorrig.app.report.motion import centreline_section
+from rotorrig.app.report.sections.motion import centreline_section
 from rotorrig.processing.response import OrderTrackedResponse
 
 

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from rotorrig.app.report.tracking import tracking_section
+from rotorrig.app.report.sections.tracking import tracking_section
 from rotorrig.processing.response import OrderTrackedResponse, Run
 
 

@@ -8,8 +8,8 @@ import pytest
 from google.protobuf import descriptor_pb2
 from mcap.reader import make_reader
 
-from rotorrig.app.commands.export_files import write_out
 from rotorrig.app.commands.other_programs import foxglove_layout
+from rotorrig.app.commands.other_programs.export_files import write_out
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import DataError

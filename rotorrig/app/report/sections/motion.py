@@ -15,7 +15,7 @@ from rotorrig.app.plot_data import (
 from rotorrig.app.report.drawings import orbit_pictures
 from rotorrig.app.report.figures import centreline
 from rotorrig.app.report.html import Section, paragraph, plot, section, table
-from rotorrig.app.report.synchronous import compensation
+from rotorrig.app.report.sections.synchronous import compensation
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import UM, micrometres
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from rotorrig.app.commands.export_files import write_out
-from rotorrig.app.commands.import_files import bring_in, kind_of
+from rotorrig.app.commands.other_programs.export_files import write_out
+from rotorrig.app.commands.other_programs.import_files import bring_in, kind_of
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError

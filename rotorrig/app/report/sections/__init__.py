@@ -1,0 +1,32 @@
+"""Sections of the report page, a file each: what there is nothing to show of is left out."""
+
+from rotorrig.app.report.sections.causes import causes_section, nameplate_section, undetectable_section
+from rotorrig.app.report.sections.identified import identified_section
+from rotorrig.app.report.sections.investigation import investigation_section
+from rotorrig.app.report.sections.motion import centreline_section, orbits_section
+from rotorrig.app.report.sections.orders import full_spectrum_section, other_orders_section
+from rotorrig.app.report.sections.residuals import residuals_section
+from rotorrig.app.report.sections.rig import rig_section
+from rotorrig.app.report.sections.source import conventions_section, provenance_section
+from rotorrig.app.report.sections.synchronous import synchronous_section
+from rotorrig.app.report.sections.tracking import tracking_section
+from rotorrig.app.report.sections.verdict import banner
+
+__all__ = [
+    "banner",
+    "causes_section",
+    "centreline_section",
+    "conventions_section",
+    "full_spectrum_section",
+    "identified_section",
+    "investigation_section",
+    "nameplate_section",
+    "orbits_section",
+    "other_orders_section",
+    "provenance_section",
+    "residuals_section",
+    "rig_section",
+    "synchronous_section",
+    "tracking_section",
+    "undetectable_section",
+]

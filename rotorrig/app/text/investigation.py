@@ -1,0 +1,27 @@
+"""Rounds of an investigation in words."""
+
+from collections.abc import Sequence
+
+from rotorrig.investigation import Belief, Round
+
+
+def run_text(made: Round) -> str:
+    """Return what a run was: "2: plan 'default-faster', 48 s"."""
+    masses = f" with {'; '.join(made.trial)}" if made.trial else ""
+    unseen = ", seen by no fit" if made.unseen else ""
+    return f"{made.number}: plan '{made.plan}'{masses}, {made.seconds:.0f} s{unseen}"
+
+
+def belief_text(held: Sequence[Belief]) -> str:
+    """Return causes with their probabilities: "bow 62 %, runout, plane 1 38 %".
+
+    >>> belief_text([Belief("bow", 0.9996)]), belief_text([Belief("bow", 0.62), Belief("couple, disk", 0.38)])
+    ('bow: > 99 %', 'bow: 62 %; couple, disk: 38 %')
+    """
+    return "; ".join(f"{each.label}: {_percent(each.probability)}" for each in held)
+
+
+def _percent(share: float) -> str:
+    if share > 0.99:
+        return "> 99 %"
+    return "< 1 %" if share < 0.01 else f"{100 * share:.0f} %"

@@ -1,0 +1,64 @@
+"""Forecast of a planned run: how near its vibration comes to the limits, by every model that the data leave open."""
+
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rotorrig.identify.base_model import Reals
+from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem
+from rotorrig.identify.least_squares import Solution
+from rotorrig.identify.verdict.planned_runs import Plan, plan_recordings
+from rotorrig.identify.verdict.settings import VERDICT
+from rotorrig.rig import DataError
+from rotorrig.rig.config import Limits
+
+
+def planned_truth(problem: ExtendedProblem, fitted: Reals, plan: Plan) -> tuple[ExtendedProblem, Reals]:
+    """Return the problem of a plan's recordings with the effects of `problem`, and its unknowns as `fitted`."""
+    recordings = plan_recordings(problem.recordings[0].response, plan)
+    effects = (*plan.unknown, *problem.effects)
+    truth = ExtendedProblem(ExtendedModel(recordings, effects, widened=problem.model.widened))
+    return truth, as_fitted(truth, problem, fitted)
+
+
+def as_fitted(truth: ExtendedProblem, problem: ExtendedProblem, fitted: Reals) -> Reals:
+    """Return the unknowns of a planned problem: those of the fit by name, all others as they start."""
+    named = dict(zip(problem.parameters.names, fitted, strict=True))
+    start = truth.parameters.start(fitted[:0])
+    return np.array([named.get(name, value) for name, value in zip(truth.parameters.names, start, strict=True)])
+
+
+def share_of_limit(problem: ExtendedProblem, fit: Solution, plan: Plan, limits: Limits) -> float:
+    """Return the largest 0-peak vibration of a plan over its limit: what a fitted model leaves open is below by 95 %.
+
+    Unknowns are drawn from the covariance of the fit; the sum of the amplitudes of all orders stands for the 0-peak
+    value. A draw at which there is no motion is passed over. Raises DataError if there is none at the fit itself.
+    """
+    truth, p = planned_truth(problem, fit.p, plan)
+    low, high = problem.bounds
+    scatter = np.where(np.isfinite(fit.covariance), fit.covariance, 0.0)
+    drawn = np.random.default_rng(0).multivariate_normal(fit.p, scatter, size=VERDICT.draws, method="eigh")
+    shares = [_share(truth, p, limits)]
+    for each in drawn:
+        with suppress(DataError):
+            shares.append(_share(truth, as_fitted(truth, problem, np.clip(each, low, high)), limits))
+    return max(shares[0], float(np.quantile(shares, 0.95, method="higher")))
+
+
+def _share(truth: ExtendedProblem, p: Reals, limits: Limits) -> float:
+    largest = 0.0
+    for recording, vectors in zip(truth.recordings, truth.model.predict(p), strict=True):
+        response = recording.response
+        amplitude = sum(np.abs(z[: len(response.omega)]) for order, z in vectors.items() if order)
+        largest = max(largest, float(np.max(amplitude / _allowed(response.omega, response.probes, limits))))
+    return largest
+
+
+def _allowed(omega: Reals, probes: tuple[str, ...], limits: Limits) -> NDArray[np.float64]:
+    """Return the limits (row, probe) [m] at speeds [rad/s], of critical bands within them."""
+    allowed = np.tile([limits.probes.get(name, limits.vibration) for name in probes], (len(omega), 1))
+    for band in limits.critical_bands:
+        inside = (omega >= band.low) & (omega <= band.high)
+        allowed[inside] = [band.probes.get(name, band.vibration) for name in probes]
+    return allowed

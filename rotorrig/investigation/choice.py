@@ -1,0 +1,79 @@
+"""Which run to make next, by the last diagnosis; or why there is none."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from rotorrig.identify import Diagnosis, Verdict
+from rotorrig.investigation.budget import Budget
+from rotorrig.investigation.journal import Journal
+from rotorrig.investigation.menu import Menu
+
+ELSEWHERE = ("reverse rotation", "second plane")  # want another wiring or another config: an investigation has one
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Choice:
+    """A run to make."""
+
+    plan: str
+    trial: tuple[str, ...]  # masses to have on the rotor
+    why: str
+    unseen: bool = False  # no fit is to see it
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """Why no run follows."""
+
+    why: str
+
+
+def choose(
+    journal: Journal,
+    diagnosis: Diagnosis | None,
+    *,
+    menu: Menu,
+    ramp: float,
+    budget: Budget,
+    seconds_of: Callable[[str], float],
+) -> Choice | Ending:
+    """Return the next run by the diagnosis of all before it, None: there was none, or why there is none.
+
+    `ramp` [rad/s^2] is that of the base plan, `seconds_of` tells how long a plan takes.
+    """
+    wanted = _wanted(journal, diagnosis, menu, ramp)
+    if isinstance(wanted, Ending):
+        return wanted
+    cost = seconds_of(wanted.plan)
+    if not budget.allows(runs=len(journal.judged) + 1, seconds=journal.seconds + cost):
+        return Ending(f"The budget is used up: {len(journal.judged)} runs, {journal.seconds / 60:.1f} min.")
+    return wanted
+
+
+def _wanted(journal: Journal, diagnosis: Diagnosis | None, menu: Menu, ramp: float) -> Choice | Ending:
+    if diagnosis is None:
+        return Choice(plan=menu.base, trial=(), why="The first run, by the plan that was given.")
+    if diagnosis.verdict is Verdict.ADEQUATE:
+        return Ending("The model of the config describes every run.")
+    if diagnosis.verdict is Verdict.NAMED:
+        if journal.judged[-1].unseen:
+            return Ending("A cause is named, and its gain is measured on a run that no fit has seen.")
+        why = "A cause is named: a run that no fit sees measures what it gains."
+        return Choice(plan=menu.base, trial=journal.mounted, why=why, unseen=True)
+    run = diagnosis.next_run
+    if run is None or not run.planned:
+        return Ending(run.words if run else "No run is known that would tell more.")
+    plan = menu.plan_of(run, ramp)
+    if not plan or any((each.plan, each.trial) == (plan, run.trial) for each in journal.judged):
+        return Ending(f"The run that would tell most is none to be made here once more: {run.words}")
+    told = f"It would tell apart {', '.join(run.separates)}" if run.separates else "Nothing known explains the runs"
+    return Choice(plan=plan, trial=run.trial, why=f"{told}. {run.words}")
+
+
+def not_possible(menu: Menu, *, hands: bool) -> tuple[str, ...]:
+    """Return the kinds of runs that are not to be proposed; with `hands` there is somebody to mount a mass."""
+    kinds = list(ELSEWHERE)
+    kinds += [] if menu.slower and menu.faster else ["ramp rate"]
+    kinds += [] if menu.highest else ["through critical"]
+    kinds += [] if hands else ["trial mass"]
+    return tuple(kinds)
