@@ -8,7 +8,7 @@ from rotorrig.investigation.budget import Budget
 from rotorrig.investigation.journal import Journal
 from rotorrig.investigation.menu import Menu
 
-ELSEWHERE = ("reverse rotation", "second plane")  # want another wiring or another config: an investigation has one
+WORTHWHILE = 4.0  # expected separation in chi2, two standard deviations: a run that tells less is not made
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,25 +55,42 @@ def _wanted(journal: Journal, diagnosis: Diagnosis | None, menu: Menu, ramp: flo
         return Choice(plan=menu.base, trial=(), why="The first run, by the plan that was given.")
     if diagnosis.verdict is Verdict.ADEQUATE:
         return Ending("The model of the config describes every run.")
+    if diagnosis.verdict is Verdict.NAMED and all(cause.nameplate for cause in diagnosis.causes if cause.chosen):
+        return Ending("A statement of the config is wrong; with what it should say, the model describes every run.")
     if diagnosis.verdict is Verdict.NAMED:
-        if journal.judged[-1].unseen:
-            return Ending("A cause is named, and its gain is measured on a run that no fit has seen.")
-        why = "A cause is named: a run that no fit sees measures what it gains."
-        return Choice(plan=menu.base, trial=journal.mounted, why=why, unseen=True)
+        return _test_of_a_name(journal, menu)
     run = diagnosis.next_run
     if run is None or not run.planned:
         return Ending(run.words if run else "No run is known that would tell more.")
+    if run.lam < WORTHWHILE:
+        return Ending("No run that this rig can make would tell them apart.")
     plan = menu.plan_of(run, ramp)
-    if not plan or any((each.plan, each.trial) == (plan, run.trial) for each in journal.judged):
-        return Ending(f"The run that would tell most is none to be made here once more: {run.words}")
+    if not plan:
+        return Ending(f"What would tell most wants other hands than this program's. {run.words}")
+    if any((each.plan, each.trial) == (plan, run.trial) for each in journal.judged):
+        return Ending(f"The run that would tell most has been made. {run.words}")
     told = f"It would tell apart {', '.join(run.separates)}" if run.separates else "Nothing known explains the runs"
     return Choice(plan=plan, trial=run.trial, why=f"{told}. {run.words}")
 
 
+def _test_of_a_name(journal: Journal, menu: Menu) -> Choice | Ending:
+    """Return a repetition that no fit sees; why there is none once it was made."""
+    last = journal.judged[-1]
+    if last.joined:
+        return Ending(
+            "A cause is named by all runs together. On the run that no fit had seen it gained no more than runs stray "
+            "from each other."
+        )
+    if last.unseen:
+        return Ending("A cause is named, and its gain is measured on a run that no fit has seen.")
+    why = "A cause is named: a run that no fit sees measures what it gains."
+    return Choice(plan=menu.base, trial=journal.mounted, why=why, unseen=True)
+
+
 def not_possible(menu: Menu, *, hands: bool) -> tuple[str, ...]:
     """Return the kinds of runs that are not to be proposed; with `hands` there is somebody to mount a mass."""
-    kinds = list(ELSEWHERE)
+    kinds = ["reverse rotation"]  # not every drive can, and an investigation does not rewire one
     kinds += [] if menu.slower and menu.faster else ["ramp rate"]
-    kinds += [] if menu.highest else ["through critical"]
+    kinds += [] if menu.higher else ["through critical"]
     kinds += [] if hands else ["trial mass"]
     return tuple(kinds)

@@ -19,7 +19,8 @@ class Round:
     plan: str  # of the config
     trial: tuple[str, ...]  # masses on the rotor, "disk: 12 g mm at 90 deg"
     why: str  # it was made
-    unseen: bool  # no fit saw it: the gain was measured on it
+    unseen: bool  # it was made to measure a gain on what no fit has seen
+    joined: bool = False  # it did not bear the cause out, and was fitted with the others
     seconds: float = 0.0  # recorded; 0: not made yet
     verdict: Verdict | None = None  # None: not diagnosed yet
     sentence: str = ""
@@ -75,7 +76,7 @@ def read_journal(path: Path) -> Journal:
 
 def _round(table: dict[str, Any]) -> Round:
     return Round(
-        **{key: table[key] for key in ("number", "plan", "why", "unseen", "seconds", "sentence")},
+        **{key: table[key] for key in ("number", "plan", "why", "unseen", "joined", "seconds", "sentence")},
         trial=_texts(table["trial"]),
         verdict=None if table["verdict"] is None else Verdict(table["verdict"]),
         beliefs=tuple(Belief(each["label"], float(each["probability"])) for each in table["beliefs"]),

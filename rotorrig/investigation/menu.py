@@ -1,17 +1,15 @@
-"""The runs to choose from, as plans of the config: the one that was given, slower, faster, and as high as is allowed.
+"""The runs to choose from, as plans of the config: the one that was given, slower, faster, and to higher speeds.
 
 They stand in the config before the first run, so that all recordings are of one config and each can be made again by
 hand with `rotor sweep CONFIG --plan NAME`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from rotorrig.identify.verdict import NextRun
+from rotorrig.identify.verdict import NextRun, higher_tops
 from rotorrig.rig import ConfigError
 from rotorrig.rig.config import RPM, RigConfig, RunUpCoastDown, RunUpRampDown, parse
 
-BELOW_OVERSPEED = 0.95
-WORTH = 1.05  # times the top of the plan: what goes no higher than that is no other run
 FACTOR = 3.0  # faster, and slower
 
 
@@ -22,46 +20,54 @@ class Menu:
     base: str
     slower: str = ""
     faster: str = ""
-    highest: str = ""
+    higher: tuple[tuple[str, float], ...] = ()  # with their highest speeds [rad/s]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All of them but the base."""
+        return (*filter(None, (self.slower, self.faster)), *(name for name, _ in self.higher))
+
+    def without(self, name: str) -> "Menu":
+        """Return the menu less one plan."""
+        slower, faster = ("" if each == name else each for each in (self.slower, self.faster))
+        return replace(
+            self, slower=slower, faster=faster, higher=tuple(each for each in self.higher if each[0] != name)
+        )
 
     def plan_of(self, run: NextRun, ramp: float) -> str:
         """Return the plan that makes a proposed run; `ramp` [rad/s^2] is the base's. Empty: none does."""
         if run.kind == "ramp rate":
             return self.faster if run.ramp > ramp else self.slower
-        return {"through critical": self.highest, "trial mass": self.base}.get(run.kind, "")
+        if run.kind == "through critical":
+            return min(self.higher, key=lambda each: abs(each[1] - run.top), default=("", 0.0))[0]
+        return self.base if run.kind == "trial mass" else ""
 
 
 def add_runs(rig: RigConfig, base: str) -> tuple[RigConfig, Menu]:
-    """Return the config with the plans of a menu, and the menu. Raises ConfigError without the plan `base`.
+    """Return the config with the plans of a menu, and the menu.
 
-    Of another kind of plan than a run-up there is the base alone.
+    Of another kind of plan than a run-up there is the base alone. Raises ConfigError without the plan `base`, where a
+    plan of the menu's has its name already, and for a rig that was not read from TOML.
     """
     if base not in rig.plans:
         raise ConfigError(f"plan '{base}': the config has none of that name, want one of {sorted(rig.plans)}")
     plan = rig.plans[base]
     if not isinstance(plan, RunUpCoastDown | RunUpRampDown):
         return rig, Menu(base=base)
-    made = {
-        "slower": plan.model_copy(update={"ramp": plan.ramp / FACTOR}),
-        "faster": plan.model_copy(update={"ramp": plan.ramp * FACTOR}),
-    }
-    if (top := _highest(rig, plan.end)) > WORTH * plan.end:
-        made["highest"] = plan.model_copy(update={"end": top})
-    names = {key: f"{base}-{key}" for key in made}
-    taken = [name for name in names.values() if name in rig.plans]
-    if taken:
-        raise ConfigError(f"plans.{taken[0]}: an investigation adds a plan of that name, want another name for it")
-    tables = "\n".join(_table(names[key], plan) for key, plan in made.items())
     if not rig.text:
         raise ConfigError(f"{rig.name}: was made in code, want a config that was read from TOML")
+    tops = {f"{base}-to-{top * RPM:.0f}": top for top in higher_tops(rig, plan.end)}
+    made = {
+        f"{base}-slower": plan.model_copy(update={"ramp": plan.ramp / FACTOR}),
+        f"{base}-faster": plan.model_copy(update={"ramp": plan.ramp * FACTOR}),
+        **{name: plan.model_copy(update={"end": top}) for name, top in tops.items()},
+    }
+    if taken := sorted(made.keys() & rig.plans.keys()):
+        raise ConfigError(f"plans.{taken[0]}: an investigation adds a plan of that name, want another name for it")
+    tables = "\n".join(_table(name, each) for name, each in made.items())
     text = f"{rig.text.rstrip()}\n\n# Runs that an investigation may choose, made from plan '{base}'.\n{tables}"
-    return parse(text, where=rig.name), Menu(base=base, **names)
-
-
-def _highest(rig: RigConfig, fallback: float) -> float:
-    ceilings = [rig.motor.max_speed] if rig.motor else []
-    ceilings += [BELOW_OVERSPEED * rig.limits.overspeed] if rig.limits else []
-    return min(ceilings, default=fallback)
+    menu = Menu(base=base, slower=f"{base}-slower", faster=f"{base}-faster", higher=tuple(tops.items()))
+    return parse(text, where=rig.name), menu
 
 
 def _table(name: str, plan: RunUpCoastDown | RunUpRampDown) -> str:

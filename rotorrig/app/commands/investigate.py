@@ -154,13 +154,11 @@ def journal_facts(journal: Journal) -> dict[str, Any]:
 
 def _allowed(rig: RigConfig, menu: Menu) -> Menu:
     """Return the menu less what the rig's limits forbid."""
-    for name in ("slower", "faster", "highest"):
-        plan = getattr(menu, name)
+    for name in menu.names:
         try:
-            if plan:
-                sweep.steps_of(rig, plan)
+            sweep.steps_of(rig, name)
         except ConfigError:
-            menu = replace(menu, **{name: ""})
+            menu = menu.without(name)
     return menu
 
 
@@ -195,7 +193,7 @@ def _begin(setup: Setup, journal: Journal, wanted: Choice) -> Journal:
     while any(setup.file(name, number).exists() for name in ("run.mcap", part_path(Path("run.mcap")).name)):
         number += 1
     out.rule(f"run {number}")
-    out.print(wanted.why, highlight=False, markup=False)
+    out.print(wanted.why, highlight=False, markup=False, soft_wrap=True)
     off, on = set(journal.mounted) - set(wanted.trial), set(wanted.trial) - set(journal.mounted)
     todo = [*(f"take off '{mass}'" for mass in sorted(off)), *(f"mount '{mass}'" for mass in sorted(on))]
     if todo:
@@ -234,25 +232,31 @@ def _run(setup: Setup, journal: Journal) -> Journal:
 
 
 def _judge(setup: Setup, journal: Journal) -> Journal:
-    """Track the last run and diagnose it with all before it, or hold it against what they say."""
+    """Track the last run and diagnose it with all before it.
+
+    One that no fit is to see is held against what they say; if it does not bear that out, it joins them.
+    """
     made = journal.rounds[-1]
     new = _tracked(setup, made)
     old = [read_response(setup.file("response.mcap", each.number)) for each in journal.judged]
-    diagnosis = diagnose.diagnose_responses(
-        old if made.unseen else [*old, new],
-        holdout=new if made.unseen else None,
-        not_possible=not_possible(setup.menu, hands=setup.hands),
-        seed=setup.seed,
-    )
+    kinds = not_possible(setup.menu, hands=setup.hands)
+    joined = False
+    if made.unseen:
+        diagnosis = diagnose.diagnose_responses(old, holdout=new, not_possible=kinds, seed=setup.seed)
+        joined = diagnosis.verdict is not Verdict.NAMED
+    if joined or not made.unseen:
+        diagnosis = diagnose.diagnose_responses([*old, new], not_possible=kinds, seed=setup.seed)
     write_diagnosis(setup.file("diagnosis.json", made.number), diagnosis)
     judged = journal.with_last(
         seconds=made.seconds or float(new.t[-1]),
+        joined=joined,
         verdict=diagnosis.verdict,
         sentence=diagnosis.sentence,
         beliefs=beliefs(diagnosis),
     )
-    out.print(f"{run_text(judged.rounds[-1])}: {diagnosis.verdict}", highlight=False, markup=False)
-    out.print(belief_text(judged.rounds[-1].beliefs), highlight=False, markup=False)
+    last = judged.rounds[-1]
+    for words in (f"{run_text(last)}: {diagnosis.verdict}", belief_text(last.beliefs)):
+        out.print(words, highlight=False, markup=False, soft_wrap=True)
     return _keep(setup, judged)
 
 

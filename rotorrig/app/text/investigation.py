@@ -8,7 +8,9 @@ from rotorrig.investigation import Belief, Round
 def run_text(made: Round) -> str:
     """Return what a run was: "2: plan 'default-faster', 48 s"."""
     masses = f" with {'; '.join(made.trial)}" if made.trial else ""
-    unseen = ", seen by no fit" if made.unseen else ""
+    unseen = ", seen by no fit" if made.unseen and not made.joined else ""
+    if made.joined:
+        unseen = ", first held back, then fitted with the others"
     return f"{made.number}: plan '{made.plan}'{masses}, {made.seconds:.0f} s{unseen}"
 
 

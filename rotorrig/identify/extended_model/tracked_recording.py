@@ -64,6 +64,7 @@ class Recording:
         self.response = response
         self.number = number
         self.backward = backward
+        self.planned = planned
         self._reversed: list[tuple[RotorModel, RotorModel]] = []  # the latest rotor, and as it turns backwards
         self._latest = LatestResponses(keep=EXTENDED_MODEL.recent)
         self.orders = tuple(order for order in orders if float(order) in response.orders)

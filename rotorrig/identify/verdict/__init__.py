@@ -12,6 +12,7 @@ from rotorrig.identify.verdict.nameplate import (
     select_beside_nameplate,
 )
 from rotorrig.identify.verdict.next_run import NextRun
+from rotorrig.identify.verdict.planned_runs import higher_tops
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.sweep_lag import moving_speed
 from rotorrig.identify.verdict.verdict import (
@@ -40,6 +41,7 @@ __all__ = [
     "conclude_with_nameplate",
     "effect_ties",
     "hidden_effects",
+    "higher_tops",
     "is_supported",
     "leave_out_idle",
     "moving_speed",

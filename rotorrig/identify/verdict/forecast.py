@@ -15,10 +15,9 @@ from rotorrig.rig.config import Limits
 
 
 def planned_truth(problem: ExtendedProblem, fitted: Reals, plan: Plan) -> tuple[ExtendedProblem, Reals]:
-    """Return the problem of a plan's recordings with the effects of `problem`, and its unknowns as `fitted`."""
-    recordings = plan_recordings(problem.recordings[0].response, plan)
-    effects = (*plan.unknown, *problem.effects)
-    truth = ExtendedProblem(ExtendedModel(recordings, effects, widened=problem.model.widened))
+    """Return the problem of the recordings with that of a plan and the effects of `problem`, its unknowns `fitted`."""
+    recordings, unknown = plan_recordings(plan, problem.recordings)
+    truth = ExtendedProblem(ExtendedModel(recordings, (*unknown, *problem.effects), widened=problem.model.widened))
     return truth, as_fitted(truth, problem, fitted)
 
 
@@ -50,6 +49,8 @@ def _share(truth: ExtendedProblem, p: Reals, limits: Limits) -> float:
     largest = 0.0
     for recording, vectors in zip(truth.recordings, truth.model.predict(p), strict=True):
         response = recording.response
+        if not recording.planned:
+            continue
         amplitude = sum(np.abs(z[: len(response.omega)]) for order, z in vectors.items() if order)
         largest = max(largest, float(np.max(amplitude / _allowed(response.omega, response.probes, limits))))
     return largest

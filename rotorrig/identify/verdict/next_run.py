@@ -155,16 +155,17 @@ def _check_limit(fits: Sequence[tuple[ExtendedProblem, Solution]], plan: Plan) -
 
 
 def _rate(best: Candidate, rivals: Sequence[Candidate], plan: Plan) -> tuple[float, str]:
-    """Return lambda of the nearest rival in the recordings of a plan, and why there is none, empty if there is one.
+    """Return lambda of the nearest rival with a plan's recordings too, and why there is none, empty if there is one.
 
     The fit of a rival that could not come nearer than those before it is given up.
     """
     lams: list[float] = []
     try:
         truth, p = planned_truth(best.problem, best.polished.p, plan)
+        unknown = truth.effects[: len(truth.effects) - len(best.problem.effects)]
         for rival in rivals:
             nearest = min(lams, default=math.inf)
-            lams.append(_separability(truth, p, (*plan.unknown, *rival.problem.effects), enough=nearest))
+            lams.append(_separability(truth, p, (*unknown, *rival.problem.effects), enough=nearest))
     except _FAILURES as error:
         return math.nan, str(error)
     lam = min(lams)

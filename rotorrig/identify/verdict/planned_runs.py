@@ -1,7 +1,7 @@
 """Planned runs: their rows and noise, from those of a run that was made."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -33,13 +33,8 @@ class Plan:
     turns: float  # of a row
     every: int  # turns from row to row
     assumed: str  # a sentence on what the recording at hand does not say and the plan supposes; empty: nothing
-    trial: dict[str, complex] = field(default_factory=dict)  # of a second recording; empty: there is none with one
-    backward: bool = False  # a second recording has the rotor turning the other way
-
-    @property
-    def unknown(self) -> tuple[Effect, ...]:
-        """Unknown effects of a fit of these recordings, beside those of the first alone."""
-        return (MarkEdge.of_recording(1),) if self.backward else ()
+    trial: dict[str, complex] = field(default_factory=dict)  # kg m, on the rotor
+    backward: bool = False  # the rotor turns the other way
 
 
 def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None) -> Iterator[Plan]:
@@ -65,8 +60,8 @@ def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None) -> 
     for factor, word in ((3.0, "faster"), (1 / 3, "slower")):
         words = f"Repeat the sweep {word}, at {factor * manner.ramp * RPM:.0f} rpm/s."
         yield again(kind="ramp rate", words=words, ramp=factor * manner.ramp)
-    if (top := _fastest(rig, high)) > 1.05 * high:
-        words = f"Run up to {top * RPM:.0f} rpm, as far as the limits allow."
+    for top in higher_tops(rig, high):
+        words = f"Run up to {top * RPM:.0f} rpm."
         yield again(kind="through critical", words=words, high=top)
     words = "Sweep once more with the rotor turning the other way, if the drive can reverse."
     yield again(kind="reverse rotation", words=words, backward=True)
@@ -125,22 +120,37 @@ def _range(response: OrderTrackedResponse) -> tuple[float, float]:
     return min(float(response.omega.min()), VERDICT.lowest * high), high
 
 
-def _fastest(rig: RigConfig, high: float) -> float:
-    """Return the speed up to which the rig may be run [rad/s]; `high`, which it was, if it has no drive."""
-    top = rig.motor.max_speed if rig.motor else high
-    if rig.limits is not None and rig.limits.overspeed:
-        top = min(top, 0.95 * rig.limits.overspeed)
-    return top
+def higher_tops(rig: RigConfig, high: float) -> list[float]:
+    """Return speeds [rad/s] to run up to, above `high`, which it was: a quarter of the way to the highest, and so on.
+
+    The highest is 95 % of the overspeed limit, or the drive's own; without either there is none.
+    """
+    ceilings = [rig.motor.max_speed] if rig.motor else []
+    ceilings += [VERDICT.of_overspeed * rig.limits.overspeed] if rig.limits else []
+    top = min(ceilings, default=high)
+    if top < VERDICT.higher * high:
+        return []
+    return [high + share * (top - high) for share in (0.25, 0.5, 0.75, 1.0)]
 
 
-def plan_recordings(response: OrderTrackedResponse, plan: Plan) -> list[Recording]:
-    """Return the recordings of a plan, their vectors nothing yet, their noise that of `response` at like speeds."""
-    first = _response(response, plan, {})
+def plan_recordings(plan: Plan, measured: Sequence[Recording]) -> tuple[list[Recording], tuple[Effect, ...]]:
+    """Return the recordings a fit has once a plan is made, and the unknowns that come along; the planned ones last.
+
+    Those that were made come first, unless the plan's probes are others: then it is made without a trial mass too, if
+    it has one. Planned vectors are nothing yet, their noise is that of the first recording at like speeds.
+    """
+    response = measured[0].response
+    made = list(measured) if plan.probes == response.read else []
+    masses = [plan.trial] if made or not plan.trial else [{}, plan.trial]
+    planned = [_response(response, plan, trial) for trial in masses]
     if plan.backward:
-        reverse = replace(first, rig=plan.rig.turned_over)
-        return [Recording(first, planned=True), Recording(reverse, number=1, backward=True, planned=True)]
-    both = [first, _response(response, plan, plan.trial)] if plan.trial else [first]
-    return [Recording(r, number=i, planned=True) for i, r in enumerate(both)]
+        planned = [replace(each, rig=plan.rig.turned_over) for each in planned]
+    first = len(made)
+    new = [
+        Recording(each, number=i, backward=plan.backward, planned=True) for i, each in enumerate(planned, start=first)
+    ]
+    unknown = tuple(MarkEdge.of_recording(each.number) for each in new if plan.backward)
+    return [*made, *new], unknown
 
 
 def _response(response: OrderTrackedResponse, plan: Plan, trial: dict[str, complex]) -> OrderTrackedResponse:

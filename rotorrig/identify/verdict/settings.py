@@ -42,6 +42,8 @@ class VerdictSettings:
     turns: float = 8.0  # of a row at the most, where the recording does not say: more would smear a resonance
     lowest: float = 0.9  # of the highest speed, where a planned sweep begins at the highest
     fewest_rpm: float = 300.0  # where a planned sweep begins at the lowest
+    of_overspeed: float = 0.95  # of the overspeed limit: the highest speed of a planned run
+    higher: float = 1.05  # times the highest speed so far: what goes no higher than that is no other run
     of_limit: float = 0.7  # of a vibration limit: a run that may pass it is not proposed
     draws: int = 16  # of every fitted model, for its vibration
 
