@@ -9,6 +9,11 @@ from rotorrig.investigation.journal import Journal
 from rotorrig.investigation.menu import Menu
 
 WORTHWHILE = 4.0  # expected separation in chi2, two standard deviations: a run that tells less is not made
+OPEN = {
+    Verdict.UNEXPLAINED: "Nothing known explains the runs so far.",
+    Verdict.CANNOT_TELL: "Fewer than half of the known causes would show in the runs so far.",
+    Verdict.TIED: "The config may be wrong in more than one way.",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,8 +74,8 @@ def _wanted(journal: Journal, diagnosis: Diagnosis | None, menu: Menu, ramp: flo
         return Ending(f"What would tell most wants other hands than this program's. {run.words}")
     if any((each.plan, each.trial) == (plan, run.trial) for each in journal.judged):
         return Ending(f"The run that would tell most has been made. {run.words}")
-    told = f"It would tell apart {', '.join(run.separates)}" if run.separates else "Nothing known explains the runs"
-    return Choice(plan=plan, trial=run.trial, why=f"{told}. {run.words}")
+    told = f"It would tell apart {'; '.join(run.separates)}." if run.separates else OPEN[diagnosis.verdict]
+    return Choice(plan=plan, trial=run.trial, why=f"{told} {run.words}")
 
 
 def _test_of_a_name(journal: Journal, menu: Menu) -> Choice | Ending:

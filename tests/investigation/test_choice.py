@@ -58,7 +58,7 @@ def test_causes_that_are_tied_get_the_run_that_would_part_them(
     wanted = next_of(one_run, proposing(named, kind, **more))
     assert isinstance(wanted, Choice)
     assert (wanted.plan, wanted.trial, wanted.unseen) == (plan, trial, False)
-    assert wanted.why == "It would tell apart bow, runout. Do that."
+    assert wanted.why == "It would tell apart bow; runout. Do that."
 
 
 def test_a_named_cause_is_measured_on_a_run_that_no_fit_sees_and_then_it_ends(named: Diagnosis) -> None:

@@ -11,14 +11,12 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes import Candidate, Selection
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
 from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.verdict.forecast import planned_truth, share_of_limit
-from rotorrig.identify.verdict.planned_runs import Plan, plans
+from rotorrig.identify.verdict.planned_runs import Plan, plans, ramp_of
 from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.verdict import tied_candidates
@@ -81,11 +79,15 @@ def find_next_run(selection: Selection, *, not_possible: Collection[str] = ()) -
 
 
 def find_other_run(selection: Selection, *, not_possible: Collection[str] = ()) -> NextRun:
-    """Return the cheapest run of another kind than those made: for data that nothing known explains."""
+    """Return a run of another kind than those made: for data that nothing known explains, or that can tell little.
+
+    Through a critical speed if it may be, for there causes show; then with a trial mass, slower, in a second plane.
+    """
     failed: list[str] = []
     fits = [(selection.start, selection.base), (selection.problem, selection.polished)]
     try:
-        for plan in _open_plans(selection.problem.recordings, not_possible):
+        open_plans = _open_plans(selection.problem.recordings, not_possible)
+        for plan in sorted(open_plans, key=lambda plan: (_TELLING.index(plan.kind), -plan.high, plan.ramp)):
             share, why = _check_limit(fits, plan)
             if not why:
                 return _next_run(plan, share, "")
@@ -114,6 +116,9 @@ def _none(failed: Sequence[str], labels: tuple[str, ...]) -> NextRun:
     return NextRun(kind=NONE, words=f"No next run could be computed: {why}.", lam=math.nan, separates=labels)
 
 
+#: kinds of plans, those first that show most of what may be wrong
+_TELLING = ("through critical", "trial mass", "ramp rate", "second plane", "reverse rotation")
+
 #: what a plan may fail by: no motion, a matrix without an inverse, a number that is none
 _FAILURES = (DataError, ConfigError, ValueError, ArithmeticError)
 
@@ -132,10 +137,8 @@ def _was_made(plan: Plan, measured: Sequence[Recording]) -> bool:
     if plan.kind not in ("ramp rate", "through critical"):
         return False
     for recording in measured[1:]:
-        alpha, top = recording.response.alpha, float(recording.response.omega.max())
-        moving = np.abs(alpha[np.isfinite(alpha) & (alpha != 0)])
-        alike = len(moving) and abs(math.log(float(np.median(moving)) / plan.ramp)) < math.log(1.5)
-        if alike and top > 0.95 * plan.high:
+        alike = abs(math.log(ramp_of(recording.response) / plan.ramp)) < math.log(1.5)  # false of NaN
+        if alike and float(recording.response.omega.max()) > 0.95 * plan.high:
             return True
     return False
 

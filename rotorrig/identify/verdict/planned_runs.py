@@ -92,10 +92,8 @@ class _Manner:
 def _manner(response: OrderTrackedResponse) -> _Manner:
     """Return ramp and turns of a recording; where it does not say, the plan's of the config, and rows as dense."""
     assumed = []
-    moving = np.abs(response.alpha[np.isfinite(response.alpha) & (response.alpha != 0)])
-    if len(moving):
-        ramp = float(np.median(moving))
-    else:
+    ramp = ramp_of(response)
+    if not math.isfinite(ramp):
         plans_of_rig = response.rig.plans.values()
         ramp = next((plan.ramp for plan in plans_of_rig if not isinstance(plan, TrialMassRuns)), VERDICT.ramp)
         assumed.append(f"a ramp of {ramp * RPM:.3g} rpm/s")
@@ -112,6 +110,13 @@ def _manner(response: OrderTrackedResponse) -> _Manner:
         assumed.append("no slow roll")
     words = f"Assumed, as the recording does not say: {', '.join(assumed)}." if assumed else ""
     return _Manner(ramp=ramp, turns=turns, every=every, assumed=words)
+
+
+def ramp_of(response: OrderTrackedResponse) -> float:
+    """Return how fast the speed was raised [rad/s^2], the median; of a run that only slows down, that; else NaN."""
+    moving = response.alpha[np.isfinite(response.alpha) & (response.alpha != 0)]
+    rising = moving[moving > 0]
+    return float(np.median(rising if len(rising) else -moving)) if len(moving) else math.nan
 
 
 def _range(response: OrderTrackedResponse) -> tuple[float, float]:
