@@ -158,6 +158,7 @@ def _missing(selection: Selection, effect: Effect) -> str:
 def rank_causes(selection: Selection, predictions: dict[str, tuple[Prediction, Prediction]]) -> tuple[Cause, ...]:
     """Rank the causes: the chosen effects as finally fitted, then every other one that was fitted, by its evidence.
 
+    One that is tied is that of the step it is tied in, any other that of the first step it was tried in.
     `predictions` holds the errors on unseen data before and after, by label, of those they were measured for.
     """
     final = selection.problem
@@ -169,10 +170,10 @@ def rank_causes(selection: Selection, predictions: dict[str, tuple[Prediction, P
     chosen.sort(key=lambda cause: -cause.evidence)
     names = {cause.label for cause in chosen}
     others: dict[str, Cause] = {}
-    for step in selection.steps:
-        for candidate in step.tried:
-            if candidate.effect.label not in names:
-                others.setdefault(candidate.effect.label, _cause(candidate, None, -1, predictions, chosen=False))
+    tied = [rival for _, *rivals in tied_candidates(selection) for rival in rivals]  # beside the one they are tied with
+    for candidate in (*tied, *(candidate for step in selection.steps for candidate in step.tried)):
+        if candidate.effect.label not in names:
+            others.setdefault(candidate.effect.label, _cause(candidate, None, -1, predictions, chosen=False))
     return (*chosen, *sorted(others.values(), key=lambda cause: (not cause.plausible, -cause.evidence)))
 
 

@@ -1,5 +1,6 @@
 """What the simulated rig is told of the config's effects and of trial masses."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -73,3 +74,11 @@ def test_a_script_of_faults_is_played_on_the_simulated_rig(rig: RigConfig, tmp_p
     script.write_text('[{"kind": "silent", "on": "motor"}]')
     with run_simulated_rig(rig, SimulatedRig(seed=5, faults=script)) as ports:
         assert ports.console.wait_for(lambda line: "fault" in line, timeout=10)["kind"] == "silent"
+
+
+def test_a_later_run_of_a_rig_is_the_same_rig_in_another_run(rig: RigConfig) -> None:
+    first, third = (truth_of(rig, SimulatedRig(seed=3, before=before)) for before in (0, 2))
+    assert (first.run, third.run) == (0, 2)
+    assert replace(third, run=0) == first
+    with_mass = truth_of(rig, SimulatedRig(seed=3, before=2), trial=[MASS])
+    assert with_mass.run == 2

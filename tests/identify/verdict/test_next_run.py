@@ -8,10 +8,12 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.causes.stepwise_selection import Selection, select
+from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.next_run import find_next_run
+from rotorrig.identify.verdict.forecast import share_of_limit
+from rotorrig.identify.verdict.next_run import find_next_run, find_other_run
 from rotorrig.identify.verdict.planned_runs import plans
 from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
@@ -19,7 +21,7 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import Effect, find
-from tests.identify.swept import U, swept_response
+from tests.identify.swept import RAMP, U, swept_response
 
 BOW = {"bow re": 22e-6, "bow im": 0.0}
 LABELS = ("bow", "runout, plane 1")
@@ -146,8 +148,57 @@ def test_a_late_probe_and_a_turned_one_are_told_apart_by_turning_the_other_way(
     other_way = below_critical.turned_over
     made = swept_response(other_way, rng=np.random.default_rng(6), hidden=late, unbalance=np.conj(U), **BELOW)
     reverse = Recording(made, number=1, backward=True)
-    plan = next(plan for plan in plans(forward) if plan.kind == "reverse rotation")
-    best, *rivals = selected(forward, hidden, LATE_OR_TURNED, more=[reverse], nuisances=plan.unknown).steps[0].tried
+    mark = [MarkEdge.of_recording(1)]
+    best, *rivals = selected(forward, hidden, LATE_OR_TURNED, more=[reverse], nuisances=mark).steps[0].tried
     assert best.effect.label == "delay, probe 1y"
     assert all(best.evidence > rival.evidence + VERDICT.nameable for rival in rivals)
     assert best.polished.chi2 < best.polished.dof, "the reversed rotor is the one of the config that turns from y to x"
+
+
+def test_no_run_is_proposed_that_may_come_near_a_limit(tied: Selection, one_plane: RigConfig) -> None:
+    """What the first pass of the resonance would do is known no better than stiffness and damping are."""
+    found = find_next_run(tied)
+    assert found is not None
+    assert 0 < found.share_of_limit <= VERDICT.of_limit
+    plan = next(plan for plan in plans(tied.problem.recordings[0].response) if plan.kind == "ramp rate")
+    limits = one_plane.limits
+    assert limits is not None
+    fit = tied.problem, tied.polished
+    share = share_of_limit(*fit, plan, limits)
+    low = limits.model_copy(update={"vibration": limits.vibration / 10})
+    assert share_of_limit(*fit, plan, low) == pytest.approx(10 * share)
+    highest = max(plans(tied.problem.recordings[0].response), key=lambda plan: plan.high)
+    assert share_of_limit(*fit, highest, limits) > share, "through the resonance"
+
+
+def test_where_no_run_may_be_made_it_says_so(tied: Selection, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.share_of_limit", lambda *_: 0.9)
+    for found in (find_next_run(tied), find_other_run(tied)):
+        assert found is not None
+        assert not found.planned
+        assert "its vibration may reach 90 % of a limit, want 70 %" in found.words
+
+
+def test_what_nothing_explains_is_run_to_a_higher_speed_and_a_kind_that_is_not_possible_is_passed_over(
+    tied: Selection,
+) -> None:
+    found = find_other_run(tied)
+    assert (found.kind, found.separates) == ("through critical", ())
+    assert find_other_run(tied, not_possible={"through critical"}).kind == "trial mass"
+    assert find_other_run(tied, not_possible={"through critical"}).trial == ("disk: 12 g mm at 90 deg",)
+
+
+def test_a_run_that_was_made_is_not_proposed_again(
+    tied: Selection, one_plane: RigConfig, hidden: NDArray[np.float64]
+) -> None:
+    first = tied.problem.recordings[0].response
+    bow = [(find(one_plane, "bow"), BOW)]
+    fast = swept_response(one_plane, rng=np.random.default_rng(8), hidden=bow, speeds=(480, 1500), ramp=RAMP * 3)
+    both = selected(first, hidden, more=[Recording(fast, number=1)])
+    not_possible = {"through critical", "trial mass"}
+    before = find_other_run(tied, not_possible=not_possible)
+    assert before.ramp == pytest.approx(RAMP / RPM / 3, rel=0.05), "the slower one first"
+    slow = swept_response(one_plane, rng=np.random.default_rng(9), hidden=bow, speeds=(480, 1500), ramp=RAMP / 3)
+    after = selected(first, hidden, more=[Recording(slow, number=1)])
+    assert find_other_run(after, not_possible=not_possible).ramp == pytest.approx(RAMP / RPM * 3, rel=0.05)
+    assert find_other_run(both, not_possible=not_possible).ramp == pytest.approx(RAMP / RPM / 3, rel=0.05)

@@ -5,11 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.verdict.planned_runs import plan_recordings, plans
+from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.verdict.planned_runs import Plan, plan_recordings, plans
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 from tests.identify.swept import RAMP, SIGMA, swept_response
+
+
+def planned(response: OrderTrackedResponse, plan: Plan) -> list[Recording]:
+    recordings, _ = plan_recordings(plan, [Recording(response)])
+    return [each for each in recordings if each.planned]
 
 
 @pytest.fixture(scope="module")
@@ -34,13 +40,13 @@ def test_no_plan_goes_beyond_the_limits(below: OrderTrackedResponse) -> None:
     assert limits.overspeed
     for plan in plans(below):
         assert plan.high <= 0.95 * limits.overspeed
-        for recording in plan_recordings(below, plan):
+        for recording in planned(below, plan):
             assert recording.response.omega.max() <= plan.high * (1 + 1e-6)
 
 
 def test_a_planned_run_goes_up_and_down_at_its_ramp(below: OrderTrackedResponse) -> None:
     for plan in plans(below):
-        response = plan_recordings(below, plan)[0].response
+        response = planned(below, plan)[0].response
         up, down = (response.alpha[response.run == i][1:-1] for i in (0, 1))
         np.testing.assert_allclose(up, plan.ramp, rtol=0.05)
         np.testing.assert_allclose(down, -plan.ramp, rtol=0.05)
@@ -52,12 +58,12 @@ def test_a_planned_run_goes_up_and_down_at_its_ramp(below: OrderTrackedResponse)
 
 def test_slower_and_faster_are_a_third_and_three_times_the_ramp(below: OrderTrackedResponse) -> None:
     ramps = [plan.ramp * RPM for plan in plans(below) if plan.kind == "ramp rate"]
-    assert ramps == pytest.approx([RAMP / 3, RAMP * 3], rel=0.03)
+    assert ramps == pytest.approx([RAMP * 3, RAMP / 3], rel=0.03)
 
 
 def test_the_noise_is_that_of_rows_at_like_speeds_and_a_covariance(below: OrderTrackedResponse) -> None:
     for plan in plans(below):
-        for recording in plan_recordings(below, plan):
+        for recording in planned(below, plan):
             covariance = recording.response.covariance
             assert np.linalg.eigvalsh(covariance).min() > 0
             np.testing.assert_allclose(np.diagonal(covariance, axis1=-2, axis2=-1), SIGMA**2)
@@ -69,7 +75,7 @@ def test_probes_like_others_are_as_noisy_and_independent_of_them(below: OrderTra
     correlated[:] = root @ root.T
     noisy = replace(below, covariance=correlated, slow_roll_covariance=correlated[0])
     plan = next(p for p in plans(noisy) if p.kind == "second plane")
-    response = plan_recordings(noisy, plan)[0].response
+    response = planned(noisy, plan)[0].response
     assert response.probes == ("1x", "1y", "1x (2nd plane)", "1y (2nd plane)")
     for covariance in (response.covariance[3, 0], response.slow_roll_covariance[0]):
         np.testing.assert_allclose(covariance[:4, :4], root @ root.T)
@@ -102,11 +108,11 @@ def untimed(rig: RigConfig) -> OrderTrackedResponse:
 def test_what_a_table_does_not_say_is_supposed_and_said(untimed: OrderTrackedResponse) -> None:
     made = list(plans(untimed))
     own = untimed.rig.plans["default"]
-    assert [plan.ramp for plan in made if plan.kind == "ramp rate"] == pytest.approx([own.ramp / 3, own.ramp * 3])
+    assert [plan.ramp for plan in made if plan.kind == "ramp rate"] == pytest.approx([own.ramp * 3, own.ramp / 3])
     for plan in made:
         assert plan.assumed.startswith("Assumed, as the recording does not say: a ramp of 30 rpm/s, ")
         assert plan.assumed.endswith("turns to a row, no slow roll.")
-        for recording in plan_recordings(untimed, plan):
+        for recording in planned(untimed, plan):
             assert recording.swept
             for measured in recording.measured.values():
                 assert np.isfinite(measured.whiten).all()
@@ -116,7 +122,7 @@ def test_what_a_table_does_not_say_is_supposed_and_said(untimed: OrderTrackedRes
 
 def test_a_planned_run_has_about_as_many_rows_on_the_way_up_as_the_table(untimed: OrderTrackedResponse) -> None:
     plan = next(p for p in plans(untimed) if p.kind == "reverse rotation")
-    up = plan_recordings(untimed, plan)[0].response.run == 0
+    up = planned(untimed, plan)[0].response.run == 0
     assert up.sum() == pytest.approx(len(untimed.omega), rel=0.2)
 
 
@@ -125,16 +131,16 @@ def test_rows_far_apart_are_not_smeared_over_what_is_between_them(untimed: Order
     names = ("run", "t", "omega", "alpha", "revolutions", "z", "covariance", "usable")
     sparse = replace(untimed, **{name: getattr(untimed, name)[few] for name in names}, reasons=((),) * len(few))
     plan = next(p for p in plans(sparse) if p.kind == "reverse rotation")
-    planned = plan_recordings(sparse, plan)[0].response
-    assert (planned.run == 0).sum() == pytest.approx(len(few), abs=2)
-    assert (planned.revolutions == 8).all()
+    made = planned(sparse, plan)[0].response
+    assert (made.run == 0).sum() == pytest.approx(len(few), abs=2)
+    assert (made.revolutions == 8).all()
 
 
 def test_a_table_of_one_speed_has_plans_too(untimed: OrderTrackedResponse) -> None:
     one = replace(untimed, omega=np.full_like(untimed.omega, 150.0))
     for plan in plans(one):
         assert plan.low < plan.high
-        for recording in plan_recordings(one, plan):
+        for recording in planned(one, plan):
             assert np.isfinite(recording.response.t).all()
 
 
@@ -148,9 +154,9 @@ def test_the_second_plane_of_the_config_is_proposed_where_its_probes_did_not_rea
 ) -> None:
     plan = next(p for p in plans(untimed) if p.kind == "second plane")
     assert plan.words == "Measure in the second plane too, with 2x and 2y."
-    assert plan_recordings(untimed, plan)[0].response.probes == ("1x", "1y", "2x", "2y")
+    assert planned(untimed, plan)[0].response.probes == ("1x", "1y", "2x", "2y")
     others = [p for p in plans(untimed) if p.kind != "second plane"]
-    assert {plan_recordings(untimed, p)[0].response.probes for p in others} == {("1x", "1y")}
+    assert {planned(untimed, p)[0].response.probes for p in others} == {("1x", "1y")}
 
 
 def test_a_recording_that_says_all_has_nothing_supposed(below: OrderTrackedResponse) -> None:
@@ -161,9 +167,21 @@ def test_a_trial_mass_of_another_recording_counts(below: OrderTrackedResponse) -
     assert "trial mass" not in {plan.kind for plan in plans(below, with_trial=True)}
 
 
-def test_a_trial_mass_is_run_with_and_without(below: OrderTrackedResponse) -> None:
+def test_a_planned_run_joins_those_that_were_made(below: OrderTrackedResponse) -> None:
     plan = next(p for p in plans(below) if p.kind == "trial mass")
-    first, second = plan_recordings(below, plan)
+    measured = [Recording(below), Recording(below, number=1)]
+    recordings, unknown = plan_recordings(plan, measured)
+    assert recordings[:2] == measured
+    assert [each.planned for each in recordings] == [False, False, True]
+    assert (recordings[2].number, set(recordings[2].trial), unknown) == (2, {"disk"}, ())
+
+
+def test_a_run_with_other_probes_stands_alone_and_its_trial_mass_needs_a_run_without(
+    below: OrderTrackedResponse,
+) -> None:
+    plan = [p for p in plans(below) if p.kind == "second plane"][-1]
+    first, second = plan_recordings(plan, [Recording(below)])[0]
+    assert (first.planned, second.planned) == (True, True)
     assert not first.trial
     assert set(second.trial) == {"disk"}
     assert (first.number, second.number) == (0, 1)
@@ -171,9 +189,14 @@ def test_a_trial_mass_is_run_with_and_without(below: OrderTrackedResponse) -> No
 
 def test_a_reverse_run_is_one_more_after_a_forward_one_by_a_mark_of_unknown_width(below: OrderTrackedResponse) -> None:
     plan = next(p for p in plans(below) if p.kind == "reverse rotation")
-    forward, reverse = plan_recordings(below, plan)
+    (forward, reverse), unknown = plan_recordings(plan, [Recording(below)])
     assert (forward.backward, reverse.backward) == (False, True)
     assert reverse.number == 1
-    assert [effect.recording for effect in plan.unknown] == [1]
-    assert all(effect.is_nuisance for effect in plan.unknown), "a nuisance, no discovery"
-    assert not any(p.unknown for p in plans(below) if p.kind != "reverse rotation")
+    assert [effect.recording for effect in unknown] == [1]
+    assert all(effect.is_nuisance for effect in unknown), "a nuisance, no discovery"
+
+
+def test_higher_speeds_are_gone_to_in_quarters(below: OrderTrackedResponse) -> None:
+    tops = [plan.high * RPM for plan in plans(below) if plan.kind == "through critical"]
+    first = below.omega.max() * RPM
+    assert tops == pytest.approx([first + share * (3800 - first) for share in (0.25, 0.5, 0.75, 1.0)])
