@@ -42,8 +42,8 @@ class Journal:
 
     @property
     def mounted(self) -> tuple[str, ...]:
-        """The trial masses that should be on the rotor now: those of the last run that was made."""
-        return next((each.trial for each in reversed(self.rounds) if each.seconds), ())
+        """The trial masses that should be on the rotor: those of the last run."""
+        return self.rounds[-1].trial if self.rounds else ()
 
     @property
     def seconds(self) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from rotorrig.identify.verdict import NextRun, higher_tops
 from rotorrig.rig import ConfigError
-from rotorrig.rig.config import RPM, RigConfig, RunUpCoastDown, RunUpRampDown, parse
+from rotorrig.rig.config import RPM, RigConfig, RunUpCoastDown, RunUpRampDown, extend, parse
 
 FACTOR = 3.0  # faster, and slower
 
@@ -46,16 +46,14 @@ class Menu:
 def add_runs(rig: RigConfig, base: str) -> tuple[RigConfig, Menu]:
     """Return the config with the plans of a menu, and the menu.
 
-    Of another kind of plan than a run-up there is the base alone. Raises ConfigError without the plan `base`, where a
-    plan of the menu's has its name already, and for a rig that was not read from TOML.
+    Of another kind of plan than a run-up there is the base alone. Raises ConfigError without the plan `base`, and where
+    a plan of the menu's has its name already.
     """
     if base not in rig.plans:
         raise ConfigError(f"plan '{base}': the config has none of that name, want one of {sorted(rig.plans)}")
     plan = rig.plans[base]
     if not isinstance(plan, RunUpCoastDown | RunUpRampDown):
         return rig, Menu(base=base)
-    if not rig.text:
-        raise ConfigError(f"{rig.name}: was made in code, want a config that was read from TOML")
     tops = {f"{base}-to-{top * RPM:.0f}": top for top in higher_tops(rig, plan.end)}
     made = {
         f"{base}-slower": plan.model_copy(update={"ramp": plan.ramp / FACTOR}),
@@ -64,9 +62,11 @@ def add_runs(rig: RigConfig, base: str) -> tuple[RigConfig, Menu]:
     }
     if taken := sorted(made.keys() & rig.plans.keys()):
         raise ConfigError(f"plans.{taken[0]}: an investigation adds a plan of that name, want another name for it")
+    menu = Menu(base=base, slower=f"{base}-slower", faster=f"{base}-faster", higher=tuple(tops.items()))
+    if not rig.text:  # made in code
+        return extend(rig.model_copy(update={"plans": {**rig.plans, **made}}), rig.effects), menu
     tables = "\n".join(_table(name, each) for name, each in made.items())
     text = f"{rig.text.rstrip()}\n\n# Runs that an investigation may choose, made from plan '{base}'.\n{tables}"
-    menu = Menu(base=base, slower=f"{base}-slower", faster=f"{base}-faster", higher=tuple(tops.items()))
     return parse(text, where=rig.name), menu
 
 

@@ -36,6 +36,14 @@ def test_a_name_that_is_taken_and_a_plan_that_is_not_there_are_refused() -> None
         add_runs(with_menu, "fast")
 
 
+def test_a_rig_that_was_made_in_code_gets_a_text() -> None:
+    rig = load(RK4)
+    made = rig.model_copy(update={"name": "made"})
+    made._text = ""
+    with_menu, menu = add_runs(made, "default")
+    assert parse(with_menu.text, where="again").plans.keys() == {"default", *menu.names}
+
+
 def test_of_another_kind_of_plan_there_is_the_base_alone() -> None:
     text = RK4.read_text() + '\n[plans.hold]\nkind = "dwell"\nspeed = "900 rpm"\ntime = "5 s"\nramp = "30 rpm/s"\n'
     rig = parse(text, where="hold")

@@ -24,7 +24,7 @@ from rotorrig.rig import ConfigError
 
 ROOT = Path(__file__).parents[3]
 FOLDER = Path(__file__).parent / "results"
-LATER = {"app", "balancing"}  # stages after the diagnosis: no case runs them
+LATER = frozenset({"app", "balancing", "investigation"})  # stages after the diagnosis: no case runs them
 PAGE_ALONE = {"score.py", "page.py", "records.py", "limited.py"}  # judge and print what is kept, and make no case
 
 Record = dict[str, Any]
@@ -44,13 +44,13 @@ class Attempt:
 
 
 @cache
-def source_version() -> str:
-    """Return the digest of all that a case depends on.
+def source_version(*, later: frozenset[str] = LATER) -> str:
+    """Return the digest of all that a case depends on: `later` stages of the program are not among it.
 
     That is the program up to the diagnosis, the RK4's config, and what draws and runs cases.
     """
     found = hashlib.sha256()
-    stages = [stage for stage in (ROOT / "rotorrig").iterdir() if stage.is_dir() and stage.name not in LATER]
+    stages = [stage for stage in (ROOT / "rotorrig").iterdir() if stage.is_dir() and stage.name not in later]
     program = [path for kind in ("*.py", "*.toml") for stage in stages for path in stage.rglob(kind)]
     harness = [path for path in (ROOT / "benchmarks/parts/blind").rglob("*.py") if path.name not in PAGE_ALONE]
     for path in sorted([*program, *harness, ROOT / "configs/rk4.toml"]):
