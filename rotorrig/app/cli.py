@@ -22,6 +22,10 @@ __all__ = ["app", "err", "main", "out"]
 class Rotor(TyperGroup):
     """The command; its help leaves out its own options, to stay on a screen of 24 lines: docs/cli.md has them."""
 
+    def format_epilog(self, ctx: Any, formatter: Any) -> None:
+        """Write the last line without a blank one before it."""
+        formatter.write_text(self.epilog)
+
     def get_params(self, ctx: Any) -> list[Any]:
         """Return the options that belong to no verb."""
         options: list[Any] = super().get_params(ctx)

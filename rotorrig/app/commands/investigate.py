@@ -90,25 +90,16 @@ def prepare(
     """Return an investigation that is ready to begin or to go on; its folder holds the config with the menu of runs.
 
     Raises ConfigError for a plan that may not be run, for an unattended rig whose protections are not proven, and for a
-    folder of another config.
+    folder of another config; DataError for one that cannot be made or holds other files.
     """
     remark = "" if simulation or not unattended else proof_test_remark(rig, config)
     if remark:
         raise ConfigError(f"--unattended: {remark}")
     with_menu, menu = add_runs(rig, plan)
     sweep.steps_of(with_menu, menu.base)
-    menu = _allowed(with_menu, menu)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise DataError(f"{folder}: no folder can be made there ({error.strerror}), want another --out") from error
-    if simulation and simulation.hidden is None:
-        simulation = replace(simulation, hidden=folder / TRUTH)
-        if not (folder / TRUTH).exists():
-            seal(truth_of(rig, replace(simulation, hidden=None)), folder / TRUTH)
     setup = Setup(
         rig=with_menu,
-        menu=menu,
+        menu=_allowed(with_menu, menu),
         folder=folder,
         budget=budget,
         simulation=simulation,
@@ -116,7 +107,12 @@ def prepare(
         yes=yes,
         seed=seed,
     )
-    _settle_config(setup)
+    _settle_folder(setup)
+    if simulation and simulation.hidden is None:
+        sealed = replace(simulation, hidden=setup.file(TRUTH))
+        if not setup.file(TRUTH).exists():
+            seal(truth_of(rig, simulation), setup.file(TRUTH))
+        setup = replace(setup, simulation=sealed)
     return replace(setup, rig=load(setup.file(CONFIG)))
 
 
@@ -162,9 +158,19 @@ def _allowed(rig: RigConfig, menu: Menu) -> Menu:
     return menu
 
 
-def _settle_config(setup: Setup) -> None:
-    """Write the config into the folder, or make sure that it is the one there. Raises ConfigError."""
+def _settle_folder(setup: Setup) -> None:
+    """Make the folder with the config in it, or make sure that it is the one there.
+
+    Raises DataError for a folder that cannot be made or holds anything else, ConfigError for one of another config.
+    """
     path = setup.file(CONFIG)
+    try:
+        setup.folder.mkdir(parents=True, exist_ok=True)
+        strange = not path.exists() and any(setup.folder.iterdir())
+    except OSError as error:
+        raise DataError(f"{setup.folder}: cannot be a folder ({error.strerror}), want another --out") from error
+    if strange:
+        raise DataError(f"{setup.folder}: holds other files, want an empty folder, or one of an investigation")
     if not path.exists():
         write_whole_text(path, setup.rig.text)
     elif load(path).hash != setup.rig.hash:

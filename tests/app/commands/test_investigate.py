@@ -11,7 +11,7 @@ from rotorrig.app.commands import diagnose, investigate
 from rotorrig.app.commands.simulate import SimulatedRig
 from rotorrig.identify import Verdict
 from rotorrig.investigation import Budget, read_journal
-from rotorrig.rig import ConfigError
+from rotorrig.rig import ConfigError, DataError
 from rotorrig.rig.config import RigConfig, load
 from rotorrig.sims.plant import FaultSpec, draw, seal
 
@@ -25,7 +25,7 @@ def late(brief_rig: RigConfig, tmp_path: Path) -> Path:
 
 
 def prepared(rig: RigConfig, folder: Path, hidden: Path | None = None, **more: Any) -> investigate.Setup:
-    simulation = SimulatedRig(seed=1, hidden=hidden, rate=60.0) if hidden else None
+    simulation = SimulatedRig(seed=1, hidden=hidden, rate=20.0) if hidden else None
     known: dict[str, Any] = {"plan": "default", "budget": Budget(runs=2), "simulation": simulation, **more}
     return investigate.prepare(rig, config=Path("brief.toml"), folder=folder, **known)
 
@@ -81,11 +81,19 @@ def test_a_folder_of_another_rig_is_refused(brief_rig: RigConfig, rig: RigConfig
         prepared(rig, tmp_path / "x", late)
 
 
+def test_a_folder_with_other_files_is_left_alone(brief_rig: RigConfig, late: Path, tmp_path: Path) -> None:
+    (tmp_path / "x").mkdir()
+    (tmp_path / "x" / "report.html").write_text("of last year")
+    with pytest.raises(DataError, match="x: holds other files, want an empty folder, or one of an investigation"):
+        prepared(brief_rig, tmp_path / "x", late)
+    assert [path.name for path in (tmp_path / "x").iterdir()] == ["report.html"]
+
+
 def test_bad_words_end_in_a_sentence(tmp_path: Path) -> None:
     for more, words in (
         (["--budget", "a while"], "--budget: got 'a while', want '6 runs', '30 min' or both"),
         (["--plan", "sprint"], "plan 'sprint': the config has none of that name"),
-        (["--out", "/dev/null/x"], "/dev/null/x: no folder can be made there"),
+        (["--out", "/dev/null/x"], "/dev/null/x: cannot be a folder (Not a directory), want another --out"),
     ):
         given = ["investigate", "rk4", "--simulate", "--out", str(tmp_path / "x"), *more]
         result = CliRunner().invoke(app, given)

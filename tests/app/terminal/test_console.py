@@ -22,7 +22,20 @@ from rotorrig.rig.config.units import RPM
 ROTOR = [sys.executable, "-m", "rotorrig.app.cli"]
 RK4 = Path(__file__).parents[3] / "configs/rk4.toml"
 READ_BY_PROGRAMS = (
-    *("check", "sweep", "replay", "track", "identify", "diagnose", "balance", "predict", "import", "export", "salvage"),
+    *(
+        "check",
+        "sweep",
+        "investigate",
+        "replay",
+        "track",
+        "identify",
+        "diagnose",
+        "balance",
+        "predict",
+        "import",
+        "export",
+        "salvage",
+    ),
 )
 
 
