@@ -25,11 +25,12 @@ def late(brief_rig: RigConfig, tmp_path: Path) -> Path:
 
 
 def prepared(rig: RigConfig, folder: Path, hidden: Path | None = None, **more: Any) -> investigate.Setup:
-    simulation = SimulatedRig(seed=1, hidden=hidden, rate=20.0) if hidden else None
+    simulation = SimulatedRig(seed=1, hidden=hidden, rate=5.0) if hidden else None
     known: dict[str, Any] = {"plan": "default", "budget": Budget(runs=2), "simulation": simulation, **more}
     return investigate.prepare(rig, config=Path("brief.toml"), folder=folder, **known)
 
 
+@pytest.mark.campaign
 def test_it_goes_on_after_it_was_stopped_and_ends_with_a_cause_measured_on_an_unseen_run(
     brief_rig: RigConfig, late: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
