@@ -9,6 +9,7 @@ from rotorrig.investigation.journal import Journal
 from rotorrig.investigation.menu import Menu
 
 WORTHWHILE = 4.0  # expected separation in chi2, two standard deviations: a run that tells less is not made
+MOST_OF_LIMIT = 0.7  # of a vibration limit: a run that may pass it is not made
 OPEN = {
     Verdict.UNEXPLAINED: "Nothing known explains the runs so far.",
     Verdict.CANNOT_TELL: "Fewer than half of the known causes would show in the runs so far.",
@@ -69,6 +70,8 @@ def _wanted(journal: Journal, diagnosis: Diagnosis | None, menu: Menu, ramp: flo
         return Ending(run.words if run else "No run is known that would tell more.")
     if run.lam < WORTHWHILE:
         return Ending("No run that this rig can make would tell them apart.")
+    if run.share_of_limit > MOST_OF_LIMIT:
+        return Ending(f"The run that would tell most may come too near a limit. {run.words}")
     plan = menu.plan_of(run, ramp)
     if not plan:
         return Ending(f"What would tell most wants other hands than this program's. {run.words}")

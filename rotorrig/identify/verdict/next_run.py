@@ -61,19 +61,19 @@ def find_next_run(selection: Selection, *, not_possible: Collection[str] = ()) -
     fits = [(each.problem, each.polished) for each in (best, *rivals)]
     try:
         for plan in _open_plans(best.problem.recordings, not_possible):
-            share, why = _check_limit(fits, plan)
-            lam, why = (math.nan, why) if why else _rate(best, rivals, plan)
+            share, too_loud = _check_limit(fits, plan)
+            lam, why = _rate(best, rivals, plan)
             if why:
                 failed.append(f"{plan.kind}: {why}")
                 continue
             rated.append((lam, plan, share))
-            if lam >= VERDICT.nameable:
+            if lam >= VERDICT.nameable and not too_loud:
                 break
     except _FAILURES as error:
         failed.append(str(error))
     if not rated:
         return _none(failed, labels)
-    lam, plan, share = max(rated, key=lambda each: each[0])
+    lam, plan, share = max(rated, key=lambda each: (not each[2] > VERDICT.of_limit, each[0]))  # loud ones last
     enough = "" if lam >= VERDICT.nameable else "Even that would leave them close."
     return _next_run(plan, share, enough, lam=lam, separates=labels)
 

@@ -145,7 +145,7 @@ def plan_recordings(plan: Plan, measured: Sequence[Recording]) -> tuple[list[Rec
     it has one. Planned vectors are nothing yet, their noise is that of the first recording at like speeds.
     """
     response = measured[0].response
-    made = list(measured) if plan.probes == response.read else []
+    made = list(measured) if plan.probes == response.probes else []
     masses = [plan.trial] if made or not plan.trial else [{}, plan.trial]
     planned = [_response(response, plan, trial) for trial in masses]
     if plan.backward:
