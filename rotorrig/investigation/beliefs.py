@@ -34,11 +34,11 @@ def beliefs(diagnosis: Diagnosis) -> tuple[Belief, ...]:
     by_label = {cause.label: cause for cause in diagnosis.causes}
     chosen = [cause for cause in diagnosis.causes if cause.chosen]
     if not chosen:
-        return _shared({NOTHING_MORE: 0.0, **{c.label: c.evidence for c in by_label.values() if not c.nameplate}})
+        return _share_out({NOTHING_MORE: 0.0, **{c.label: c.evidence for c in by_label.values() if not c.nameplate}})
     found: list[Belief] = []
     for cause in chosen:
         group = next((each for each in diagnosis.tied if cause.label in each), (cause.label,))
-        found += _shared({label: _evidence(by_label.get(label), cause) for label in group})
+        found += _share_out({label: _evidence(by_label.get(label), cause) for label in group})
     return tuple(sorted(dict.fromkeys(found), key=lambda belief: -belief.probability))
 
 
@@ -47,7 +47,7 @@ def _evidence(cause: Cause | None, best: Cause) -> float:
     return cause.evidence if cause and np.isfinite(cause.evidence) else best.evidence
 
 
-def _shared(evidence: dict[str, float]) -> tuple[Belief, ...]:
+def _share_out(evidence: dict[str, float]) -> tuple[Belief, ...]:
     values = np.array(list(evidence.values()))
     weights = np.exp((values - values.max()) / 2)
     shares = weights / weights.sum()

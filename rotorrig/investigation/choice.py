@@ -4,12 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from rotorrig.identify import Diagnosis, Verdict
+from rotorrig.identify.verdict import VERDICT
 from rotorrig.investigation.budget import Budget
 from rotorrig.investigation.journal import Journal
 from rotorrig.investigation.menu import Menu
 
 WORTHWHILE = 4.0  # expected separation in chi2, two standard deviations: a run that tells less is not made
-MOST_OF_LIMIT = 0.7  # of a vibration limit: a run that may pass it is not made
 OPEN = {
     Verdict.UNEXPLAINED: "Nothing known explains the runs so far.",
     Verdict.CANNOT_TELL: "Fewer than half of the known causes would show in the runs so far.",
@@ -47,7 +47,7 @@ def choose(
 
     `ramp` [rad/s^2] is that of the base plan, `seconds_of` tells how long a plan takes.
     """
-    wanted = _wanted(journal, diagnosis, menu, ramp)
+    wanted = _choose_run(journal, diagnosis, menu, ramp)
     if isinstance(wanted, Ending):
         return wanted
     cost = seconds_of(wanted.plan)
@@ -56,7 +56,7 @@ def choose(
     return wanted
 
 
-def _wanted(journal: Journal, diagnosis: Diagnosis | None, menu: Menu, ramp: float) -> Choice | Ending:
+def _choose_run(journal: Journal, diagnosis: Diagnosis | None, menu: Menu, ramp: float) -> Choice | Ending:
     if diagnosis is None:
         return Choice(plan=menu.base, trial=(), why="The first run, by the plan that was given.")
     if diagnosis.verdict is Verdict.ADEQUATE:
@@ -64,13 +64,13 @@ def _wanted(journal: Journal, diagnosis: Diagnosis | None, menu: Menu, ramp: flo
     if diagnosis.verdict is Verdict.NAMED and all(cause.nameplate for cause in diagnosis.causes if cause.chosen):
         return Ending("A statement of the config is wrong; with what it should say, the model describes every run.")
     if diagnosis.verdict is Verdict.NAMED:
-        return _test_of_a_name(journal, menu)
+        return _choose_test(journal, menu)
     run = diagnosis.next_run
     if run is None or not run.planned:
         return Ending(run.words if run else "No run is known that would tell more.")
     if run.lam < WORTHWHILE:
         return Ending("No run that this rig can make would tell them apart.")
-    if run.share_of_limit > MOST_OF_LIMIT:
+    if run.share_of_limit > VERDICT.of_limit:
         return Ending(f"The run that would tell most may come too near a limit. {run.words}")
     plan = menu.plan_of(run, ramp)
     if not plan:
@@ -81,7 +81,7 @@ def _wanted(journal: Journal, diagnosis: Diagnosis | None, menu: Menu, ramp: flo
     return Choice(plan=plan, trial=run.trial, why=f"{told} {run.words}")
 
 
-def _test_of_a_name(journal: Journal, menu: Menu) -> Choice | Ending:
+def _choose_test(journal: Journal, menu: Menu) -> Choice | Ending:
     """Return a repetition that no fit sees; why there is none once it was made."""
     last = journal.judged[-1]
     if last.joined:

@@ -51,7 +51,7 @@ class Outcome:
 
 
 def runnable(words: list[str]) -> bool:
-    needs_nothing = words[1] != "sweep" or {"--simulate", "--dry-run"} & set(words)
+    needs_nothing = words[1] not in ("sweep", "investigate") or {"--simulate", "--dry-run"} & set(words)
     hardware = {"--view", "--connect"} | ({"--proof-test"} if "--simulate" not in words else set())
     return not hardware & set(words) and bool(needs_nothing)
 

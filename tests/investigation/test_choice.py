@@ -81,6 +81,8 @@ def test_no_run_follows_where_none_tells_more(one_run: Journal, good: Diagnosis,
     assert isinstance(next_of(one_run, good), Ending)
     assert isinstance(next_of(one_run, proposing(named, "ramp rate", ramp=9.0, lam=0.2)), Ending)
     assert isinstance(next_of(one_run, proposing(named, "none", lam=math.nan)), Ending)
+    loud = next_of(one_run, proposing(named, "ramp rate", ramp=9.0, share_of_limit=0.71))
+    assert isinstance(loud, Ending), "and none that may come near a limit is made"
     elsewhere = next_of(one_run, proposing(named, "second plane"))
     assert isinstance(elsewhere, Ending)
     assert elsewhere.why.endswith("Do that.")

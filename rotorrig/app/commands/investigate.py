@@ -99,7 +99,7 @@ def prepare(
     sweep.steps_of(with_menu, menu.base)
     setup = Setup(
         rig=with_menu,
-        menu=_allowed(with_menu, menu),
+        menu=_drop_forbidden(with_menu, menu),
         folder=folder,
         budget=budget,
         simulation=simulation,
@@ -148,7 +148,7 @@ def journal_facts(journal: Journal) -> dict[str, Any]:
     return {"rounds": [asdict(each) for each in journal.rounds], "ending": journal.ending}
 
 
-def _allowed(rig: RigConfig, menu: Menu) -> Menu:
+def _drop_forbidden(rig: RigConfig, menu: Menu) -> Menu:
     """Return the menu less what the rig's limits forbid."""
     for name in menu.names:
         try:
@@ -243,7 +243,7 @@ def _judge(setup: Setup, journal: Journal) -> Journal:
     One that no fit is to see is held against what they say; if it does not bear that out, it joins them.
     """
     made = journal.rounds[-1]
-    new = _tracked(setup, made)
+    new = _track_once(setup, made)
     old = [read_response(setup.file("response.mcap", each.number)) for each in journal.judged]
     kinds = not_possible(setup.menu, hands=setup.hands)
     joined = False
@@ -266,7 +266,7 @@ def _judge(setup: Setup, journal: Journal) -> Journal:
     return _keep(setup, judged)
 
 
-def _tracked(setup: Setup, made: Round) -> OrderTrackedResponse:
+def _track_once(setup: Setup, made: Round) -> OrderTrackedResponse:
     """Return the response of a run, tracked if that was not done yet."""
     path = setup.file("response.mcap", made.number)
     if path.exists():

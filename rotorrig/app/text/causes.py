@@ -70,7 +70,8 @@ def next_run_sentence(diagnosis: Diagnosis) -> str:
     if math.isfinite(run.lam):
         words.append(f"Expected separation: {run.lam:.3g} in chi2, where {VERDICT.nameable:g} names a cause.")
     if math.isfinite(run.share_of_limit):
-        words.append(f"Its vibration stays below {100 * run.share_of_limit:.0f} % of the limit, with 95 % probability.")
+        how = "may come near the limit: below" if run.share_of_limit > VERDICT.of_limit else "stays below"
+        words.append(f"Its vibration {how} {100 * run.share_of_limit:.0f} % of the limit, with 95 % probability.")
     return " ".join(words)
 
 

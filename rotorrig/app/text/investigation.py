@@ -20,10 +20,10 @@ def belief_text(held: Sequence[Belief]) -> str:
     >>> belief_text([Belief("bow", 0.9996)]), belief_text([Belief("bow", 0.62), Belief("couple, disk", 0.38)])
     ('bow: > 99 %', 'bow: 62 %; couple, disk: 38 %')
     """
-    return "; ".join(f"{each.label}: {_percent(each.probability)}" for each in held)
+    return "; ".join(f"{each.label}: {_format_share(each.probability)}" for each in held)
 
 
-def _percent(share: float) -> str:
+def _format_share(share: float) -> str:
     if share > 0.99:
         return "> 99 %"
     return "< 1 %" if share < 0.01 else f"{100 * share:.0f} %"

@@ -18,10 +18,10 @@ def planned_truth(problem: ExtendedProblem, fitted: Reals, plan: Plan) -> tuple[
     """Return the problem of the recordings with that of a plan and the effects of `problem`, its unknowns `fitted`."""
     recordings, unknown = plan_recordings(plan, problem.recordings)
     truth = ExtendedProblem(ExtendedModel(recordings, (*unknown, *problem.effects), widened=problem.model.widened))
-    return truth, as_fitted(truth, problem, fitted)
+    return truth, carry_over(truth, problem, fitted)
 
 
-def as_fitted(truth: ExtendedProblem, problem: ExtendedProblem, fitted: Reals) -> Reals:
+def carry_over(truth: ExtendedProblem, problem: ExtendedProblem, fitted: Reals) -> Reals:
     """Return the unknowns of a planned problem: those of the fit by name, all others as they start."""
     named = dict(zip(problem.parameters.names, fitted, strict=True))
     start = truth.parameters.start(fitted[:0])
@@ -38,25 +38,26 @@ def share_of_limit(problem: ExtendedProblem, fit: Solution, plan: Plan, limits: 
     low, high = problem.bounds
     scatter = np.where(np.isfinite(fit.covariance), fit.covariance, 0.0)
     drawn = np.random.default_rng(0).multivariate_normal(fit.p, scatter, size=VERDICT.draws, method="eigh")
-    shares = [_share(truth, p, limits)]
+    shares = [_predict_share(truth, p, limits)]
     for each in drawn:
         with suppress(DataError):
-            shares.append(_share(truth, as_fitted(truth, problem, np.clip(each, low, high)), limits))
+            shares.append(_predict_share(truth, carry_over(truth, problem, np.clip(each, low, high)), limits))
     return max(shares[0], float(np.quantile(shares, 0.95, method="higher")))
 
 
-def _share(truth: ExtendedProblem, p: Reals, limits: Limits) -> float:
+def _predict_share(truth: ExtendedProblem, p: Reals, limits: Limits) -> float:
+    """Return the largest 0-peak vibration of the planned recordings over its limit, at these unknowns."""
     largest = 0.0
     for recording, vectors in zip(truth.recordings, truth.model.predict(p), strict=True):
-        response = recording.response
         if not recording.planned:
             continue
+        response = recording.response
         amplitude = sum(np.abs(z[: len(response.omega)]) for order, z in vectors.items() if order)
-        largest = max(largest, float(np.max(amplitude / _allowed(response.omega, response.probes, limits))))
+        largest = max(largest, float(np.max(amplitude / _find_limits(response.omega, response.probes, limits))))
     return largest
 
 
-def _allowed(omega: Reals, probes: tuple[str, ...], limits: Limits) -> NDArray[np.float64]:
+def _find_limits(omega: Reals, probes: tuple[str, ...], limits: Limits) -> NDArray[np.float64]:
     """Return the limits (row, probe) [m] at speeds [rad/s], of critical bands within them."""
     allowed = np.tile([limits.probes.get(name, limits.vibration) for name in probes], (len(omega), 1))
     for band in limits.critical_bands:

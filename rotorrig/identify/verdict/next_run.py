@@ -1,9 +1,9 @@
 """Next run: the cheapest that would separate the tied causes, computed for this rig and these causes.
 
 Every plan is simulated with the best cause, as it was fitted, and fitted with each of its rivals (separability.py); the
-cheapest that tells all of them from the best is proposed, or the one that comes nearest. Where nothing is tied and
-nothing known explains the data, it is the cheapest run of another kind. No run is proposed that may come near a
-vibration limit (forecast.py).
+cheapest that tells all of them from the best is proposed, or the one that comes nearest; one that may come near a
+vibration limit (forecast.py) only if all others do too, and with its share of the limit. Where nothing is tied and
+nothing known explains the data, it is a run of another kind that stays away from the limits.
 """
 
 import cmath
@@ -61,19 +61,19 @@ def find_next_run(selection: Selection, *, not_possible: Collection[str] = ()) -
     fits = [(each.problem, each.polished) for each in (best, *rivals)]
     try:
         for plan in _open_plans(best.problem.recordings, not_possible):
-            share, too_loud = _check_limit(fits, plan)
-            lam, why = _rate(best, rivals, plan)
+            share, why = _forecast(fits, plan)
+            lam, why = (math.nan, why) if why else _rate(best, rivals, plan)
             if why:
                 failed.append(f"{plan.kind}: {why}")
                 continue
             rated.append((lam, plan, share))
-            if lam >= VERDICT.nameable and not too_loud:
+            if lam >= VERDICT.nameable and not _is_loud(share):
                 break
     except _FAILURES as error:
         failed.append(str(error))
     if not rated:
         return _none(failed, labels)
-    lam, plan, share = max(rated, key=lambda each: (not each[2] > VERDICT.of_limit, each[0]))  # loud ones last
+    lam, plan, share = max(rated, key=lambda each: (not _is_loud(each[2]), each[0]))
     enough = "" if lam >= VERDICT.nameable else "Even that would leave them close."
     return _next_run(plan, share, enough, lam=lam, separates=labels)
 
@@ -88,7 +88,10 @@ def find_other_run(selection: Selection, *, not_possible: Collection[str] = ()) 
     try:
         open_plans = _open_plans(selection.problem.recordings, not_possible)
         for plan in sorted(open_plans, key=lambda plan: (_TELLING.index(plan.kind), -plan.high, plan.ramp)):
-            share, why = _check_limit(fits, plan)
+            share, why = _forecast(fits, plan)
+            if _is_loud(share):
+                most = 100 * VERDICT.of_limit
+                why = f"its vibration may reach {100 * share:.0f} % of a limit, want {most:.0f} %"
             if not why:
                 return _next_run(plan, share, "")
             failed.append(f"{plan.kind}: {why}")
@@ -143,8 +146,11 @@ def _was_made(plan: Plan, measured: Sequence[Recording]) -> bool:
     return False
 
 
-def _check_limit(fits: Sequence[tuple[ExtendedProblem, Solution]], plan: Plan) -> tuple[float, str]:
-    """Return how near to a limit a plan may come by any of the fits, and why it is not to be run, empty if it is."""
+def _forecast(fits: Sequence[tuple[ExtendedProblem, Solution]], plan: Plan) -> tuple[float, str]:
+    """Return the share of a limit that a plan may reach by any of the fits, and why it is not known, empty if it is.
+
+    Where the config has no limits it is NaN.
+    """
     limits = plan.rig.limits
     if limits is None:
         return math.nan, ""
@@ -152,9 +158,12 @@ def _check_limit(fits: Sequence[tuple[ExtendedProblem, Solution]], plan: Plan) -
         share = max(share_of_limit(problem, fit, plan, limits) for problem, fit in fits)
     except _FAILURES as error:
         return math.nan, str(error)
-    if share > VERDICT.of_limit:
-        return share, f"its vibration may reach {100 * share:.0f} % of a limit, want {100 * VERDICT.of_limit:.0f} %"
-    return share, ""
+    return share, "" if math.isfinite(share) else "its forecast is not finite"
+
+
+def _is_loud(share: float) -> bool:
+    """Say whether a run may come too near a limit."""
+    return share > VERDICT.of_limit
 
 
 def _rate(best: Candidate, rivals: Sequence[Candidate], plan: Plan) -> tuple[float, str]:

@@ -141,21 +141,23 @@ def higher_tops(rig: RigConfig, high: float) -> list[float]:
 def plan_recordings(plan: Plan, measured: Sequence[Recording]) -> tuple[list[Recording], tuple[Effect, ...]]:
     """Return the recordings a fit has once a plan is made, and the unknowns that come along; the planned ones last.
 
-    Those that were made come first, unless the plan's probes are others: then it is made without a trial mass too, if
-    it has one. Planned vectors are nothing yet, their noise is that of the first recording at like speeds.
+    Those that were made come first, unless the plan's probes are others: then one with a trial mass, or of a rotor that
+    turns the other way, comes after one without. Planned vectors are nothing yet, their noise is that of the first
+    recording at like speeds.
     """
     response = measured[0].response
     made = list(measured) if plan.probes == response.probes else []
-    masses = [plan.trial] if made or not plan.trial else [{}, plan.trial]
-    planned = [_response(response, plan, trial) for trial in masses]
-    if plan.backward:
-        planned = [replace(each, rig=plan.rig.turned_over) for each in planned]
-    first = len(made)
-    new = [
-        Recording(each, number=i, backward=plan.backward, planned=True) for i, each in enumerate(planned, start=first)
-    ]
-    unknown = tuple(MarkEdge.of_recording(each.number) for each in new if plan.backward)
-    return [*made, *new], unknown
+    wanted = [(plan.trial, plan.backward)]
+    if not made and (plan.trial or plan.backward):
+        wanted.insert(0, ({}, False))
+    recordings, unknown = list(made), []
+    for number, (trial, backward) in enumerate(wanted, start=len(made)):
+        planned = _response(response, plan, trial)
+        if backward:
+            planned = replace(planned, rig=plan.rig.turned_over)
+            unknown.append(MarkEdge.of_recording(number))
+        recordings.append(Recording(planned, number=number, backward=backward, planned=True))
+    return recordings, tuple(unknown)
 
 
 def _response(response: OrderTrackedResponse, plan: Plan, trial: dict[str, complex]) -> OrderTrackedResponse:

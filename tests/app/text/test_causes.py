@@ -63,6 +63,14 @@ def test_why_there_is_no_next_run_is_said_without_a_separation(named: Diagnosis)
     assert next_run_sentence(dataclasses.replace(named, next_run=none)) == none.words
 
 
+def test_how_near_the_next_run_comes_to_a_limit_is_said(named: Diagnosis) -> None:
+    calm = NextRun(kind="ramp rate", words="Slower.", lam=math.nan, separates=(), share_of_limit=0.4)
+    loud = dataclasses.replace(calm, share_of_limit=1.17)
+    said, warned = (next_run_sentence(dataclasses.replace(named, next_run=run)) for run in (calm, loud))
+    assert said == "Slower. Its vibration stays below 40 % of the limit, with 95 % probability."
+    assert warned == "Slower. Its vibration may come near the limit: below 117 % of the limit, with 95 % probability."
+
+
 def test_the_chosen_and_the_tied_are_listed_however_many_are_better(named: Diagnosis) -> None:
     others = [dataclasses.replace(make_cause(f"effect {i}", "", evidence=100.0 - i, after=1e-6)) for i in range(20)]
     found = dataclasses.replace(named, causes=(BOW, *others), tied=(("bow", "effect 19"),))

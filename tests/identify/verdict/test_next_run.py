@@ -204,3 +204,14 @@ def test_a_run_that_was_made_is_not_proposed_again(
     after = selected(first, hidden, more=[Recording(slow, number=1)])
     assert find_other_run(after, not_possible=not_possible).ramp == pytest.approx(RAMP / RPM * 3, rel=0.05)
     assert find_other_run(both, not_possible=not_possible).ramp == pytest.approx(RAMP / RPM / 3, rel=0.05)
+
+
+def test_a_plan_whose_forecast_fails_is_not_proposed(tied: Selection, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> float:
+        raise np.linalg.LinAlgError("Singular matrix")
+
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.share_of_limit", fail)
+    for found in (find_next_run(tied), find_other_run(tied)):
+        assert found is not None
+        assert not found.planned
+        assert "Singular matrix" in found.words

@@ -196,6 +196,16 @@ def test_a_reverse_run_is_one_more_after_a_forward_one_by_a_mark_of_unknown_widt
     assert all(effect.is_nuisance for effect in unknown), "a nuisance, no discovery"
 
 
+def test_a_reverse_run_of_a_table_whose_second_plane_does_not_read_comes_after_a_forward_one(
+    untimed: OrderTrackedResponse,
+) -> None:
+    plan = next(p for p in plans(untimed) if p.kind == "reverse rotation")
+    (forward, reverse), unknown = plan_recordings(plan, [Recording(untimed)])
+    assert [each.planned for each in (forward, reverse)] == [True, True]
+    assert [each.backward for each in (forward, reverse)] == [False, True]
+    assert [effect.recording for effect in unknown] == [1]
+
+
 def test_higher_speeds_are_gone_to_in_quarters(below: OrderTrackedResponse) -> None:
     tops = [plan.high * RPM for plan in plans(below) if plan.kind == "through critical"]
     first = below.omega.max() * RPM
