@@ -27,9 +27,8 @@ class BaseFitSettings:
     """Starts of a fit, and the end of one for a diagnosis."""
 
     starts: int = 2  # minima of the search that are refined, beside the nameplate, unless an earlier start is good
-    first_steps: int = 12  # of a fit that others only begin from
-    settled: float = 0.1  # of chi2: a step of a third of a standard deviation
-    steps: int = 15  # a model that is wrong wanders on among its nuisances
+    begun: float = 0.01  # of chi2 of the first recording: where a refinement in it ends, and that in all begins
+    settled: float = 0.1  # of chi2 of all, where a fit for a diagnosis ends: a step of a third of a standard deviation
 
 
 BASE_FIT = BaseFitSettings()
@@ -42,8 +41,6 @@ class SearchOptions:
     objective: ObjectiveName = "residual"
     method: SearchName = "vector"
     seed: int = 0
-    first_steps: int = BASE_MODEL.most_steps  # from every start, in the first recording
-    steps: int = BASE_MODEL.most_steps  # in all recordings
     tolerance: float = LEAST_SQUARES.tolerance  # of chi2, in all recordings
 
 
@@ -109,25 +106,31 @@ def search_and_refine(
     )
     optima = [np.array(o.theta[: len(space)]) for o in searched.optima]
     begun = BaseProblem(problem=problem.on([first.first_order()]), own=base.own)
-    best = _best(begun.problem, _refine_starts(begun, optima, near, steps=options.first_steps))
+    best = _best(begun.problem, _refine_starts(begun, optima, near))
     problem = problem.expecting_error(best.p)
     start = problem.solve_linear(best.p, problem.parameters.free)  # other orders and recordings have not been looked at
-    return searched, problem, problem.solve(start, tolerance=options.tolerance, max_steps=options.steps)
+    return searched, problem, problem.solve(start, tolerance=options.tolerance)
 
 
-def _refine_starts(base: BaseProblem, optima: list[Reals], near: Reals | None, *, steps: int) -> Iterator[Solution]:
+def _refine_starts(base: BaseProblem, optima: list[Reals], near: Reals | None) -> Iterator[Solution]:
     """Refine one start after the other: `near`, the search's best minimum, the nameplate, the next minimum.
 
     Amplitudes of few probes leave valleys in which the search cannot choose; the nameplate is a fair guess there. A
-    minimum of the steady model that is unstable has no swept motion, and is passed over.
+    start that leads to where an earlier one did is passed over, as is a minimum of the steady model that is unstable
+    and has no swept motion.
     """
     problem = base.problem
+    approached: list[Reals] = []
     if near is not None:
         yield problem.solve(near, damped=True)
     for theta in (*optima[:1], problem.parameters.base.space.nameplate, *optima[1 : BASE_FIT.starts]):
         try:
             with np.errstate(over="ignore", invalid="ignore"):
-                refined = problem.refine(theta, base.own, max_steps=steps)
+                begin = problem.approach(theta, base.own).p
+                if any(np.abs(begin - other).max() < BASE_MODEL.at_bound for other in approached):
+                    continue
+                approached.append(begin)
+                refined = problem.solve(begin, share=BASE_FIT.begun, max_steps=BASE_MODEL.most_steps, damped=True)
         except np.linalg.LinAlgError:
             continue
         if np.isfinite(refined.chi2):
@@ -160,14 +163,12 @@ def fit_base(recordings: Sequence[Recording], effects: Sequence[KnownEffect] = (
     Where rows scatter more than their covariance says, the recordings of the result have the noise they show.
     """
     base = BaseProblem.of(recordings, effects)
-    options = SearchOptions(
-        seed=seed, first_steps=BASE_FIT.first_steps, steps=BASE_FIT.steps, tolerance=BASE_FIT.settled
-    )
+    options = SearchOptions(seed=seed, tolerance=BASE_FIT.settled)
     with threadpool_limits(1, user_api="blas"):
         _, fitted, polished = search_and_refine(base, options)
         problem = with_scatter(fitted, polished.p)
         if problem is not fitted:
-            polished = problem.solve(polished.p, max_steps=options.steps, tolerance=options.tolerance)
+            polished = problem.solve(polished.p, tolerance=options.tolerance)
     return assess_fit(problem, polished)
 
 

@@ -2,8 +2,8 @@
 
 Faults and effects were written apart and count differently: angles from the shaft's zero or from the keyphasor's edge,
 a force or a stiffness, a place anywhere or on a scan. This table is the only place that knows both. A fault that does
-not stand in it is an outsider, for which the right answer is that no known cause explains it. A dimension that is not
-the nameplate's is a finding of its own: the right answer is that dimension, off by as much as it is.
+not stand in it is an outsider, for which the right answer is that no known cause explains it. What the nameplate has
+wrongly is a finding of its own: nameplate_answers.py.
 """
 
 import cmath
@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from benchmarks.parts.blind.rigs.deviants import Deviation
 from rotorrig.acquisition.sweep.plans import SETTLING_RAMP
 from rotorrig.rig.config import RigConfig, RunUpCoastDown
 from rotorrig.sims.effects import catalogue, find
@@ -38,7 +37,7 @@ class Answer:
     same: tuple[str, ...] = ()  # those of them that do, so that an interval may be asked to hold them
     disturbed: tuple[str, ...] = ()  # estimates of the base that the fault itself changes
     asked: bool = True  # has to be named; else it may be
-    interval: bool = False  # right only if the 95 % interval holds it: a place that is off has to be off by that much
+    interval: bool = False  # right only if the 95 % interval holds it
 
 
 OUTSIDER = Answer(labels=(), theta={})
@@ -49,13 +48,6 @@ def answer(rig: RigConfig, truth: Truth, hidden: FaultSpec) -> Answer:
     if hidden.name not in ANSWERS:
         return OUTSIDER
     return ANSWERS[hidden.name](rig, truth, load_fault(hidden.name).PARAMETERS | hidden.parameters)
-
-
-def departure(deviation: Deviation) -> Answer:
-    """Return the right answer for a dimension that the nameplate has wrongly: that one, off by that much."""
-    label = f"{deviation.kind}, {deviation.part}" if deviation.part else deviation.kind
-    theta = {"off": deviation.value}
-    return Answer(labels=(label,), exact=label, theta=theta, same=("off",), asked=deviation.asked, interval=True)
 
 
 def effect_of(label: str) -> str:

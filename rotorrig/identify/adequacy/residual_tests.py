@@ -7,7 +7,9 @@ Neumann (Annals of Mathematical Statistics 12 (1941) 367), whose variance is one
 so for stretches of `ADEQUACY.stretch` neighbouring rows of one run, probe and order, as a ratio F to the scatter of
 their run, which counts as known from `ADEQUACY.neighbours` stretches on either side, since it is not the same all
 through a run: it sees an effect that is loud in a narrow band of speeds and lost in the average. Orders other than 1X
-have no source in the linear model but runout, which their slow-roll vector gives.
+have no source in the linear model but runout, which their slow-roll vector gives. Whatever shakes a rig makes it ring
+at its natural frequency, and where such an order passes that, its noise is louder than in the rest of the run; so those
+are held against the scatter about the stretch, where that is more.
 
 p is the probability that a right model has one of them as large, the number of stretches looked at paid for (Sidak,
 Journal of the American Statistical Association 62 (1967) 626). How often healthy simulated rigs fail:
@@ -26,7 +28,7 @@ from scipy.special import fdtrc, fdtri, ndtr
 
 from rotorrig.identify.adequacy.mean_position import MEAN, departures
 from rotorrig.identify.adequacy.misfit import Misfit, Stretch, describe_misfit
-from rotorrig.identify.adequacy.row_scatter import excess_scatter, row_variance
+from rotorrig.identify.adequacy.row_scatter import excess_scatter, local_excess, row_variance
 from rotorrig.identify.adequacy.settings import ADEQUACY
 from rotorrig.identify.measurement import Measurement, measure
 from rotorrig.processing import OrderTrackedResponse
@@ -54,7 +56,7 @@ class Adequacy:
 def assess(response: OrderTrackedResponse, prediction: Predicted, *, used: float = 0.0) -> Adequacy:
     """Test a fit against a response by its `prediction`; `used`: how many of its 1X values the fit could follow."""
     residual, sigmas = residual_maps(response, prediction)
-    every = list(_stretches(response, sigmas))
+    every = list(_stretches(response, residual, sigmas))
     stretches = sorted((s for s in every if response.orders[s.order] != MEAN), key=lambda s: -s.sigma)
     limit = focused_limit(len(stretches))
     worst = stretches[0].sigma if stretches else float("nan")
@@ -184,20 +186,29 @@ def _compare(
     return measured, off
 
 
-def _stretches(response: OrderTrackedResponse, sigmas: NDArray[np.float64]) -> Iterator[Stretch]:
+def _stretches(response: OrderTrackedResponse, residual: Complex, sigmas: NDArray[np.float64]) -> Iterator[Stretch]:
     """Yield consecutive groups of rows per run, probe and order, in the order of measurement."""
+    white = sigmas * np.exp(1j * np.angle(residual))
     for run in range(len(response.runs)):
         rows = np.flatnonzero((response.run == run) & np.isfinite(sigmas).any(axis=(1, 2)))
-        groups = [rows[i : i + ADEQUACY.stretch] for i in range(0, len(rows), ADEQUACY.stretch)]
+        groups = [np.arange(i, min(i + ADEQUACY.stretch, len(rows))) for i in range(0, len(rows), ADEQUACY.stretch)]
         if len(groups) > 1 and len(groups[-1]) < ADEQUACY.stretch // 2:
             groups[-2:] = [np.concatenate(groups[-2:])]
         for group in groups:
             for probe in range(sigmas.shape[1]):
                 for order in range(sigmas.shape[2]):
-                    values = sigmas[group, probe, order]
-                    if np.isfinite(values).any():
-                        rms = float(np.sqrt(np.nanmean(values**2)))
-                        yield Stretch(run=run, probe=probe, order=order, rows=group, sigma=rms)
+                    own = white[rows, probe, order]
+                    if np.isfinite(own[group]).any():
+                        louder = _louder_here(own, group, order=response.orders[order])
+                        rms = float(np.sqrt(np.nanmean(np.abs(own[group]) ** 2) / louder))
+                        yield Stretch(run=run, probe=probe, order=order, rows=rows[group], sigma=rms)
+
+
+def _louder_here(white: Complex, group: NDArray[np.intp], *, order: float) -> float:
+    """Return by how much the noise of an order is louder about a stretch of a run than all through it."""
+    if order in (MEAN, 1.0):
+        return 1.0
+    return local_excess(white, group, around=ADEQUACY.neighbours * ADEQUACY.stretch)
 
 
 def _merge(stretches: list[Stretch]) -> list[Stretch]:

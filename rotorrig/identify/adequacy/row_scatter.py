@@ -26,6 +26,18 @@ def row_variance(white: Reals, run: NDArray[np.intp]) -> float:
     return float(known.mean()) if len(known) else float("nan")
 
 
+def local_excess(white: NDArray[np.complex128], rows: NDArray[np.intp], *, around: int) -> float:
+    """Return by how much the variance of consecutive `rows` is more than one, by them and `around` on either side.
+
+    `white` (row,) is the residual of one run in standard deviations, complex, of mean square one; NaN where nothing was
+    measured. Never less than 1.
+    """
+    near = white[max(rows[0] - around, 0) : rows[-1] + 1 + around]
+    halves = np.abs(np.diff(near)) ** 2 / 2
+    known = halves[np.isfinite(halves)]
+    return max(1.0, float(known.mean())) if len(known) >= FEWEST else 1.0
+
+
 def excess_scatter(white: Reals, run: NDArray[np.intp]) -> Reals:
     """Return by how much the variance of a row's values is more than stated, (row,), the same in a whole run.
 

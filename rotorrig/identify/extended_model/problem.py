@@ -121,19 +121,22 @@ class ExtendedProblem:
             p[names.own] = own
         return self.solve_linear(p, np.arange(len(p)))
 
-    def refine(self, values: Reals, own: Reals | None = None, *, max_steps: int = BASE_MODEL.most_steps) -> Solution:
-        """Refine from `begin`: first as if the nameplate and the probes were exact, then with all free.
+    def approach(self, values: Reals, own: Reals | None = None) -> Solution:
+        """Refine from `begin` as if the nameplate and the probes were exact.
 
         Far from the minimum a nuisance would take what the unknowns have not reached yet, and find back only slowly.
         """
-        near = self.solve(
+        return self.solve(
             self.begin(values, own),
             fixed=self.parameters.pinned,
             tolerance=BASE_MODEL.near,
             max_steps=BASE_MODEL.most_steps,
             damped=True,
         )
-        return self.solve(near.p, max_steps=max_steps, damped=True)
+
+    def refine(self, values: Reals, own: Reals | None = None) -> Solution:
+        """Refine from `approach` with all free."""
+        return self.solve(self.approach(values, own).p, max_steps=BASE_MODEL.most_steps, damped=True)
 
     def at_bound(self, p: Reals, i: int) -> bool:
         """Say whether unknown number `i` of the base ended within a per cent of its bound."""
@@ -146,6 +149,7 @@ class ExtendedProblem:
         *,
         fixed: Mapping[int, float] = NONE_FIXED,
         tolerance: float = LEAST_SQUARES.tolerance,
+        share: float = 0.0,
         max_steps: int = LEAST_SQUARES.steps,
         worth: Worth = always,
         damped: bool = False,
@@ -160,7 +164,14 @@ class ExtendedProblem:
         fixed = {**self.parameters.frozen, **fixed}
         laws = self.model.hold_above(start)
         refine = partial(
-            solve, self, fixed=fixed, tolerance=tolerance, max_steps=max_steps, worth=worth, damped=damped or laws
+            solve,
+            self,
+            fixed=fixed,
+            tolerance=tolerance,
+            share=share,
+            max_steps=max_steps,
+            worth=worth,
+            damped=damped or laws,
         )
         found = refine(start, jacobian=jacobian)
         if (laws or self.model.units.seen) and not self.model.units.exact and found.stop is not Stop.GIVEN_UP:

@@ -93,6 +93,7 @@ def solve(
     *,
     fixed: Mapping[int, float] = NONE_FIXED,
     tolerance: float = LEAST_SQUARES.tolerance,
+    share: float = 0.0,
     max_steps: int = LEAST_SQUARES.steps,
     worth: Worth = always,
     damped: bool = False,
@@ -100,10 +101,10 @@ def solve(
 ) -> Solution:
     """Refine `start` within the bounds, the parameters in `fixed` held at those values.
 
-    It has converged when a full step promises less than `tolerance` of chi2; it is given up where `worth`, asked before
-    every step but the first, says no. With `damped` no full steps are tried first and the linear parameters are solved
-    for after every step: where a residual takes as long as a Jacobian, full steps cost more than they gain. `jacobian`
-    is that at `start`, where it is known; not with `damped`, which begins elsewhere.
+    It has converged when a full step promises less than `tolerance`, or than that `share`, of chi2; it is given up
+    where `worth`, asked before every step but the first, says no. With `damped` no full steps are tried first and the
+    linear parameters are solved for after every step: where a residual takes as long as a Jacobian, full steps cost
+    more than they gain. `jacobian` is that at `start`, where it is known; not with `damped`, which begins elsewhere.
     """
     p = start.copy()
     p[list(fixed)] = list(fixed.values())
@@ -118,6 +119,7 @@ def solve(
             settings=replace(FIT, full_steps=not damped),
             solve_linear=part.solve_linear,
             tolerance=tolerance,
+            share=share,
             max_steps=max_steps,
             watch=lambda at: None if worth(at.point.cost, at.model.full_promise) else Stop.GIVEN_UP,
         )

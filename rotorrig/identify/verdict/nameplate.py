@@ -84,7 +84,7 @@ def _explanations(base: AssessedFit, *, but: Collection[str]) -> tuple[Deviation
 def _with_wider_prior(base: AssessedFit, deviation: Deviation) -> AssessedFit:
     """Return the base refitted with a wider prior of one statement."""
     problem = base.problem.with_wider_priors(deviation.nuisances)
-    return assess_fit(problem, problem.solve(base.polished.p, max_steps=BASE_FIT.steps, tolerance=BASE_FIT.settled))
+    return assess_fit(problem, problem.solve(base.polished.p, tolerance=BASE_FIT.settled))
 
 
 def conclude_with_nameplate(verdict: Verdict, named: Sequence[NameplateFinding], ties: Ties) -> Verdict:

@@ -123,6 +123,29 @@ def test_what_is_loud_is_located_and_makes_the_model_inadequate(judged, rng) -> 
     assert misfit.sigma == pytest.approx(np.sqrt(1 + 8**2 / 2), rel=0.15)
 
 
+@pytest.mark.parametrize(("coherent", "adequate"), [(False, True), (True, False)])
+def test_noise_that_rings_where_half_the_speed_passes_the_critical_one_is_no_misfit(
+    healthy, rng, *, coherent: bool, adequate: bool
+) -> None:
+    """Fourteen rows of half-order vibration, five times the noise: shaken anew in every row, or one and the same."""
+    rows = 400
+    ringing = 5 * np.exp(-(((np.arange(rows) - 200) / 10) ** 2))[:, None]
+    added = ringing * (np.full((rows, 2), SIGMA + 0j) if coherent else white(rng, rows, probes=2))
+    half = white(rng, rows, probes=2) + added
+    response = long_run(healthy, white(rng, rows, probes=2))
+    response = replace(
+        response,
+        orders=(1.0, 0.5),
+        z=np.stack([response.z[..., 0], half], axis=-1),
+        covariance=np.repeat(response.covariance, 2, axis=1),
+        slow_roll=np.stack([response.slow_roll[:, 0], np.zeros(2)], axis=-1),
+        slow_roll_covariance=np.repeat(response.slow_roll_covariance, 2, axis=0),
+    )
+    found = assess(response, {1: np.full((rows, 2), 20e-6 + 0j)})
+    assert found.adequate is adequate
+    assert adequate or found.misfits[0].order == 0.5
+
+
 @pytest.mark.parametrize(("size", "adequate"), [(0.2, True), (0.7, False)])
 def test_the_global_test_alone_can_refuse_what_is_smooth_and_loud_nowhere(
     judged, rng, size: float, adequate: bool

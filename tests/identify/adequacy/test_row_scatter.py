@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.adequacy.row_scatter import excess_scatter, row_variance
+from rotorrig.identify.adequacy.row_scatter import excess_scatter, local_excess, row_variance
 
 ROWS = 2_000
 RUN = np.repeat([0, 1], ROWS // 2)
@@ -39,3 +39,14 @@ def test_the_few_rows_of_a_narrow_misfit_do_not_make_it_louder(rng: np.random.Ge
     values[500:520] += 1e3 * rng.standard_normal((20, 4))
     assert excess_scatter(values, RUN)[0] < 1.15
     assert (excess_scatter(values[:9] * 5, np.zeros(9, dtype=int)) == 1.0).all(), "nine rows do not tell"
+
+
+def test_noise_that_is_louder_here_is_louder_here_and_a_smooth_bump_is_not(rng: np.random.Generator) -> None:
+    noise = (rng.standard_normal(ROWS) + 1j * rng.standard_normal(ROWS)) / np.sqrt(2)
+    here, there = np.arange(400, 600), np.arange(1000, 1200)
+    bump = 3 * np.exp(-(((np.arange(ROWS) - 1100) / 20) ** 2))
+    white = noise * np.where(np.isin(np.arange(ROWS), here), 3.0, 1.0) + bump
+    assert local_excess(white, here, around=0) == pytest.approx(9.0, rel=0.3)
+    assert local_excess(white, there, around=0) == pytest.approx(1.0, rel=0.3)
+    assert local_excess(0.1 * noise, here, around=0) == 1.0, "it is never less"
+    assert local_excess(9 * noise[:7], np.arange(7), around=0) == 1.0, "seven rows do not tell"

@@ -55,7 +55,7 @@ def recorded(rk4: RigConfig, rig: RigConfig, label: str, theta: dict[str, float]
 
 def base_fit(problem: ExtendedProblem) -> Solution:
     """Fit the base from the nameplate; the cause it lacks biases it."""
-    return problem.refine(problem.parameters.base.space.nameplate, max_steps=12)
+    return problem.refine(problem.parameters.base.space.nameplate)
 
 
 def best_fit(problem: ExtendedProblem, base: Solution, scores: Sequence[Score]) -> Candidate:
