@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
+from rotorrig.rig import DataError
 from rotorrig.sims.rotor.model import Load, RotorModel, matrices
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
 from rotorrig.sims.rotor.nonlinear.harmonic_balance import overtones
@@ -46,7 +47,7 @@ def swept_with_law(
     `orders` are 0 and above: of order 0 it is the shift of the mean by the mean force, real. Loads of other orders than
     1 have their linear response. `above` is another model for the orders above 1, of much the same rotor: kept while
     `model` changes, it saves solving that. Raises as swept_response, DataError if the force does not converge at too
-    many turns.
+    many turns or is beyond bounds at an order.
     """
     amounts = np.asarray(amounts, dtype=complex)
     first = [i for i, load in enumerate(loads) if load.order == 1]
@@ -61,6 +62,8 @@ def swept_with_law(
         same = [i for i, load in enumerate(loads) if load.order == order]
         linear = swept_columns(rotor, rows, loads=[loads[i] for i in same], order=order) @ amounts[same] if same else 0
         F = overtones(laws, rows.turns.omega, motion.u, motion.F, order)
+        if not np.isfinite(F).all():
+            raise DataError(f"law: its force at {order}X is beyond bounds, want a bounded motion")
         by_order.append(linear + _overtone_response(rotor, rows, laws, F, order))
     return np.stack(by_order, axis=-1)
 

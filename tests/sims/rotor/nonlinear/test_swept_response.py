@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from rotorrig.rig.errors import ConfigError
+from rotorrig.rig.errors import ConfigError, DataError
 from rotorrig.sims.rotor.model.assembly import Added, assemble, matrices, with_added
 from rotorrig.sims.rotor.model.loads import unbalance_loads
 from rotorrig.sims.rotor.model.reduction import reduce
@@ -160,3 +160,12 @@ def test_a_hardening_spring_keeps_its_branch_on_the_way_up_and_on_the_way_down(s
 def test_a_law_that_is_no_numba_function_is_refused(model):
     with pytest.raises(ConfigError, match="want a function decorated with numba"):
         at_disk(model, cubic.py_func, 1.0)
+
+
+def test_a_motion_beyond_bounds_is_an_error_of_the_law_in_one_sentence(model):
+    """A fit may ask for one on its way, and goes elsewhere on a DataError."""
+    _, rows = laid_out(*DOWN)
+    with np.errstate(all="ignore"), pytest.raises(DataError, match="law: its force at 3X is beyond bounds"):
+        swept_with_law(
+            model, rows, unbalance_loads(model, {"disk": 1.0}), [1e200], [at_disk(model, cubic, 5e10)], orders=(3,)
+        )
