@@ -3,7 +3,9 @@
 Once a model is known, `expecting_error` adds that of its own error (model_error.py).
 
 What calibration leaves of a probe's scale factor over its range is no noise: it is the same in all rows, and a nuisance
-of the fit (`prior.probe_linearity`).
+of the fit (`prior.probe_linearity`). That follows a calibration table up to `FOLLOWED` and not far beyond
+(extended_model/probe_curve.py): harmonics of a larger motion, which the curve makes first of all, tell of nothing else
+and are left out.
 """
 
 from dataclasses import dataclass, replace
@@ -18,6 +20,7 @@ from rotorrig.rig import DataError
 from rotorrig.rig.config import RPM
 
 SLOW_ROLL = "slow roll"
+FOLLOWED = 400e-6  # m, 0-peak
 _MASKED = 1.0  # m: the standard deviation of a vector that is not usable
 
 
@@ -150,7 +153,10 @@ def measure(
         )
     n = response.orders.index(order)
     z = np.concatenate([response.z[rows, :, n], response.slow_roll[None, :, n]])
-    usable = np.concatenate([response.usable[rows], np.ones((1, z.shape[1]), dtype=bool)]) & np.isfinite(z)
+    good = response.usable[rows]
+    if order > 1:
+        good = good & (np.abs(np.nan_to_num(response.order(1.0)[rows])) < FOLLOWED)
+    usable = np.concatenate([good, np.ones((1, z.shape[1]), dtype=bool)]) & np.isfinite(z)
     compensated = bool(np.isfinite(response.compensation_omega))
     if compensated:
         z[-1], usable[-1] = 0, False

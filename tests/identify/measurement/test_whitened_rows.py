@@ -91,3 +91,17 @@ def test_of_a_compensated_table_every_row_counts_less_the_slow_roll_and_that_not
     assert (measured.sigmas(raw)[-1] == 0).all()
     kept = measure(blind_response)
     assert kept.as_stated(raw) is raw
+
+
+def test_harmonics_of_a_motion_that_no_curve_of_a_probe_follows_are_left_out(
+    blind_response: OrderTrackedResponse,
+) -> None:
+    z = blind_response.z.copy()
+    z[12, 1, blind_response.orders.index(1.0)] = 401e-6j
+    z[13, 1, blind_response.orders.index(1.0)] = 399e-6j
+    louder = replace(blind_response, z=z)
+    first, second = measure(louder, order=1.0), measure(louder, order=2.0)
+    at = [int(np.flatnonzero(second.rows == row)[0]) for row in (12, 13)]
+    assert first.usable[at].all()
+    assert second.usable[at[0]].tolist() == [True, False, True, True]
+    assert second.usable[at[1]].all()
