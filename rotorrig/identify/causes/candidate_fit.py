@@ -139,8 +139,8 @@ def _fit_first(
 ) -> Solution:
     """Fit from the start of the score, or else from the effect at zero amplitude: beside `plain`, if there is one.
 
-    A first full step from there goes as far as the score says. What does not end beside `plain` may do so beside
-    `polished`, if its score is worth it.
+    A first full step from there goes as far as the score says. What does not end beside `plain`, or was given up before
+    it came as low as `polished`, may do so beside `polished`, if its score is worth it.
     """
     if score.begin is not None:
         return _refine(problem, score.begin, worth=worth)
@@ -155,7 +155,8 @@ def _fit_first(
             jacobian=jacobian_at_zero(problem, plain, start),
         )
         fit = _refine(problem, near.p, worth=worth)
-        if fit.stop in (Stop.CONVERGED, Stop.GIVEN_UP) or not worth(polished.chi2, score.lam):
+        ended = fit.stop is Stop.CONVERGED or (fit.stop is Stop.GIVEN_UP and fit.chi2 < polished.chi2)
+        if ended or not worth(polished.chi2, score.lam):
             return fit
     start = np.append(polished.p, at_zero)
     direct = _refine(problem, start, worth=worth, jacobian=jacobian_at_zero(problem, polished, start))
