@@ -1,8 +1,9 @@
 """Agreement of disjoint parts of the data: whether one and the same rotor moves in all of them.
 
 A cause that is not there may take up a misfit, and leave it to the bearings and the unbalance to take up the rest,
-differently at other speeds, in another run and at another plane. So the model is fitted to parts that share no row or
-no probe, and the difference of what they say of the base is held against its covariance.
+differently at other speeds, in another run and at another plane; and it may be of another size there. So the model is
+fitted to parts that share no row or no probe, and the difference of what they say of the base and of the causes is held
+against its covariance.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
+from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
 from rotorrig.identify.least_squares import inverse_information
@@ -25,12 +27,12 @@ Mask = NDArray[np.bool_]
 class Agreement:
     """The parts of the data that agree least."""
 
-    p: float  # that base parameters of one rotor differ as much, the number of divisions paid for
-    between: str  # "runs", "planes of probes" or "every other block of speeds"
+    p: float  # that parameters of one rotor differ as much, the number of divisions paid for
+    between: str  # "runs", "planes of probes", "speeds below and above the peak" or "every other block of speeds"
 
 
 def agreement(problem: ExtendedProblem, p: Reals, *, fits: PartFits | None = None) -> Agreement:
-    """Return how well coefficients and unbalance agree between parts of the data; `p` is the fit to all of it.
+    """Return how well coefficients, unbalance and causes agree between parts of the data; `p` is the fit to all of it.
 
     `fits` are those begun there, where they are known.
 
@@ -41,7 +43,7 @@ def agreement(problem: ExtendedProblem, p: Reals, *, fits: PartFits | None = Non
     each = []
     for between, masks in _divisions(problem.recordings):
         (one, of_one), (other, of_other) = (
-            _base_of(fits.fit([r.only(mask) for r, mask in zip(problem.recordings, part, strict=True)]))
+            _compared(fits.fit([r.only(mask) for r, mask in zip(problem.recordings, part, strict=True)]))
             for part in (masks, [~mask for mask in masks])
         )
         off = one - other
@@ -50,14 +52,19 @@ def agreement(problem: ExtendedProblem, p: Reals, *, fits: PartFits | None = Non
     return Agreement(p=float(-np.expm1(len(each) * np.log1p(-min(least, 1 - 1e-16)))), between=between)
 
 
-def _base_of(fit: PartFit) -> tuple[Reals, Reals]:
-    """Return the base parameters of a fit and their covariance, scaled up where it is bad."""
+def _compared(fit: PartFit) -> tuple[Reals, Reals]:
+    """Return the parameters of a fit that are compared and their covariance, scaled up where it is bad.
+
+    Those of the base, and of the causes where they are of the first order: one step takes the others nowhere near.
+    """
     names = fit.problem.parameters
     free = names.free
     covariance = inverse_information(fit.jacobian[:, free]) * max(1.0, fit.chi2 / max(fit.problem.size - len(free), 1))
-    of_base = np.intersect1d(np.r_[names.base.sought, names.base.unbalance], free)
-    own = np.searchsorted(free, of_base)
-    return fit.p[of_base], covariance[np.ix_(own, own)]
+    causes = [part for effect, part in zip(names.effects, names.theta, strict=True) if not effect.is_nuisance]
+    sizes = [] if fit.problem.curved else [np.arange(part.start, part.stop) for part in causes]
+    which = np.intersect1d(np.concatenate([np.r_[names.base.sought, names.base.unbalance], *sizes]), free)
+    own = np.searchsorted(free, which)
+    return fit.p[which], covariance[np.ix_(own, own)]
 
 
 def _divisions(recordings: Sequence[Recording]) -> Iterator[tuple[str, list[Mask]]]:
@@ -66,6 +73,11 @@ def _divisions(recordings: Sequence[Recording]) -> Iterator[tuple[str, list[Mask
     runs = [r.response.run[r.rows] for r in recordings]
     if all(len(np.unique(run)) > 1 for run in runs):
         yield "runs", [_every_probe(r, run == run[0]) for r, run in zip(recordings, runs, strict=True)]
+    if len(recordings) > 1:
+        yield "recordings", [_every_probe(r, np.full(len(r.rows), r is recordings[0])) for r in recordings]
+    slower = [r.response.omega[r.rows] < _speed_of_peak(recordings[0]) for r in recordings]
+    if all(ADEQUACY.fewest_rows <= below.sum() <= len(below) - ADEQUACY.fewest_rows for below in slower):
+        yield "speeds below and above the peak", [_every_probe(r, b) for r, b in zip(recordings, slower, strict=True)]
     response = recordings[0].response
     positions = np.array([response.rig.probe(name).position for name in response.probes])
     if np.ptp(positions) > 0:
@@ -75,3 +87,10 @@ def _divisions(recordings: Sequence[Recording]) -> Iterator[tuple[str, list[Mask
 
 def _every_probe(recording: Recording, keep: Mask) -> Mask:
     return np.repeat(keep[:, None], len(recording.response.probes), axis=1)
+
+
+def _speed_of_peak(recording: Recording) -> float:
+    """Return the speed of the largest 1X motion [rad/s]."""
+    measured = recording.measured[1]
+    motion = np.where(measured.usable, np.abs(measured.z - measured.z[-1:]), 0.0)[:-1]
+    return float(recording.response.omega[recording.rows][motion.sum(axis=1).argmax()])

@@ -11,6 +11,7 @@ from rotorrig.identify.verdict.disjoint_parts import Agreement, agreement
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.effects.base import find
 from tests.identify.swept import swept_response
 
 
@@ -52,3 +53,21 @@ def test_planes_that_tell_of_two_rotors_do_not_agree(rig: RigConfig) -> None:
     found = agreed(replace(first, z=np.where(other[None, :, None], second.z, first.z)))
     assert found.p < VERDICT.agreeing
     assert found.between == "planes of probes"
+
+
+@pytest.mark.parametrize(("above", "agrees"), [(0.06, True), (0.02, False)])
+def test_a_cause_that_is_of_another_size_above_the_peak_is_none(rig: RigConfig, above: float, agrees: bool) -> None:
+    """Hysteresis of a loss factor of 0.06, and of another one in the rows of higher speeds."""
+    effect = find(rig, "hysteresis")
+    slow, fast = (
+        swept_response(rig, rng=np.random.default_rng(7), hidden=[(effect, {"eta": eta})], unbalance=22e-6)
+        for eta in (0.06, above)
+    )
+    peak = slow.omega[np.abs(slow.z[..., 0] - slow.slow_roll[:, 0]).sum(axis=1).argmax()]
+    response = replace(slow, z=np.where((slow.omega < peak)[:, None, None], slow.z, fast.z))
+    base = fit_base([Recording(response)])
+    problem = base.problem.extended((*base.problem.effects, effect))
+    fit = problem.solve(np.append(base.polished.p, 0.0))
+    found = agreement(problem, fit.p)
+    assert (found.p > VERDICT.agreeing) is agrees
+    assert agrees or found.between == "speeds below and above the peak"
