@@ -52,8 +52,8 @@ from benchmarks.parts.blind.records import (
     read_records,
     results_file,
     source_version,
-    standing_attempt,
     supersede_attempt,
+    told_attempt,
 )
 from benchmarks.parts.blind.rigs.deviants import DEVIANTS
 from benchmarks.parts.blind.score import KILLED, Score, score, summarise
@@ -81,16 +81,19 @@ def main() -> None:
 
 def examine(options: argparse.Namespace) -> None:
     """Go on with the examination, unless only its summary is asked for, and say what it has found."""
-    attempt = standing_attempt(options.results) if options.summary else begin_attempt(options.results)
+    attempt = told_attempt(options.results) if options.summary else begin_attempt(options.results)
     wanted = examination(attempt)
     if attempt and not options.summary:
         run_all(wanted, results_file(attempt, options.results), number=attempt.number, options=options)
     kept = read_records(results_file(attempt, options.results), version=attempt.version) if attempt else {}
     judged = judge(wanted, kept)
     summaries = {d: summarise(scores, wanted=sum(c.design == d for c in wanted)) for d, scores in judged.items()}
+    if attempt and attempt.superseded:
+        print(f"Attempt {attempt.number}, superseded: {attempt.superseded}\n")
     print(text(judged, summaries))
     if options.write:
-        PAGE.write_text(page(judged, summaries, attempts=attempts(options.results)), encoding="utf-8")
+        whole = page(judged, summaries, attempts=attempts(options.results), told=attempt)
+        PAGE.write_text(whole, encoding="utf-8")
     if options.json:
         print(json.dumps(_report(attempt, summaries)))
 

@@ -83,7 +83,7 @@ def text(judged: Judged, summaries: Summaries) -> str:
     )
 
 
-def page(judged: Judged, summaries: Summaries, *, attempts: Sequence[Attempt]) -> str:
+def page(judged: Judged, summaries: Summaries, *, attempts: Sequence[Attempt], told: Attempt | None) -> str:
     """Return docs/blind.md."""
     sections = "\n\n".join(
         text({design: scores}, summaries) + (f"\n\n{confusion(scores)}" if scores else "")
@@ -116,6 +116,8 @@ looked at, they are development, and the next attempt takes new ones. Cases of a
 attempt's are not counted; the version is a digest of the sources.
 
 {list_attempts(attempts, judged)}
+
+What follows is of attempt {told.number if told else 0}.
 
 {sections}
 """

@@ -15,14 +15,14 @@ class VerdictSettings:
     separated_within: float = 0.3  # of chi2, where a fit by a rival ends
     separated_rows: int = 60  # of the first recording, on which its start is chosen
     separated_starts: int = 6  # the best of which are looked at in all rows
-    separated_steps: int = 10  # of such a fit
+    separated_steps: int = 200  # of such a fit, which is done before: one that stops short tells apart what is alike
 
     # conclusions
     left_over: float = 0.03  # of the excess of chi2 that causes may leave: no law is known to the last digit
     over_expected: float = 4.0  # of the error of unseen data then: twice that of clearances and springs that were found
     pulled: float = 4.0  # sigmas: what of the config is pulled further is named whatever the verdict is
     enough_visible: float = 0.5  # of the known effects, at typical size: below, data that show nothing say nothing
-    agreeing: float = 0.01  # probability that base parameters from disjoint parts of the data differ as much
+    agreeing: float = 0.01  # probability that base and causes from disjoint parts of the data differ as much
     fewest_blocks: int = 8  # of a recording, whose errors tell the standard error of a gain
     measured: int = 3  # best causes whose prediction is measured: each costs a cross-validation
     might_lead: float = 48.0  # of BIC: one further behind the best leads in no part of the rows, three times `nameable`

@@ -209,7 +209,9 @@ def test_the_page_has_every_attempt_and_bounds_beside_every_share() -> None:
     )
     standing = Attempt(number=2, begun="2026-11-24", version="new", first_seed=2000)
     judged, summaries = {"P2": scores, "P1": []}, {"P2": summarise(scores, wanted=40), "P1": summarise([])}
-    written = " ".join(page(judged, summaries, attempts=[ended, standing]).split())  # tables without their padding
+    whole = page(judged, summaries, attempts=[ended, standing], told=standing)
+    written = " ".join(whole.split())  # tables without their padding
+    assert f"What follows is of attempt {standing.number}." in written
     one = "- **Attempt 1**, begun on 2026-11-23, version old, seeds from 1000: 7 tied. Superseded on x: a bug."
     assert f"{one} - **Attempt 2**, begun on 2026-11-24, version new, seeds from 2000: 1 adequate, 1 failed" in written
     assert "1 adequate, 1 failed, 4 named, 3 tied, 1 unexplained" in written
