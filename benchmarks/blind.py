@@ -48,12 +48,12 @@ from benchmarks.parts.blind.records import (
     append_record,
     attempts,
     begin_attempt,
+    choose_attempt,
     open_records,
     read_records,
     results_file,
     source_version,
     supersede_attempt,
-    told_attempt,
 )
 from benchmarks.parts.blind.rigs.deviants import DEVIANTS
 from benchmarks.parts.blind.score import KILLED, Score, score, summarise
@@ -81,7 +81,7 @@ def main() -> None:
 
 def examine(options: argparse.Namespace) -> None:
     """Go on with the examination, unless only its summary is asked for, and say what it has found."""
-    attempt = told_attempt(options.results) if options.summary else begin_attempt(options.results)
+    attempt = choose_attempt(options.results) if options.summary else begin_attempt(options.results)
     wanted = examination(attempt)
     if attempt and not options.summary:
         run_all(wanted, results_file(attempt, options.results), number=attempt.number, options=options)

@@ -12,7 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from rotorrig.identify.adequacy import Adequacy, assess, assess_all, excess_scatter
-from rotorrig.identify.base_model import BASE_MODEL, ObjectiveName, Reals, SearchName, SearchResult, search
+from rotorrig.identify.base_model import ObjectiveName, Reals, SearchName, SearchResult, search
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording, nuisance_effects
 from rotorrig.identify.least_squares import LEAST_SQUARES, Solution
 from rotorrig.rig import ConfigError
@@ -27,6 +27,7 @@ class BaseFitSettings:
     """Starts of a fit, and the end of one for a diagnosis."""
 
     starts: int = 2  # minima of the search that are refined, beside the nameplate, unless an earlier start is good
+    same: float = 0.01  # in working coordinates: unknowns so near to one another are one start
     begun: float = 0.01  # of chi2 of the first recording: where a refinement in it ends, and that in all begins
     settled: float = 0.1  # of chi2 of all, where a fit for a diagnosis ends: a step of a third of a standard deviation
 
@@ -127,10 +128,11 @@ def _refine_starts(base: BaseProblem, optima: list[Reals], near: Reals | None) -
         try:
             with np.errstate(over="ignore", invalid="ignore"):
                 begin = problem.approach(theta, base.own).p
-                if any(np.abs(begin - other).max() < BASE_MODEL.at_bound for other in approached):
+                sought = begin[problem.parameters.base.sought]
+                if any(np.abs(sought - other).max() < BASE_FIT.same for other in approached):
                     continue
-                approached.append(begin)
-                refined = problem.solve(begin, share=BASE_FIT.begun, max_steps=BASE_MODEL.most_steps, damped=True)
+                approached.append(sought)
+                refined = problem.solve(begin, share=BASE_FIT.begun, damped=True)
         except np.linalg.LinAlgError:
             continue
         if np.isfinite(refined.chi2):

@@ -26,7 +26,7 @@ from benchmarks.parts.blind.cases import (
     sizes,
 )
 from benchmarks.parts.blind.measured import trial_mass
-from benchmarks.parts.blind.nameplate_answers import of_dimension, of_the_rest
+from benchmarks.parts.blind.nameplate_answers import answer_dimension, answer_rest
 from benchmarks.parts.blind.names import ANSWERS, answer, effect_of
 from benchmarks.parts.blind.records import Attempt
 from benchmarks.parts.blind.rigs.deviants import DEVIANTS, Deviation
@@ -100,16 +100,16 @@ def test_a_screw_between_two_places_of_the_scan_may_be_called_either() -> None:
 
 
 def test_a_wrong_dimension_has_to_be_named_and_within_its_interval() -> None:
-    found = of_dimension(Deviation(kind="bearing_position", part="spring", value=0.002, asked=True))
+    found = answer_dimension(Deviation(kind="bearing_position", part="spring", value=0.002, asked=True))
     assert found.labels == ("bearing_position, spring",)
     assert (found.asked, found.interval, found.theta) == (True, True, {"off": 0.002})
-    assert of_dimension(Deviation(kind="diameter", part="", value=0.001, asked=False)).labels == ("diameter",)
+    assert answer_dimension(Deviation(kind="diameter", part="", value=0.001, asked=False)).labels == ("diameter",)
 
 
 def test_whatever_the_nameplate_has_wrongly_may_be_named() -> None:
     case = of_rk4(design="P2")
     truth = replace(truth_of(case), keyphasor_offset=0.19, probe_gain_factors=(1.07, 1.0, 1.0, 1.0))
-    found = {each.exact: each for each in of_the_rest(case.rig, truth)}
+    found = {each.exact: each for each in answer_rest(case.rig, truth)}
     assert found["keyphasor_angle"].theta == {"off": 0.19}
     assert found["probe_gain, probe 1x"].theta["error"] == pytest.approx(0.07)
     assert {"youngs_modulus", "disk_mass", "bearing_stiffness, left A x", "probe_angle, probe 2y"} <= found.keys()

@@ -18,7 +18,7 @@ from benchmarks.parts.blind.cases import Case
 from benchmarks.parts.blind.estimates import estimates
 from benchmarks.parts.blind.lam import is_asked, lam_of
 from benchmarks.parts.blind.measured import Measured, measured
-from benchmarks.parts.blind.nameplate_answers import of_dimension, of_the_rest
+from benchmarks.parts.blind.nameplate_answers import answer_dimension, answer_rest
 from benchmarks.parts.blind.names import Answer, answer
 from benchmarks.parts.blind.rigs.drawn import layout
 from rotorrig.identify import diagnose, write_diagnosis
@@ -80,7 +80,7 @@ def right_answers(case: Case, truth: Truth) -> list[Answer]:
     """Return the right answer for every fault, and for everything that is not quite the nameplate's."""
     _, deviations = case.geometry
     faults = [answer(case.rig, truth, fault) for fault in truth.faults]
-    return [*faults, *map(of_dimension, deviations), *of_the_rest(case.rig, truth)]
+    return [*faults, *map(answer_dimension, deviations), *answer_rest(case.rig, truth)]
 
 
 def _after(swept: Measured, found: Mapping[str, Any], truth: Truth, folder: Path) -> Iterator[dict[str, Any]]:

@@ -8,7 +8,6 @@ wrongly is a finding of its own: nameplate_answers.py.
 
 import cmath
 import math
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -39,7 +38,6 @@ class Answer:
     disturbed: tuple[str, ...] = ()  # estimates of the base that the fault itself changes
     asked: bool = True  # has to be named; else it may be
     interval: bool = False  # right only if the 95 % interval holds it
-    place: float | None = None  # m, on the shaft: one named elsewhere is right if its 95 % interval holds this one
 
 
 OUTSIDER = Answer(labels=(), theta={})
@@ -59,16 +57,6 @@ def effect_of(label: str) -> str:
     'runout'
     """
     return label.split(", ")[0]
-
-
-def place_of(label: str) -> float:
-    """Return the place on the shaft [m] that a label names; NaN if it names none.
-
-    >>> place_of("unbalance_plane, at 560 mm")
-    0.56
-    """
-    found = re.search(r", at ([0-9.]+) mm$", label)
-    return float(found[1]) / 1e3 if found else math.nan
 
 
 def _plain(label: str, names: Mapping[str, str], *, same: bool = True) -> Callable[[RigConfig, Truth, Values], Answer]:
@@ -196,17 +184,11 @@ def _stiffness_over_speed(rig: RigConfig, truth: Truth, values: Values) -> Answe
 
 
 def _unbalance_plane(rig: RigConfig, truth: Truth, values: Values) -> Answer:
-    """Take the neighbours for right, where a fit may end, and any place that is as uncertain as it is off."""
+    """Take the neighbours for right: a fit may end nearer to either."""
     places = _nearest(rig, values["position"])
     theta = _phasor("unbalance", values["amount"], values["angle"] + truth.keyphasor_offset)
     theta["shift"] = values["position"] - places[0].position
-    return Answer(
-        labels=tuple(e.label for e in places),
-        exact=places[0].label,
-        theta=theta,
-        same=tuple(theta),
-        place=values["position"],
-    )
+    return Answer(labels=tuple(e.label for e in places), exact=places[0].label, theta=theta, same=tuple(theta))
 
 
 def _unbalance_step(rig: RigConfig, truth: Truth, values: Values) -> Answer:

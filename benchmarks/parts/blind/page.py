@@ -117,7 +117,7 @@ attempt's are not counted; the version is a digest of the sources.
 
 {list_attempts(attempts, judged)}
 
-What follows is of attempt {told.number if told else 0}.
+{f"What follows is of attempt {told.number}." if told else "No case was run yet."}
 
 {sections}
 """

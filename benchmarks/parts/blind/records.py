@@ -101,7 +101,7 @@ def standing_attempt(folder: Path = FOLDER) -> Attempt | None:
     return next((each for each in attempts(folder) if not each.superseded), None)
 
 
-def told_attempt(folder: Path = FOLDER) -> Attempt | None:
+def choose_attempt(folder: Path = FOLDER) -> Attempt | None:
     """Return the attempt whose figures are told: the one that stands, else the one with the most cases."""
     with_cases = [each for each in attempts(folder) if results_file(each, folder).exists()]
     furthest = max(with_cases, key=lambda each: len(_lines(results_file(each, folder))), default=None)

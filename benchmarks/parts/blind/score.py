@@ -17,7 +17,6 @@ from scipy.stats import binomtest
 from benchmarks.parts.blind.cases import Case, Kind
 from benchmarks.parts.blind.estimates import is_judged
 from benchmarks.parts.blind.lam import Lam
-from benchmarks.parts.blind.names import effect_of, place_of
 from rotorrig.identify.verdict import VERDICT
 
 WITHIN = 1.959964  # standard deviations: 95 %
@@ -244,21 +243,12 @@ _KINDS: tuple[Kind, ...] = ("healthy", "single", "pair", "outsider", "deviant")
 
 def _right_labels(answer: Mapping[str, Any], chosen: Mapping[str, Any]) -> frozenset[str]:
     """Return the labels that are right for something hidden; where the interval has to hold it, only if it does."""
-    labels = frozenset(answer["labels"]) | _held_places(answer, chosen)
+    labels = frozenset(answer["labels"])
     if not answer["interval"] or answer["exact"] not in chosen:
         return labels
     found = chosen[answer["exact"]]
     held = [_holds(found, name, answer["theta"][name]) for name in answer["same"] if name in found["theta"]]
     return labels if held and all(held) else labels - {answer["exact"]}
-
-
-def _held_places(answer: Mapping[str, Any], chosen: Mapping[str, Any]) -> frozenset[str]:
-    """Return the labels of the same effect whose place, as uncertain as it is told, may be the true one."""
-    place = answer.get("place")
-    if place is None:
-        return frozenset()
-    same = {label: found for label, found in chosen.items() if effect_of(label) == effect_of(answer["exact"])}
-    return frozenset(label for label, found in same.items() if _holds(found, "shift", place - place_of(label)))
 
 
 def _covered(hidden: Sequence[Mapping[str, Any]], chosen: Mapping[str, Any]) -> tuple[bool, ...]:

@@ -199,12 +199,12 @@ def _stretches(response: OrderTrackedResponse, residual: Complex, sigmas: NDArra
                 for order in range(sigmas.shape[2]):
                     own = white[rows, probe, order]
                     if np.isfinite(own[group]).any():
-                        louder = _louder_here(own, group, order=response.orders[order])
+                        louder = _find_excess(own, group, order=response.orders[order])
                         rms = float(np.sqrt(np.nanmean(np.abs(own[group]) ** 2) / louder))
                         yield Stretch(run=run, probe=probe, order=order, rows=rows[group], sigma=rms)
 
 
-def _louder_here(white: Complex, group: NDArray[np.intp], *, order: float) -> float:
+def _find_excess(white: Complex, group: NDArray[np.intp], *, order: float) -> float:
     """Return by how much the noise of an order is louder about a stretch of a run than all through it."""
     if order in (MEAN, 1.0):
         return 1.0

@@ -34,7 +34,6 @@ class BaseModelSettings:
     shown: int = 500  # points of a search that are kept for its picture
 
     # refinement
-    most_steps: int = 50  # with all unknowns free; a fit that takes as many does not converge
     near: float = 1.0  # of chi2: from here on all parameters are freed
 
 

@@ -9,7 +9,7 @@ class SelectionSettings:
 
     # taking causes up
     enough: float = 4.0  # of BIC
-    detected: float = 18.0  # of chi2: no score of eleven simulated healthy rigs exceeded 10.3
+    detected: float = 18.0  # of chi2; what healthy simulated rigs score: docs/diagnosis.md
     most: int = 3  # causes at once
     model_error: float = 0.01  # of what the causes so far explain: that much of their vectors may be wrong
     as_good: float = 1.0  # of chi2, by which fits of one and the same cause may differ that began elsewhere

@@ -1,10 +1,9 @@
 """Stepwise selection of causes: forward by evidence, then backward; each fitted together with the base model.
 
 A cause is taken up if BIC (candidate_fit.py) falls by more than `SELECTION.enough` and chi2 by more than
-`SELECTION.detected`: no score of eleven simulated healthy rigs exceeded 10.3. A step of unbalance, which is looked for
-at every moment, needs more: on one of 47 other healthy rigs it had 21.5. The next is looked for beside it, and has to
-explain more than a small error of that one's model would leave. What was found beside other causes than it has in the
-end is then looked for once more: what suited best need not be the cause.
+`SELECTION.detected`; a step of unbalance, which is looked for at every moment, needs more. The next is looked for
+beside it, and has to explain more than a small error of that one's model would leave. What was found beside other
+causes than it has in the end is then looked for once more: what suited best need not be the cause.
 """
 
 from collections.abc import Callable, Sequence

@@ -130,13 +130,8 @@ class ExtendedProblem:
             self.begin(values, own),
             fixed=self.parameters.pinned,
             tolerance=BASE_MODEL.near,
-            max_steps=BASE_MODEL.most_steps,
             damped=True,
         )
-
-    def refine(self, values: Reals, own: Reals | None = None) -> Solution:
-        """Refine from `approach` with all free."""
-        return self.solve(self.approach(values, own).p, max_steps=BASE_MODEL.most_steps, damped=True)
 
     def at_bound(self, p: Reals, i: int) -> bool:
         """Say whether unknown number `i` of the base ended within a per cent of its bound."""

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
 from rotorrig.identify.least_squares import inverse_information
 from rotorrig.identify.verdict.cross_validation import divide
 from rotorrig.identify.verdict.part_fits import PartFit, PartFits
+from rotorrig.identify.verdict.settings import VERDICT
 
 Mask = NDArray[np.bool_]
 
@@ -43,7 +43,7 @@ def agreement(problem: ExtendedProblem, p: Reals, *, fits: PartFits | None = Non
     each = []
     for between, masks in _divisions(problem.recordings):
         (one, of_one), (other, of_other) = (
-            _compared(fits.fit([r.only(mask) for r, mask in zip(problem.recordings, part, strict=True)]))
+            _select_compared(fits.fit([r.only(mask) for r, mask in zip(problem.recordings, part, strict=True)]))
             for part in (masks, [~mask for mask in masks])
         )
         off = one - other
@@ -52,7 +52,7 @@ def agreement(problem: ExtendedProblem, p: Reals, *, fits: PartFits | None = Non
     return Agreement(p=float(-np.expm1(len(each) * np.log1p(-min(least, 1 - 1e-16)))), between=between)
 
 
-def _compared(fit: PartFit) -> tuple[Reals, Reals]:
+def _select_compared(fit: PartFit) -> tuple[Reals, Reals]:
     """Return the parameters of a fit that are compared and their covariance, scaled up where it is bad.
 
     Those of the base, and of the causes where they are of the first order: one step takes the others nowhere near.
@@ -75,8 +75,9 @@ def _divisions(recordings: Sequence[Recording]) -> Iterator[tuple[str, list[Mask
         yield "runs", [_every_probe(r, run == run[0]) for r, run in zip(recordings, runs, strict=True)]
     if len(recordings) > 1:
         yield "recordings", [_every_probe(r, np.full(len(r.rows), r is recordings[0])) for r in recordings]
-    slower = [r.response.omega[r.rows] < _speed_of_peak(recordings[0]) for r in recordings]
-    if all(ADEQUACY.fewest_rows <= below.sum() <= len(below) - ADEQUACY.fewest_rows for below in slower):
+    peak = _find_speed_of_peak(recordings[0])
+    slower = [r.response.omega[r.rows] < peak for r in recordings]
+    if all(VERDICT.fewest_rows <= below.sum() <= len(below) - VERDICT.fewest_rows for below in slower):
         yield "speeds below and above the peak", [_every_probe(r, b) for r, b in zip(recordings, slower, strict=True)]
     response = recordings[0].response
     positions = np.array([response.rig.probe(name).position for name in response.probes])
@@ -89,7 +90,7 @@ def _every_probe(recording: Recording, keep: Mask) -> Mask:
     return np.repeat(keep[:, None], len(recording.response.probes), axis=1)
 
 
-def _speed_of_peak(recording: Recording) -> float:
+def _find_speed_of_peak(recording: Recording) -> float:
     """Return the speed of the largest 1X motion [rad/s]."""
     measured = recording.measured[1]
     motion = np.where(measured.usable, np.abs(measured.z - measured.z[-1:]), 0.0)[:-1]

@@ -23,6 +23,7 @@ class VerdictSettings:
     pulled: float = 4.0  # sigmas: what of the config is pulled further is named whatever the verdict is
     enough_visible: float = 0.5  # of the known effects, at typical size: below, data that show nothing say nothing
     agreeing: float = 0.01  # probability that base and causes from disjoint parts of the data differ as much
+    fewest_rows: int = 16  # of a recording below its peak and above it, that tell its rotor twice
     fewest_blocks: int = 8  # of a recording, whose errors tell the standard error of a gain
     measured: int = 3  # best causes whose prediction is measured: each costs a cross-validation
     might_lead: float = 48.0  # of BIC: one further behind the best leads in no part of the rows, three times `nameable`

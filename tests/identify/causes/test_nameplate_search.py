@@ -18,6 +18,7 @@ from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 from rotorrig.sims.effects.base import find
+from tests.identify.problems import refine
 from tests.identify.swept import swept_response
 from tests.parameters import defer_rest
 
@@ -55,7 +56,7 @@ def recorded(rk4: RigConfig, rig: RigConfig, label: str, theta: dict[str, float]
 
 def base_fit(problem: ExtendedProblem) -> Solution:
     """Fit the base from the nameplate; the cause it lacks biases it."""
-    return problem.refine(problem.parameters.base.space.nameplate)
+    return refine(problem, problem.parameters.base.space.nameplate)
 
 
 def best_fit(problem: ExtendedProblem, base: Solution, scores: Sequence[Score]) -> Candidate:

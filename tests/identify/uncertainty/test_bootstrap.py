@@ -15,7 +15,7 @@ from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from tests.identify.matched import matched_response, sought
-from tests.identify.problems import problem_of
+from tests.identify.problems import problem_of, refine
 
 TRUTH = np.array([33e3, 36e3, 14.0, 16.0])
 
@@ -40,7 +40,7 @@ def problem(response: OrderTrackedResponse) -> ExtendedProblem:
 
 @pytest.fixture(scope="module")
 def best(problem: ExtendedProblem) -> Solution:
-    return problem.refine(TRUTH)
+    return refine(problem, TRUTH)
 
 
 @pytest.fixture(scope="module")

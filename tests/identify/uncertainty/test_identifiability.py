@@ -13,7 +13,7 @@ from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig, load
 from tests.conftest import CONFIGS
 from tests.identify.matched import matched_response, sought
-from tests.identify.problems import problem_of
+from tests.identify.problems import problem_of, refine
 from tests.identify.test_bearing_sets import SPRING, U
 
 
@@ -31,7 +31,7 @@ def problem(response: OrderTrackedResponse) -> ExtendedProblem:
 
 @pytest.fixture(scope="module")
 def best(problem: ExtendedProblem) -> Solution:
-    return problem.refine(np.array([31e3, 37e3, 18.0, 12.0]))
+    return refine(problem, np.array([31e3, 37e3, 18.0, 12.0]))
 
 
 def pretended(best: Solution, problem: ExtendedProblem, columns: np.ndarray) -> Solution:
@@ -132,7 +132,7 @@ def test_the_budget_tells_noise_from_the_nameplates_tolerances(
     loose = rig.model_copy(update={"prior": rig.prior.model_copy(update={"probe_gain": 0.2})})
     scaled = replace(response, rig=loose)
     problem = problem_of(scaled)
-    able = problem.refine(np.array([31e3, 37e3, 18.0, 12.0]))
+    able = refine(problem, np.array([31e3, 37e3, 18.0, 12.0]))
     assert Identifiability(able, problem.parameters).budget()["u"]["probe gain"] > 0.9
     assert "The tolerances in [prior] limit u (probe gain), not the noise" in said(able, problem)[-1]
 
@@ -141,5 +141,5 @@ def test_a_value_at_its_bound_is_not_given_by_the_data(rig_config: RigConfig, rn
     rig = sought(rig_config, c_bounds=[1.0, 15.0])
     made = matched_response(rig, bearings={"spring": SPRING}, unbalance={"disk": U}, rng=rng)
     problem = problem_of(made)
-    best = problem.refine(problem.parameters.base.space.nameplate)
+    best = refine(problem, problem.parameters.base.space.nameplate)
     assert "cxx ran into its bound of 15 N s/m: this data does not give it." in said(best, problem)

@@ -12,7 +12,7 @@ from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from tests.identify.matched import matched_response, sought, taken_for_exact
-from tests.identify.problems import problem_of
+from tests.identify.problems import problem_of, refine
 
 K = np.diag([33e3, 36e3])
 C = np.diag([14.0, 16.0])
@@ -69,7 +69,7 @@ def test_near_a_bound_the_profile_says_how_much_there_can_be_at_most(bounded: Or
 def test_at_the_ends_of_a_profile_interval_a_refit_is_worse_by_the_rise(bounded: OrderTrackedResponse) -> None:
     problem = problem_of(bounded)
     found = identify([bounded], profile=True).fits[0]
-    best = problem.refine(np.array([33e3, 36e3, 14.5, 16.0]))
+    best = refine(problem, np.array([33e3, 36e3, 14.5, 16.0]))
     rise = UNCERTAINTY.rise * max(1.0, best.chi2 / best.dof)
     for i, name in enumerate(("kxx", "kyy")):
         for end in interval(found, name):

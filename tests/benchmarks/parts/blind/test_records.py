@@ -15,13 +15,13 @@ from benchmarks.parts.blind.records import (
     append_record,
     attempts,
     begin_attempt,
+    choose_attempt,
     open_records,
     read_records,
     results_file,
     source_version,
     standing_attempt,
     supersede_attempt,
-    told_attempt,
 )
 from rotorrig.rig import ConfigError
 
@@ -143,10 +143,10 @@ def test_an_attempt_stands_until_it_is_superseded_and_the_next_has_new_seeds(
     assert standing_attempt(tmp_path) is None
     second = begin_attempt(tmp_path)
     assert (second.number, second.first_seed, second.version) == (2, 2000, "two")
-    assert told_attempt(tmp_path) == second
+    assert choose_attempt(tmp_path) == second
     supersede_attempt("stopped before its first case", tmp_path)
     ended = attempts(tmp_path)[1]
-    assert told_attempt(tmp_path) == ended, "of those that are superseded, the one that got furthest"
+    assert choose_attempt(tmp_path) == ended, "of those that are superseded, the one that got furthest"
     assert ended.superseded == "a false alarm was looked at"
     assert ended.verdicts == {"adequate": 2, "named": 1}
     with pytest.raises(ConfigError, match="no attempt stands"):
