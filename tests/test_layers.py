@@ -106,7 +106,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "correction fitted_model",
         "combination determinacy prediction",
         "balance",
-        "balance_file",
+        "balance_file balance_reader",
     ),
     "investigation": ("beliefs budget menu", "journal", "choice"),
     "identify": (

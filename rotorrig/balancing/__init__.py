@@ -7,15 +7,17 @@ combination the data do not determine, `prediction` what the next run will show,
 
 from rotorrig.balancing.balance import Balance, Task, balance
 from rotorrig.balancing.balance_file import balance_table, write_balance, write_prediction
+from rotorrig.balancing.balance_reader import read_balance
 from rotorrig.balancing.correction import Correction, least_squares_correction
 from rotorrig.balancing.determinacy import Combination, Determinacy
 from rotorrig.balancing.discrete import Holes, Placing
 from rotorrig.balancing.fitted_model import influence_of_fit
 from rotorrig.balancing.grade import Grade
 from rotorrig.balancing.influence import INFLUENCE, MODEL, Influence
-from rotorrig.balancing.prediction import Comparison, Prediction, predict_vibration
+from rotorrig.balancing.prediction import DIRECTIONS, Comparison, Prediction, predict_vibration
 
 __all__ = [
+    "DIRECTIONS",
     "INFLUENCE",
     "MODEL",
     "Balance",
@@ -34,6 +36,7 @@ __all__ = [
     "influence_of_fit",
     "least_squares_correction",
     "predict_vibration",
+    "read_balance",
     "write_balance",
     "write_prediction",
 ]

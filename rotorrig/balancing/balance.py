@@ -1,7 +1,7 @@
 """`balance`: which mass to put where, how well that is known, and what it will do."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ class Task:
     planes: tuple[str, ...] = ()  # to correct; empty: those with a trial mass, or of the fit
     bands: tuple[tuple[float, float], ...] = ()  # rad/s, of the speeds that count; empty: all
     holes: Mapping[str, Holes] | None = None  # per plane; None: masses of any amount at any angle
+    radii: Mapping[str, float] = field(default_factory=dict)  # m, of masses on a plane, where it is known
     min_max: bool = False  # the largest amplitude least, instead of the sum of squares
 
 
@@ -38,6 +39,7 @@ class Balance:
     """A correction, by each method and as it was chosen, and the vibration predicted with it."""
 
     planes: tuple[str, ...]
+    radii: Mapping[str, float]  # m, of masses on a plane, where it is known
     conditions: tuple[str, ...]  # names of the runs that the influence coefficients are of
     dof: float  # of their scatter; infinite: it was not measured
     compensated: bool  # a slow-roll vector was subtracted
@@ -88,6 +90,7 @@ def balance(
     residual = np.abs(mounted - chosen.W) + chosen.reach
     return Balance(
         planes=planes,
+        radii={plane: task.radii[plane] for plane in planes if plane in task.radii},
         conditions=conditions.names if influences[0].conditions else (),
         dof=influences[0].dof,
         compensated=conditions.compensated,

@@ -1,6 +1,7 @@
-"""`balance.json`: a `Balance`, and `rotor predict`'s JSON: a `Prediction`. SI; amplitudes 0-peak."""
+"""Write `balance.json`, a `Balance`, and `rotor predict`'s JSON, a `Prediction`. SI; amplitudes 0-peak."""
 
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +51,7 @@ def balance_table(balance: Balance) -> dict[str, Any]:
     table = {
         "angles": ANGLES,
         "planes": balance.planes,
+        "radii": balance.radii,
         "conditions": balance.conditions,
         "dof": balance.dof,
         "slow_roll_subtracted": balance.compensated,
@@ -59,6 +61,7 @@ def balance_table(balance: Balance) -> dict[str, Any]:
         "determinacy": {
             "condition": determinacy.condition,
             "nearly_alike": determinacy.alike,
+            "worst_is_needed": determinacy.needed,
             "left_out": balance.left_out,
             "best": _combination_out(determinacy.best, balance.planes),
             "worst": _combination_out(determinacy.worst, balance.planes),
@@ -107,9 +110,16 @@ def _combination_out(combination: Combination, planes: tuple[str, ...]) -> dict[
 
 def _holes_out(balance: Balance) -> list[dict[str, Any]]:
     assert balance.placing
+    placing = balance.placing
     return [
-        {**_mass(plane, w), "filled": [{"hole": hole, "mass": mass} for hole, mass in filled]}
-        for plane, filled, w in zip(balance.planes, balance.placing.filled, balance.placing.W.tolist(), strict=True)
+        {
+            **_mass(plane, w),
+            **asdict(holes),
+            "filled": [{"hole": hole, "mass": mass} for hole, mass in filled],
+        }
+        for plane, holes, filled, w in zip(
+            balance.planes, placing.holes, placing.filled, placing.W.tolist(), strict=True
+        )
     ]
 
 

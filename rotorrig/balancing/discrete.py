@@ -45,6 +45,7 @@ class Holes:
 class Placing:
     """Masses in the holes of every plane."""
 
+    holes: tuple[Holes, ...]  # (plane,)
     filled: tuple[tuple[tuple[int, float], ...], ...]  # plane -> (hole from 1, kg)
     W: Complex  # (plane,) kg m
 
@@ -70,6 +71,7 @@ def place_masses(W0: Complex, H: Complex, holes: Sequence[Holes], *, z: Complex 
         at = np.array([[vectors[i] for i, (_, vectors) in zip(c, tables, strict=True)] for c in found])
         found = [found[int(np.argmin(np.abs(z + at @ H.T).max(axis=1)))]]
     return Placing(
+        holes=tuple(holes),
         filled=tuple(table[i] for i, (table, _) in zip(found[0], tables, strict=True)),
         W=np.array([vectors[i] for i, (_, vectors) in zip(found[0], tables, strict=True)]),
     )

@@ -13,6 +13,7 @@ from rotorrig.balancing.influence import Influence, growth
 Complex = NDArray[np.complex128]
 Reals = NDArray[np.float64]
 
+DIRECTIONS = {1: "up", -1: "down", 0: "dwell"}
 FAR = 30.0  # standard deviations from zero: there an amplitude is as good as normally distributed
 
 
@@ -33,6 +34,11 @@ class Prediction:
     def band(self) -> tuple[Reals, Reals]:
         """Lower and upper end of the 95 % band of the amplitude after, (entry,) m."""
         return amplitude_band(self.after, self.covariance, self.dof)
+
+    def rows_of(self, probe: int, direction: int) -> NDArray[np.intp]:
+        """Return the entries of one probe in one direction, by their speed."""
+        rows = np.flatnonzero((self.probe == probe) & (self.direction == direction))
+        return rows[np.argsort(self.omega[rows])]
 
     def where(self, kept: NDArray[np.bool_]) -> "Prediction":
         """Return the same of some of the entries."""

@@ -146,6 +146,7 @@ def diagnose(
             adequate_after=extended.adequacy.adequate,
             visible=visible_share(selection),
             predictions=predictions,
+            misstated=len(found.pulled_far(check_nameplate(extended.polished, extended.problem))),
         )
         progress("next run", 0.9)
         further = _find_next_run(verdict, selection, not_possible)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rotorrig.balancing import Balance, Holes, Task, balance
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import (
@@ -331,6 +332,18 @@ def named(response: OrderTrackedResponse) -> Diagnosis:
 def poorly_fitted(response: OrderTrackedResponse, identification: Identification) -> Identification:
     fit = dataclasses.replace(identification.fits[0], prediction=prediction_of(response, damping=0.055), chi2=295000.0)
     return dataclasses.replace(identification, fits=(fit,))
+
+
+@pytest.fixture(scope="session")
+def balanced(response: OrderTrackedResponse) -> Balance:
+    """By a trial mass of 12 g mm at 90 degrees that adds half of the vibration, a right angle ahead of it."""
+    z = response.z.copy()
+    z[:, :, response.orders.index(1.0)] *= 1 + 0.5j
+    runs = tuple(dataclasses.replace(run, trial_unbalance={"disk": 12e-6j}) for run in response.runs)
+    source = dataclasses.replace(response.source, source_hash="11" * 8)
+    trial = dataclasses.replace(response, z=z, slow_roll=response.slow_roll, runs=runs, source=source)
+    holes = {"disk": Holes(count=16, masses=(2e-4, 5e-4), radius=0.03)}
+    return balance([response, trial], Task(holes=holes, radii={"disk": 0.03}))
 
 
 @pytest.fixture(scope="session")

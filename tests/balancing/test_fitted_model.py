@@ -8,30 +8,11 @@ import pytest
 from rotorrig.balancing import Balance, Holes, Task, balance
 from rotorrig.identify.identification import Identification
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
-from tests.balancing.fits import fit_from
-from tests.identify.matched import sought
-from tests.identify.swept import C, K, U, swept_response
+from tests.balancing.conftest import TRIAL
+from tests.identify.swept import U
 
-TRIAL = 12e-6j
 MARK = np.radians(2.0)  # prior of the mark in configs/rk4.toml
-
-
-@pytest.fixture(scope="module")
-def runs(rig_config: RigConfig) -> list[OrderTrackedResponse]:
-    """As it is, with the trial mass, and with the correction on."""
-    rng, rig = np.random.default_rng(3), sought(rig_config)
-    made = [
-        swept_response(rig, rng=rng, orders=(1,), trial=trial, speeds=(900, 2600), ramp=600)
-        for trial in (0j, TRIAL, -U)
-    ]
-    return [replace(r, source=replace(r.source, source_hash=f"{i:016x}")) for i, r in enumerate(made)]
-
-
-@pytest.fixture(scope="module")
-def fit(runs: list[OrderTrackedResponse]) -> Identification:
-    return fit_from(runs[:1], [*K, *C])
 
 
 @pytest.fixture(scope="module")

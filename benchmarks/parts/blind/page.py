@@ -96,7 +96,8 @@ Written by `benchmarks/blind.py --write` (`make blind`) from the cases kept in `
 edit.
 
 Each case is another simulated rig, with the errors of its nameplate, and what no nameplate speaks of, drawn as
-`sims/plant/deviations.py` says, and a fault of a size drawn from the range its file in `sims/plant/faults` states. Two
+`sims/plant/deviations.py` says, and a fault of a size drawn from the range its file in `sims/plant/faults` states. The
+range begins where two planes and a trial mass begin to show the fault on the RK4 (lam of 25, on development seeds). Two
 of three are rigs of `configs/rk4.toml`; the third is a rig of its own: one disk, two, or one overhung, on a shaft of 8
 to 20 mm (`benchmarks/parts/blind/rigs/drawn.py` says where its ranges come from), with the faults to its measure. Its
 truth is sealed before the sweep and opened after the diagnosis was written; a case whose sweep trips is drawn again.

@@ -43,7 +43,7 @@ _JSON_KINDS = {
     "rotorrig proof test": "proof",
 }
 _CSV_HEADS = (b"time [s],", b"# order vectors, raw;", b"# predicted vectors;")
-_TITLES = (b": rotor report</title>", b": predicted vibration</title>")
+_TITLES = (b": rotor report</title>", b": predicted vibration</title>", b": balance sheet</title>")
 _HEAD = 1 << 16  # bytes that are looked at for all but JSON and TOML
 _LARGEST = 1 << 28  # bytes of a JSON file that is read
 

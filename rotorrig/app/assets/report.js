@@ -4,7 +4,9 @@
 const buttons = [["zoom2d", "pan2d", "resetScale2d"], ["toImage"]];
 const config = { responsive: true, displaylogo: false, displayModeBar: "hover", modeBarButtons: buttons };
 // CSS pixels within the margins of A4 (182 mm) and Letter (188 mm); plots are lower than on the screen by these factors
-const PAPER = { width: 680, whole: 0.72, beside: 0.84, lowest: 170 };
+const PAPER = document.body.classList.contains("sheet")
+  ? { width: 715, whole: 0.72, beside: 0.84, lowest: 110 } // all of it on one page, which has narrower margins
+  : { width: 680, whole: 0.72, beside: 0.84, lowest: 170 };
 
 const canvases = () => [...document.querySelectorAll(".canvas")];
 const waiting = () => canvases().filter((canvas) => !canvas.data);

@@ -23,7 +23,7 @@ from rotorrig.app.plot_data.curves import (
     vectors,
     whirl_grid,
 )
-from rotorrig.app.plot_data.diagnosis_of_response import Vectors, fits_of, part_of, predictions
+from rotorrig.app.plot_data.diagnosis_of_response import Vectors, check_balance_of, fits_of, part_of, predictions
 from rotorrig.app.plot_data.nice_numbers import nice
 from rotorrig.app.plot_data.orbits import Plane, orbit, representative_rows
 from rotorrig.app.plot_data.order_spectrum import OrderSpectrum, order_spectra
@@ -39,6 +39,7 @@ __all__ = [
     "Vectors",
     "centreline_paths",
     "centreline_words",
+    "check_balance_of",
     "clearance_circle",
     "curves",
     "fits_of",

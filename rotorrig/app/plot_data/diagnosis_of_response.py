@@ -1,4 +1,4 @@
-"""The part of a diagnosis, or of an identification, that is about one response."""
+"""The part of a diagnosis, or of an identification, that is about one response; whether a balance is of it."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.balancing import Balance
 from rotorrig.identify import Diagnosis, Fit, Identification
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
@@ -57,6 +58,15 @@ def _rows_of(responses: Sequence[tuple[str, int]], response: OrderTrackedRespons
         f"{what}: is of {', '.join(source for source, _ in responses)}, the response is of "
         f"{response.source.source_hash} ({response.source.source}); want the {what} of this very response"
     )
+
+
+def check_balance_of(balance: Balance, response: OrderTrackedResponse) -> None:
+    """Raise DataError if a balance is not of `response`, its first: the rotor as it was before."""
+    if balance.source.source_hash != response.source.source_hash:
+        raise DataError(
+            f"balance: is of {balance.source.source_hash} ({balance.source.source}), the response is of "
+            f"{response.source.source_hash} ({response.source.source}); want the first response it was made of"
+        )
 
 
 def predictions(

@@ -1,7 +1,14 @@
-"""HTML report, one self-contained page: one file per section, figures by Plotly, drawings as SVG."""
+"""HTML pages, each self-contained - report, balance sheet, prediction - of sections, a file each.
 
+Figures are by Plotly, drawings SVG.
+"""
+
+from rotorrig.app.report.balance_sheet import write_balance_sheet
 from rotorrig.app.report.page import write_report
+from rotorrig.app.report.prediction_page import write_prediction_page
 
 __all__ = [
+    "write_balance_sheet",
+    "write_prediction_page",
     "write_report",
 ]

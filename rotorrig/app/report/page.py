@@ -1,23 +1,14 @@
-"""The report page: one self-contained HTML file, verdict first, then the evidence.
+"""The report page: verdict first, then the evidence."""
 
-Plots are inside the file, nothing is fetched, and all text is escaped.
-"""
-
-import base64
-import gzip
 from collections.abc import Mapping, Sequence
-from datetime import datetime
-from functools import cache
 from html import escape
-from importlib import resources
 from pathlib import Path
-from string import Template
 
-from plotly.offline import get_plotlyjs
-
-from rotorrig.app.plot_data import fits_of, part_of
+from rotorrig.app.plot_data import check_balance_of, fits_of, part_of
+from rotorrig.app.report.frame import write_page
 from rotorrig.app.report.html import Section
 from rotorrig.app.report.sections import (
+    balance_section,
     banner,
     causes_section,
     centreline_section,
@@ -35,10 +26,10 @@ from rotorrig.app.report.sections import (
     tracking_section,
     undetectable_section,
 )
+from rotorrig.balancing import Balance
 from rotorrig.identify import Diagnosis, Identification
 from rotorrig.investigation import Journal
 from rotorrig.processing import OrderTrackedResponse
-from rotorrig.rig import write_whole_text
 
 
 def write_report(
@@ -49,14 +40,17 @@ def write_report(
     diagnosis: Diagnosis | None = None,
     truth: Mapping[str, float] | None = None,
     journal: Journal | None = None,
+    balance: Balance | None = None,
 ) -> None:
-    """Write the report of a response, with its fit and diagnosis if given, and the investigation that led to it.
+    """Write the report of a response, with what is given: fit, diagnosis, investigation that led to it, balance.
 
     `truth` maps names of estimates to the simulated rig's own values in SI, for a column beside the estimates.
-    Raises DataError if fit or diagnosis belong to another run, or the file cannot be written.
+    Raises DataError if fit, diagnosis or balance belong to another run, or the file cannot be written.
     """
     identification = fits_of(identification, response) if identification else None
     diagnosis = part_of(diagnosis, response) if diagnosis else None
+    if balance:
+        check_balance_of(balance, response)
     verdict = banner(identification, diagnosis)
     parts = (
         investigation_section(journal),
@@ -65,6 +59,7 @@ def write_report(
         causes_section(diagnosis),
         nameplate_section(identification, diagnosis),
         identified_section(identification, diagnosis, truth=truth),
+        balance_section(balance, response.rig),
         full_spectrum_section(response),
         other_orders_section(response),
         orbits_section(response),
@@ -75,30 +70,19 @@ def write_report(
         provenance_section(response, identification, diagnosis),
         conventions_section(response),
     )
-    write_whole_text(path, _page(response, verdict, [part for part in parts if part]))
-
-
-def _page(response: OrderTrackedResponse, verdict: Section, sections: Sequence[Section]) -> str:
-    links = "".join(f'<li><a href="#{part.name}">{escape(part.heading)}</a></li>' for part in sections)
-    return Template(_asset("report.html")).substitute(
-        title=escape(f"{response.rig.name}: rotor report"),
-        heading=escape(response.rig.name),
-        source=escape(response.source.source or "live rig"),
-        contents=links,
-        style=_asset("report.css"),
-        plotly=_pack_plotly(),
-        script=_asset("report.js"),
-        verdict=verdict.html,
-        body="\n".join(part.html for part in sections),
-        written=f"{datetime.now().astimezone():%Y-%m-%d %H:%M %Z}",
+    write_page(
+        path,
+        kind="Rotor report",
+        heading=response.rig.name,
+        source=response.source.source,
+        body=_body(verdict, [part for part in parts if part]),
+        unscripted="All text, tables and drawings are here; “values” expands the data of a Bode plot.",
+        conventions='Amplitudes are 0-peak, phases lag, ± is one standard deviation: see <a href="#conventions">'
+        "Conventions</a>.",
     )
 
 
-def _asset(name: str) -> str:
-    return resources.files("rotorrig.app").joinpath("assets", name).read_text(encoding="utf-8")
-
-
-@cache
-def _pack_plotly() -> str:
-    """Return plotly.js as gzip in base64, 2 MB instead of 4.8; report.js unpacks it."""
-    return base64.b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode()
+def _body(verdict: Section, sections: Sequence[Section]) -> str:
+    links = "".join(f'<li><a href="#{part.name}">{escape(part.heading)}</a></li>' for part in sections)
+    contents = f'<nav class="contents" aria-label="Contents"><ul>{links}</ul></nav>'
+    return "\n".join([verdict.html, contents, *(part.html for part in sections)])

@@ -1,7 +1,5 @@
 """Terminal tables of balancing: corrections, vibration before and after, a run against its prediction."""
 
-from collections.abc import Mapping
-
 from rich import box
 from rich.table import Table
 
@@ -9,15 +7,16 @@ from rotorrig.app.text import CONVENTION, comparison_rows, correction_rows, high
 from rotorrig.balancing import Balance, Prediction
 
 
-def corrections_table(balance: Balance, radii: Mapping[str, float]) -> Table:
-    """Return every correction with its 95 % interval."""
+def corrections_table(balance: Balance) -> Table:
+    """Return every correction with its 95 % interval, on 80 columns: mass and angle against rotation below."""
     table = Table(title=f"Correction: {CONVENTION}", box=box.SIMPLE_HEAD, title_justify="left")
     table.add_column("plane")
     table.add_column("by")
-    for heading in ("amount", "mass", "angle", "against\nrotation"):
+    for heading in ("amount", "angle"):
         table.add_column(heading, justify="right", no_wrap=True)
-    for row in correction_rows(balance, radii):
-        table.add_row(*row)
+    for plane, by, amount, mass, angle, against in correction_rows(balance):
+        weighed = f"{amount}\n{mass}" if plane in balance.radii else amount
+        table.add_row(plane, by, weighed, f"{angle}\n{against} against rotation")
     return table
 
 

@@ -4,7 +4,6 @@ Angles are from the keyphasor mark in the sense of rotation, and beside it again
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,16 +25,16 @@ class Highest:
     band: str
 
 
-def correction_rows(balance: Balance, radii: Mapping[str, float]) -> list[tuple[str, ...]]:
+def correction_rows(balance: Balance) -> list[tuple[str, ...]]:
     """Return plane, method, amount, mass at the radius, angle, and angle against the rotation, of every correction."""
     rows: list[tuple[str, ...]] = []
     for i, plane in enumerate(balance.planes):
         shown = [*balance.corrections, *([_named(balance.chosen, "without what is not known")] * balance.left_out)]
         for correction in shown:
-            rows.append((plane, correction.by, *_amounts(correction, i, radii.get(plane))))
+            rows.append((plane, correction.by, *_amounts(correction, i, balance.radii.get(plane))))
         if balance.min_max is not None:
             w = complex(balance.min_max[i])
-            rows.append((plane, "min-max", *_plain(w, radii.get(plane))))
+            rows.append((plane, "min-max", *_plain(w, balance.radii.get(plane))))
     return rows
 
 

@@ -37,6 +37,9 @@ def balance(
     min_max: Annotated[
         bool, typer.Option("--min-max", help="make the largest amplitude least, not the sum of squares")
     ] = False,
+    page: Annotated[
+        Path | None, typer.Option(help="also write one sheet to print, .html"), Output(kind="report")
+    ] = None,
     force: Force = False,
     as_json: AsJson = False,
 ) -> None:
@@ -45,14 +48,18 @@ def balance(
     from rotorrig.balancing import balance_table, write_balance
 
     at_hand = HoleOptions(holes=holes, masses=masses, radius=radius, first=first_hole, most=most_holes)
-    found, radii = balance_responses(
+    found, rig = balance_responses(
         responses, fit=fit, after=after, planes=planes, speeds=speeds, holes=at_hand, min_max=min_max
     )
     write_balance(out_file, found)
+    if page:
+        from rotorrig.app.report import write_balance_sheet
+
+        write_balance_sheet(page, found, rig)
     if as_json:
         tell("", {"file": str(out_file), **balance_table(found)}, as_json=True)
         return
-    show_balance(found, radii)
+    show_balance(found)
     out.print(f"{out_file}: the correction, and the vibration predicted with it", highlight=False, soft_wrap=True)
 
 
@@ -77,7 +84,7 @@ def predict(
     if out_file.suffix.lower() not in PREDICTED:
         raise DataError(f"{out_file}: has the ending '{out_file.suffix}', want one of {list(PREDICTED)}")
     prediction, masses, measured = predict_with_masses(responses, fit=fit, masses=mass or [])
-    write_predicted(out_file, prediction, masses, measured.source, rig=measured.rig.name)
+    write_predicted(out_file, prediction, masses, measured)
     if not as_json:
         show_prediction(prediction, masses)
     words = f"{out_file}: {len(prediction.omega)} vectors"

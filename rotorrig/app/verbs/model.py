@@ -113,10 +113,12 @@ def report(
     out_file: Annotated[Path, OUT, Output(kind="report")],
     fit: Annotated[Path | None, typer.Option(help="fit.json to include")] = None,
     diagnosis: Annotated[Path | None, typer.Option(help="diagnosis.json to include")] = None,
+    balance: Annotated[Path | None, typer.Option(help="balance.json to include")] = None,
     force: Force = False,
 ) -> None:
     """Write one self-contained HTML file: verdict, Bode plots, values, provenance."""
     from rotorrig.app.report import write_report
+    from rotorrig.balancing import read_balance
     from rotorrig.identify import read_diagnosis, read_identification
     from rotorrig.processing.files import read_response
 
@@ -126,6 +128,7 @@ def report(
             response=read_response(response),
             identification=read_identification(fit) if fit else None,
             diagnosis=read_diagnosis(diagnosis) if diagnosis else None,
+            balance=read_balance(balance) if balance else None,
         )
     out.print(f"{out_file}: open in any browser")
 
@@ -134,6 +137,7 @@ def view(
     file: Annotated[Path, typer.Argument(help="run.mcap, response.mcap or an .rrd", show_default=False)],
     fit: Annotated[Path | None, typer.Option(help="fit.json of the response", show_default=False)] = None,
     diagnosis: Annotated[Path | None, typer.Option(help="diagnosis.json of the response", show_default=False)] = None,
+    balance: Annotated[Path | None, typer.Option(help="balance.json of the response", show_default=False)] = None,
     run: Annotated[Path | None, typer.Option(help="run.mcap the response was tracked from", show_default=False)] = None,
     out_file: Annotated[
         Path | None,
@@ -142,10 +146,10 @@ def view(
     ] = None,
     force: Force = False,
 ) -> None:
-    """Open a file in the Rerun viewer; a response together with its fit, diagnosis and recording."""
+    """Open a file in the Rerun viewer; a response together with what was made of it."""
     from rotorrig.app.viewer import Evidence, save_result, view_file
 
-    evidence = Evidence(fit=fit, diagnosis=diagnosis, run=run)
+    evidence = Evidence(fit=fit, diagnosis=diagnosis, balance=balance, run=run)
     if out_file is None:
         view_file(file, evidence)
         return

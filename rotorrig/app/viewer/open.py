@@ -12,6 +12,7 @@ from rotorrig.app.viewer.live.data import history_of, split_into_steps
 from rotorrig.app.viewer.live.parts import LiveScene
 from rotorrig.app.viewer.result import write_result_rrd
 from rotorrig.app.viewer.sinks import Sink, serve, show_files, to_file
+from rotorrig.balancing import read_balance
 from rotorrig.identify import read_diagnosis, read_identification
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import read_response
@@ -26,12 +27,13 @@ class Evidence:
 
     fit: Path | None = None  # fit.json: the model
     diagnosis: Path | None = None  # diagnosis.json: verdict, residual, the extended model
+    balance: Path | None = None  # balance.json: corrections, vectors before and after
     run: Path | None = None  # run.mcap: orbits and spectra as recorded
 
     @property
     def given(self) -> bool:
         """True if there is any."""
-        return bool(self.fit or self.diagnosis or self.run)
+        return bool(self.fit or self.diagnosis or self.balance or self.run)
 
 
 ALONE = Evidence()
@@ -89,6 +91,7 @@ def _write_result(out: Path, response: OrderTrackedResponse, evidence: Evidence)
         read_identification(evidence.fit) if evidence.fit else None,
         read_diagnosis(evidence.diagnosis) if evidence.diagnosis else None,
         read_recording(evidence.run) if evidence.run else None,
+        read_balance(evidence.balance) if evidence.balance else None,
     )
 
 

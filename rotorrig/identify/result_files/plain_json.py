@@ -16,7 +16,7 @@ DIAGNOSIS = "rotorrig diagnosis"
 BALANCE = "rotorrig balance"
 PREDICTION = "rotorrig prediction"
 INVESTIGATION = "rotorrig investigation"
-VERSIONS = {FIT: 1, DIAGNOSIS: 2, BALANCE: 1, PREDICTION: 1, INVESTIGATION: 1}
+VERSIONS = {FIT: 1, DIAGNOSIS: 2, BALANCE: 2, PREDICTION: 1, INVESTIGATION: 1}
 CONVENTIONS = "SI units; amplitudes 0-peak; z = 2 mean(x exp(-j theta)), theta = 0 at the keyphasor edge; lag = -arg z"
 
 

@@ -7,7 +7,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from rotorrig.identify.causes import Candidate, Selection, SelectionStep, is_significant, plausible
+from rotorrig.identify.causes import SELECTION, Candidate, Selection, SelectionStep, is_significant, plausible
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.cross_validation import Prediction
@@ -37,14 +37,24 @@ class HiddenEffect:
 
 
 def conclude(
-    selection: Selection, *, adequate_before: bool, adequate_after: bool, visible: float, predictions: Predictions
+    selection: Selection,
+    *,
+    adequate_before: bool,
+    adequate_after: bool,
+    visible: float,
+    predictions: Predictions,
+    misstated: int = 0,
 ) -> Verdict:
     """Draw the verdict; `visible` is the share of the known effects that this data could show.
 
     If the extended model predicts data no fit saw no better than the base, or finds another rotor in each part of the
-    data, it is no explanation.
+    data, it is no explanation; nor is it one if, beside its causes, so much of the nameplate would have to be wrong
+    (`misstated` statements) that more than `SELECTION.most` things would be.
     """
-    if selection.problem.effects == selection.start.effects:
+    causes = len(selection.problem.effects) - len(selection.start.effects)
+    if causes + misstated > SELECTION.most:
+        return Verdict.UNEXPLAINED
+    if not causes:
         if not adequate_before:
             return Verdict.UNEXPLAINED
         return Verdict.ADEQUATE if visible >= VERDICT.enough_visible else Verdict.CANNOT_TELL

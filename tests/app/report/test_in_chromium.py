@@ -3,6 +3,7 @@
 Accessibility is judged by axe-core where the package is there (axe-core-python, which brings its script along).
 """
 
+import dataclasses
 import importlib.util
 import json
 import re
@@ -17,7 +18,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from rotorrig.app.report.balance_sheet import write_balance_sheet
 from rotorrig.app.report.page import write_report
+from rotorrig.balancing import Balance
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 from rotorrig.processing.response import OrderTrackedResponse
@@ -83,7 +86,7 @@ def test_a_plot_on_its_own_is_a_picture_with_ink_in_it(tab: Tab, report: Path, t
 def test_the_first_tab_skips_to_the_verdict_and_the_toggle_is_reached(tab: Tab, report: Path) -> None:
     opened(tab, report)
     tab.press("Tab")
-    assert tab.run("document.activeElement.textContent") == "Skip to the verdict"
+    assert tab.run("document.activeElement.textContent") == "Skip to the content"
     assert tab.run("document.activeElement.getBoundingClientRect().left") >= 0  # it shows itself
     for _ in range(200):
         tab.press("Tab")
@@ -179,9 +182,42 @@ def test_it_prints_within_the_margins_with_all_that_was_folded(
     everything = " ".join(text for text, _ in pages)
     for words in ("disk 280.5 0.809 kg,", "speed, rpm", f"1 / {len(pages)}"):
         assert words in everything
-    assert "Skip to the verdict" not in everything
+    assert "Skip to the content" not in everything
     for _, right in pages:
         assert right <= 72 * width - 38  # pt; the margin is 14 mm
+
+
+@pytest.fixture(scope="module")
+def sheet(tmp_path_factory: pytest.TempPathFactory, response: OrderTrackedResponse, balanced: Balance) -> Path:
+    """The sheet of two planes, each corrected by three methods, with all there is to say."""
+    first = balanced.corrections[0]
+    both = dataclasses.replace(first, planes=("disk", "rim"), W=np.tile(first.W, 2), covariance=np.eye(4) * 1e-14)
+    told = dataclasses.replace(
+        balanced,
+        planes=both.planes,
+        radii=dict.fromkeys(both.planes, 0.03),
+        corrections=(both, dataclasses.replace(both, by="fitted model"), both),
+        chosen=both,
+        disagreement=1.9,
+        mounted=np.tile(balanced.mounted, 2),
+        placing=None,
+    )
+    path = tmp_path_factory.mktemp("sheet") / "sheet.html"
+    write_balance_sheet(path, told, response.rig)
+    return path
+
+
+@pytest.mark.skipif(shutil.which("pdftotext") is None, reason="needs pdftotext (Debian: poppler-utils)")
+@pytest.mark.parametrize("paper", defer_rest(PAPERS))
+def test_a_balance_sheet_is_one_sheet(tab: Tab, sheet: Path, tmp_path: Path, paper: str) -> None:
+    width, height = PAPERS[paper]
+    opened(tab, sheet)
+    assert tab.complaints == []
+    (tmp_path / "sheet.pdf").write_bytes(tab.paper(width=width, height=height))
+    ((words, right),) = words_of(tmp_path / "sheet.pdf")
+    for wanted in ("Add", "mark 0°", "fitted model", "ISO 21940-11", "Probe 2y", " rpm", "needs no network"):
+        assert wanted in words
+    assert right <= 72 * width - 26  # pt; the margin is 10 mm
 
 
 def words_of(pdf: Path) -> list[tuple[str, float]]:

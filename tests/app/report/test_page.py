@@ -10,6 +10,7 @@ import pytest
 from rotorrig.app.plot_data.curves import curves
 from rotorrig.app.plot_data.diagnosis_of_response import part_of
 from rotorrig.app.report.page import write_report
+from rotorrig.balancing import Balance
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Identification, NameplateCheck
 from rotorrig.identify.verdict.cause import ParameterValue
@@ -59,6 +60,20 @@ class Page(HTMLParser):
 
     def said(self) -> str:
         return " ".join(words for _, words in self.words)
+
+
+def test_a_balance_is_told_drawn_and_predicted(response: OrderTrackedResponse, balanced: Balance, path: Path) -> None:
+    write_report(path, response=response, balance=balanced)
+    page = Page(path.read_text())
+    said = page.said()
+    assert "Balancing" in said
+    assert "into hole" in said and "from the keyphasor mark in the sense of rotation" in said
+    assert {"predicted-0", "correction-3"} <= set(page.ids)
+    assert len(page.ids) == len(set(page.ids))
+    assert page.unlabelled == []
+    other = dataclasses.replace(balanced, source=dataclasses.replace(balanced.source, source_hash="22" * 8))
+    with pytest.raises(DataError, match="want the first response it was made of"):
+        write_report(path, response=response, balance=other)
 
 
 @pytest.fixture

@@ -120,6 +120,15 @@ def test_the_verdict_follows_from_the_tests_and_the_causes(
     assert concluded is expected
 
 
+@pytest.mark.parametrize(("misstated", "expected"), [(2, Verdict.NAMED), (3, Verdict.UNEXPLAINED)])
+def test_a_cause_and_three_statements_of_the_nameplate_explain_nothing(misstated: int, expected: Verdict) -> None:
+    told = predicts()
+    concluded = conclude(
+        ALONE, adequate_before=False, adequate_after=True, visible=0.9, predictions=told, misstated=misstated
+    )
+    assert concluded is expected
+
+
 @pytest.mark.parametrize(("alone", "expected"), [(4.9, Verdict.TIED), (5.5, Verdict.UNEXPLAINED)])
 def test_of_tied_causes_one_has_to_predict_no_worse(alone: float, expected: Verdict) -> None:
     pair = predicts(before=5.0, after=alone)

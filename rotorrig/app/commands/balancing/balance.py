@@ -1,6 +1,6 @@
 """`rotor balance`: from responses and options to a printed correction."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from rotorrig.app.commands.balancing.options import HoleOptions, read_bands, read_holes, read_planes, read_radii
@@ -17,6 +17,7 @@ from rotorrig.balancing import Balance, Task, balance
 from rotorrig.identify import read_identification
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import ConfigError
+from rotorrig.rig.config import RigConfig
 
 
 def read_task(
@@ -33,10 +34,12 @@ def read_task(
     wanted = read_planes(planes, known=rig.unbalance_planes)
     mounted = dict.fromkeys(p for r in responses for run in r.runs for p, u in run.trial_unbalance.items() if u)
     corrected = wanted or tuple(mounted) or (rig.identify.unbalance if fitted and rig.identify else ())
+    radii = read_radii(holes.radius, known=rig.unbalance_planes)
     return Task(
         planes=corrected,
         bands=read_bands(speeds),
-        holes=read_holes(holes, corrected, read_radii(holes.radius, known=rig.unbalance_planes)),
+        holes=read_holes(holes, corrected, radii),
+        radii=radii,
         min_max=min_max,
     )
 
@@ -50,11 +53,8 @@ def balance_responses(
     speeds: str | None,
     holes: HoleOptions,
     min_max: bool,
-) -> tuple[Balance, dict[str, float]]:
-    """Balance responses of one rig; return the radii [m] that masses are shown at, too.
-
-    Raises DataError, ConfigError.
-    """
+) -> tuple[Balance, RigConfig]:
+    """Balance responses of one rig, and return that, too. Raises DataError, ConfigError."""
     if holes.holes is not None and holes.holes < 1:
         raise ConfigError(f"--holes: got {holes.holes}, want at least 1")
     every = read_responses([*paths, after] if after else paths)
@@ -62,13 +62,12 @@ def balance_responses(
     identification = read_identification(fit) if fit else None
     task = read_task(measured, planes=planes, speeds=speeds, holes=holes, min_max=min_max, fitted=fit is not None)
     with working("balancing"):
-        found = balance(measured, task, identification=identification, after=last)
-    return found, read_radii(holes.radius, known=measured[0].rig.unbalance_planes)
+        return balance(measured, task, identification=identification, after=last), measured[0].rig
 
 
-def show_balance(balance: Balance, radii: Mapping[str, float]) -> None:
+def show_balance(balance: Balance) -> None:
     """Print corrections, what of them is known, the masses to mount and what they will do."""
-    out.print(corrections_table(balance, radii))
+    out.print(corrections_table(balance))
     for words in (*known_sentences(balance), *hole_lines(balance), mounted_sentence(balance)):
         out.print(words, highlight=False, markup=False)
     out.print(prediction_table(balance.prediction))

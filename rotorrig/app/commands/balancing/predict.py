@@ -10,10 +10,10 @@ import numpy as np
 from rotorrig.app.commands.diagnose import read_responses
 from rotorrig.app.terminal import out, prediction_table, working
 from rotorrig.app.text import mass_text
-from rotorrig.balancing import Prediction, influence_of_fit, predict_vibration, write_prediction
+from rotorrig.balancing import DIRECTIONS, Prediction, influence_of_fit, predict_vibration, write_prediction
 from rotorrig.identify import read_identification
 from rotorrig.processing import OrderTrackedResponse
-from rotorrig.rig import ConfigError, Provenance, write_whole_text
+from rotorrig.rig import ConfigError, write_whole_text
 from rotorrig.rig.config import RPM, UM, read_trial_mass, trial_unbalance
 
 HEAD = (
@@ -44,19 +44,18 @@ def predict_with_masses(
 
 
 def write_predicted(
-    path: Path, prediction: Prediction, masses: dict[str, complex], source: Provenance, *, rig: str
+    path: Path, prediction: Prediction, masses: dict[str, complex], measured: OrderTrackedResponse
 ) -> None:
-    """Write a prediction, of the rig of that name, as CSV, JSON or picture by its path's ending. Raises DataError."""
+    """Write a prediction for a response as CSV, JSON or picture by its path's ending. Raises DataError."""
     ending = path.suffix.lower()
     if ending == ".csv":
         write_whole_text(path, _table(prediction, masses))
     elif ending == ".json":
-        write_prediction(path, prediction, masses, source)
+        write_prediction(path, prediction, masses, measured.source)
     else:
-        from rotorrig.app.commands.balancing.picture import write_picture
+        from rotorrig.app.report import write_prediction_page
 
-        words = "; ".join(mass_text(plane, u) for plane, u in masses.items())
-        write_picture(path, prediction, rig=rig, masses=words)
+        write_prediction_page(path, prediction, masses, rig=measured.rig, source=measured.source)
 
 
 def show_prediction(prediction: Prediction, masses: dict[str, complex]) -> None:
@@ -82,7 +81,7 @@ def _table(prediction: Prediction, masses: dict[str, complex]) -> str:
             [
                 prediction.probes[prediction.probe[m]],
                 f"{prediction.omega[m] * RPM:.2f}",
-                {1: "up", -1: "down", 0: "dwell"}[int(prediction.direction[m])],
+                DIRECTIONS[int(prediction.direction[m])],
                 *vectors,
                 f"{low[m] * UM:.4f}",
                 f"{high[m] * UM:.4f}",

@@ -1,18 +1,13 @@
 """The rig as SVG: side view to scale, end view with axes, probe angles and sense of rotation."""
 
 import math
-from html import escape
 
+from rotorrig.app.report.drawings.svg import LETTERS, arrow, bent_arrow, svg, text
 from rotorrig.rig.config import Probe, RigConfig
 
 MARGIN = 26.0  # mm of paper left and right of the shaft
-LABEL = 9.0  # mm, letter height in drawing units
 LANE = 12.0  # mm between lines of labels
 LETTER = 0.56  # of the height: the width a letter takes on average
-_TIP = (
-    '<defs><marker id="tip" viewBox="0 0 6 6" refX="5" refY="3" markerWidth="5" markerHeight="5" orient="auto">'
-    '<path class="tip" d="M0 0 6 3 0 6z"/></marker></defs>'
-)
 
 
 def side_view(rig: RigConfig) -> str:
@@ -33,35 +28,30 @@ def side_view(rig: RigConfig) -> str:
         *bottom,
         _ruler(length, floor + 8),
     ]
-    box = (-MARGIN, upper - LABEL, length + 2 * MARGIN, floor + 34 - upper + LABEL)
-    return _svg(box, parts, _description(rig))
+    box = (-MARGIN, upper - LETTERS, length + 2 * MARGIN, floor + 34 - upper + LETTERS)
+    return svg(box, parts, _description(rig))
 
 
 def end_view(rig: RigConfig) -> str:
     """Return the axes, the probes at their angles, the sense of rotation and gravity as an SVG."""
     turn = 1 if rig.rotation == "x-to-y" else -1
-    parts = [_TIP, '<circle class="shaft" r="16"/>', _arrow(0, 0, 62, 0), _arrow(0, 0, 0, -62)]
-    parts += [_text(67, 3, "x", anchor="start"), _text(0, -66, "y")]
+    parts = ['<circle class="shaft" r="16"/>', arrow(0, 0, 62, 0), arrow(0, 0, 0, -62)]
+    parts += [text(67, 3, "x", anchor="start"), text(0, -66, "y")]
     for angle in sorted({round(p.angle, 6) for p in rig.probes}):
         names = [p.name for p in rig.probes if round(p.angle, 6) == angle]
         parts += _probe_at(angle, names)
     a, b = (-140, -220) if turn > 0 else (-220, -140)  # degrees, the SVG's y points down
-    parts.append(f'<path class="arrow" d="{_arc(27, a, b, turn)}" marker-end="url(#tip)"/>')
-    parts.append(_text(-36, 20, "rotation", anchor="end"))
+    parts.append(bent_arrow(27, a, b))
+    parts.append(text(-36, 20, "rotation", anchor="end"))
     if rig.gravity != "none":
         x, y = (-52, 0) if rig.gravity == "-x" else (0, 52)
         parts += [
-            _arrow(x * 0.45, y * 0.45, x, y),
-            _text(x - 4 if x else 6, y + 4, "g", anchor="end" if x else "start"),
+            arrow(x * 0.45, y * 0.45, x, y),
+            text(x - 4 if x else 6, y + 4, "g", anchor="end" if x else "start"),
         ]
     first, second = rig.rotation.split("-to-")
     words = f"End view: x to the right, y up, rotation from {first} to {second}; probes at their angles."
-    return _svg((-95, -90, 190, 160), parts, words)
-
-
-def _svg(box: tuple[float, float, float, float], parts: list[str], description: str) -> str:
-    size = " ".join(f"{v:.1f}" for v in box)
-    return f'<svg class="drawing" viewBox="{size}" role="img" aria-label="{escape(description)}">{"".join(parts)}</svg>'
+    return svg((-95, -90, 190, 160), parts, words)
 
 
 def _by_position(probes: tuple[Probe, ...]) -> list[tuple[float, list[str]]]:
@@ -78,19 +68,14 @@ def _labels(items: list[tuple[float, str, str]], *, start: float, step: float) -
     lanes: list[float] = []  # right end of the last label in each line
     parts = []
     for x, words, kind in sorted(items):
-        half = len(words) * LABEL * LETTER / 2 + 3
+        half = len(words) * LETTERS * LETTER / 2 + 3
         lane = next((i for i, end in enumerate(lanes) if x - half > end), len(lanes))
         lanes[lane : lane + 1] = [x + half]
         y = start + lane * step
-        near = y + 3 if step < 0 else y - LABEL
+        near = y + 3 if step < 0 else y - LETTERS
         parts.append(f'<line class="leader" x1="{x:.2f}" x2="{x:.2f}" y1="{near:.2f}" y2="{start - step:.2f}"/>')
-        parts.append(_text(x, y, words, kind=kind))
+        parts.append(text(x, y, words, kind=kind))
     return parts, start + max(len(lanes) - 1, 0) * step
-
-
-def _text(x: float, y: float, words: str, *, anchor: str = "middle", kind: str = "") -> str:
-    place = f'x="{x:.2f}" y="{y:.2f}" font-size="{LABEL}" text-anchor="{anchor}"'
-    return f'<text class="{kind}" {place}>{escape(words)}</text>'
 
 
 def _disk(x: float, width: float, diameter: float) -> str:
@@ -125,29 +110,17 @@ def _probe_at(angle: float, names: list[str]) -> list[str]:
     words = f"{', '.join(names)} ({math.degrees(angle):g}°)"
     # beside the axis, so that a probe on it leaves the axis' own letter free
     side = ("start", 5.0) if x >= -0.1 else ("end", -5.0)
-    return [body, _text(x * 40 + side[1], y * 40 + (14 if abs(y) < 0.3 else 0), words, anchor=side[0], kind="probe")]
-
-
-def _arrow(x1: float, y1: float, x2: float, y2: float) -> str:
-    return f'<line class="arrow" x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" marker-end="url(#tip)"/>'
-
-
-def _arc(radius: float, start: float, end: float, turn: int) -> str:
-    (x1, y1), (x2, y2) = (
-        (radius * math.cos(math.radians(a)), radius * math.sin(math.radians(a))) for a in (start, end)
-    )
-    return f"M{x1:.2f} {y1:.2f}A{radius} {radius} 0 0 {int(turn < 0)} {x2:.2f} {y2:.2f}"
+    return [body, text(x * 40 + side[1], y * 40 + (14 if abs(y) < 0.3 else 0), words, anchor=side[0], kind="probe")]
 
 
 def _ruler(length: float, y: float) -> str:
     step = next(s for s in (10, 20, 50, 100, 200, 500, 1000, 2000, 5000) if length / s <= 8)
     ticks = [i * step for i in range(int(length // step) + 1)]
     marks = "".join(
-        f'<line class="ruler" x1="{t}" x2="{t}" y1="{y:.2f}" y2="{y + 4:.2f}"/>{_text(t, y + 14, str(t))}'
-        for t in ticks
+        f'<line class="ruler" x1="{t}" x2="{t}" y1="{y:.2f}" y2="{y + 4:.2f}"/>{text(t, y + 14, str(t))}' for t in ticks
     )
     line = f'<line class="ruler" x1="0" x2="{length:.2f}" y1="{y:.2f}" y2="{y:.2f}"/>'
-    return f"{line}{marks}{_text(length, y + 24, 'mm from the coupling', anchor='end')}"
+    return f"{line}{marks}{text(length, y + 24, 'mm from the coupling', anchor='end')}"
 
 
 def _description(rig: RigConfig) -> str:

@@ -3,6 +3,7 @@
 from rotorrig.app.report.figures.amplitudes import order_amplitudes
 from rotorrig.app.report.figures.bode import bode
 from rotorrig.app.report.figures.centreline import centreline
+from rotorrig.app.report.figures.correction import correction_polar
 from rotorrig.app.report.figures.maps import full_spectrum_map, residual_map, whirl_map
 from rotorrig.app.report.figures.polar import polar
 from rotorrig.app.report.figures.predicted import predicted
@@ -11,6 +12,7 @@ from rotorrig.app.report.figures.search_map import search_map
 __all__ = [
     "bode",
     "centreline",
+    "correction_polar",
     "full_spectrum_map",
     "order_amplitudes",
     "polar",

@@ -15,6 +15,7 @@ from rotorrig.app.plot_data import Curve, curves, thin_curve
 from rotorrig.app.report.figures.bode import DOTS
 from rotorrig.app.report.figures.look import COLOURS, GRID, LINE, apply_look, base_line, dots, line
 from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig.config import RigConfig
 
 HEIGHT = 430  # px, that of the Bode plot beside it
 LABELLED = 7  # speeds along the first run
@@ -42,13 +43,19 @@ def polar(
             _draw(figure, few, few.model_amplitude, few.model_lag, line(curve.direction))
     for curve in drawn[:1]:
         _label(figure, curve)
-    angle = next(p.angle for p in response.rig.probes if p.name == response.probes[probe])
-    apply_look(figure, height=HEIGHT)
+    apply_polar_look(figure, response.rig, response.probes[probe], height=HEIGHT)
+    return figure
+
+
+def apply_polar_look(figure: go.Figure, rig: RigConfig, probe: str, *, height: int) -> None:
+    """Lay out a polar plot of a probe's vectors, by their phase lag."""
+    angle = rig.probe(probe).angle
+    apply_look(figure, height=height)
     figure.update_layout(margin={"l": 40, "r": 40, "t": 34, "b": 46}, showlegend=False, modebar_orientation="h")
     figure.update_polars(
         bgcolor="rgba(0,0,0,0)",
         angularaxis={
-            "direction": "clockwise" if response.rig.rotation == "x-to-y" else "counterclockwise",
+            "direction": "clockwise" if rig.rotation == "x-to-y" else "counterclockwise",
             "rotation": math.degrees(angle),
             "dtick": 30,
             "ticksuffix": "°",
@@ -57,7 +64,6 @@ def polar(
         },
         radialaxis={"angle": math.degrees(angle) + 15, "gridcolor": GRID, "linecolor": LINE, "nticks": 4},
     )
-    return figure
 
 
 def _draw(

@@ -69,6 +69,12 @@ class PolarPicture:
         places = places[np.isfinite(places).all(axis=1)]
         self._stream.log(f"{self._path}/{name}", rr.Points2D(places, colors=colour, radii=-radius, draw_order=5.0))
 
+    def arrow(self, name: str, z: NDArray[np.complex128], colour: Colour) -> None:
+        """Draw an arrow called `name` from the one of two vectors z (2,) [m] to the other, on top of the paths."""
+        self._grow(z)
+        start, end = self._panel.place(*self._xy(z))
+        self._log(name, rr.Arrows2D(origins=[start], vectors=[end - start], colors=colour, radii=-2.0, draw_order=4.0))
+
     def _xy(self, z: NDArray[np.complex128]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return where vectors [m] are drawn, x and y in µm: against rotation from the probe by the lag."""
         seen = (z if self._sense > 0 else np.conj(z)) * np.exp(1j * self._zero) * 1e6

@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 import rerun.blueprint as rrb
 
 from rotorrig.app.viewer.blueprint import BACKGROUND, BODE_BOUNDS, ORBIT_BOUNDS, POLAR_BOUNDS, flat, make_blueprint
 from rotorrig.app.viewer.result.data import Result
+from rotorrig.balancing import Balance
 from rotorrig.processing import Plane
 
 SPEED_BOUNDS = rrb.VisualBounds2D(x_range=(-18, 194), y_range=(-11, 110))
@@ -23,6 +25,8 @@ def result_layout(result: Result, modes: Sequence[str]) -> rrb.Blueprint:
         tabs.append(_centreline(planes))
     if planes:
         tabs.append(_spectrum(planes))
+    if result.balance is not None:
+        tabs.append(_balance(result.balance))
     tabs.append(_rotor(modes, result.response.rig.shaft.length))
     return make_blueprint(rrb.Tabs(*tabs, active_tab=0), timeline="speed_rpm", fps=PLAYED)
 
@@ -77,6 +81,14 @@ def _spectrum(planes: Sequence[Plane]) -> rrb.Container:
         for i, plane in enumerate(planes)
     ]
     return rrb.Vertical(*rows, name="Spectrum")
+
+
+def _balance(balance: Balance) -> rrb.Container:
+    names = [balance.prediction.probes[p] for p in np.unique(balance.prediction.probe)]
+    polars = [flat(f"balance/{name}", f"Before and as predicted after, probe {name}", POLAR_BOUNDS) for name in names]
+    words = rrb.TextDocumentView(origin="correction", name="Correction")
+    pictures = rrb.Grid(*polars, grid_columns=1 if len(polars) < 2 else 2)
+    return rrb.Horizontal(words, pictures, column_shares=[1, 2], name="Balance")
 
 
 def _rotor(modes: Sequence[str], length: float) -> rrb.Container:

@@ -7,7 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.acquisition import RawRecording
-from rotorrig.app.plot_data import fits_of, model_vectors, part_of, predictions, slow_roll_known, sweeps, vectors
+from rotorrig.app.plot_data import (
+    check_balance_of,
+    fits_of,
+    model_vectors,
+    part_of,
+    predictions,
+    slow_roll_known,
+    sweeps,
+    vectors,
+)
+from rotorrig.balancing import Balance
 from rotorrig.identify import Diagnosis, Fit, Identification
 from rotorrig.processing import OrderTrackedResponse, Plane, measured_planes
 from rotorrig.processing.files import order_name
@@ -27,6 +37,7 @@ class Result:
     recording: RawRecording | None
     base: Vectors | None  # as the model without extension predicts
     extended: Vectors | None  # as the extended one does
+    balance: Balance | None = None
 
     @property
     def fit(self) -> Fit | None:
@@ -81,6 +92,7 @@ def result_of(
     identification: Identification | None = None,
     diagnosis: Diagnosis | None = None,
     recording: RawRecording | None = None,
+    balance: Balance | None = None,
 ) -> Result:
     """Put together what belongs to `response`. Raises DataError if one of the others does not, or it has no 1X."""
     if 1.0 not in response.orders:
@@ -91,6 +103,8 @@ def result_of(
             f"run: is of {recording.source.source_hash} ({recording.source.source}), the response is of "
             f"{response.source.source_hash} ({response.source.source}); want the run of this very response"
         )
+    if balance:
+        check_balance_of(balance, response)
     part = part_of(diagnosis, response) if diagnosis else None
     identification = fits_of(identification, response) if identification else None
     fit = identification.fits[0] if identification and identification.fits else None
@@ -100,6 +114,7 @@ def result_of(
         identification=identification,
         diagnosis=part,
         recording=recording,
+        balance=balance,
         base=None if base is None else model_vectors(response, base),
         extended=None if extended is None else model_vectors(response, extended),
     )

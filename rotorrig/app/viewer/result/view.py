@@ -12,6 +12,7 @@ import rerun as rr
 from rotorrig.acquisition import RawRecording
 from rotorrig.app.viewer.plots import displayable
 from rotorrig.app.viewer.result import curves
+from rotorrig.app.viewer.result.balance import draw_balance
 from rotorrig.app.viewer.result.blueprint import result_layout
 from rotorrig.app.viewer.result.by_speed import draw_by_speed, rows_to_show
 from rotorrig.app.viewer.result.cascade import draw_cascades
@@ -20,6 +21,7 @@ from rotorrig.app.viewer.result.rotor import RotorScene
 from rotorrig.app.viewer.result.rotor_motion import mode_words, rotor_motion
 from rotorrig.app.viewer.result.text import colour_words, verdict_words
 from rotorrig.app.viewer.sinks import Sink, to_file
+from rotorrig.balancing import Balance
 from rotorrig.identify import Diagnosis, Identification
 from rotorrig.processing import OrderTrackedResponse, Waveforms
 from rotorrig.rig import provisional_file
@@ -31,13 +33,14 @@ def write_result_rrd(
     identification: Identification | None = None,
     diagnosis: Diagnosis | None = None,
     recording: RawRecording | None = None,
+    balance: Balance | None = None,
 ) -> None:
     """Write an .rrd of a response with the model's prediction and residual.
 
-    `recording` adds the orbits and full spectra as recorded. Raises DataError if the file cannot be written, or if the
-    diagnosis is of another response.
+    `recording` adds the orbits and full spectra as recorded, `balance` the correction and the vectors with it. Raises
+    DataError if the file cannot be written, or if one of these is of another response.
     """
-    result = result_of(response, identification, diagnosis, recording)
+    result = result_of(response, identification, diagnosis, recording, balance)
     with provisional_file(path) as made:
         _draw_result(to_file(made), result, recording)
 
@@ -58,6 +61,7 @@ def _draw_result(sink: Sink, result: Result, recording: RawRecording | None) -> 
     curves.draw_gaps(stream, result)
     curves.draw_whirl(stream, result)
     draw_cascades(stream, result, waveforms)
+    draw_balance(stream, result)
     for name, words in (("verdict", verdict_words(result)), ("colours", colour_words(result))):
         stream.log(name, rr.TextDocument(displayable(words), media_type=rr.MediaType.MARKDOWN), static=True)
     rotor = RotorScene(stream, result, motion)
@@ -68,5 +72,5 @@ def _draw_result(sink: Sink, result: Result, recording: RawRecording | None) -> 
 
 def application_of(result: Result, titles: Sequence[str]) -> str:
     """Return the name a viewer keeps the layout under: it would show another layout's result in the first it saw."""
-    shape = (result.response.source, titles, result.diagnosis is None, result.extended is None)
+    shape = (result.response.source, titles, result.diagnosis is None, result.extended is None, result.balance is None)
     return f"rotorrig result {hashlib.sha256(repr(shape).encode()).hexdigest()[:8]}"

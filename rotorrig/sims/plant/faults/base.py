@@ -2,7 +2,9 @@
 
 A fault's module holds `PARAMETERS` (name -> default, SI), `SIZE` (those of them that are all zero if there is no
 fault), `RANGE` (the distributions a blind case draws them from; the others keep their default) and any of the hooks of
-`Fault`. Dropping a file in here is all it takes. No hook knows of the model a fit uses for the same thing.
+`Fault`. A range begins where two planes and a trial mass begin to show the fault on the RK4: where lam is about 25 of
+the effect that models it (benchmarks/parts/blind/lam.py), if one does; run-out is subtracted with the slow roll and
+shows at no size. Dropping a file in here is all it takes. No hook knows of the model a fit uses for the same thing.
 """
 
 import difflib

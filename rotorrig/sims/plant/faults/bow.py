@@ -23,7 +23,7 @@ PARAMETERS: dict[str, float] = {
     "angle": 0.6,  # rad from shaft angle zero, in the sense of rotation: where it bulges
 }
 SIZE = ("amount",)
-RANGE = {"amount": LogUniform(1e-6, 2.5e-5), "angle": ANY_PHASE}
+RANGE = {"amount": LogUniform(1.2e-5, 4e-5), "angle": ANY_PHASE}
 SPOT = 0.42  # of the way from the first bearing to the last, where it was heated
 SPREAD = 0.075  # m: sqrt(k d / 4 h) of steel of 10 mm, k = 45 W/m K, h = 20 W/m^2 K in air
 PIECES = 6  # of even curvature

@@ -17,7 +17,7 @@ PARAMETERS: dict[str, float] = {
     "probe": 0.0,  # the number of a probe in the plane, from 0
 }
 SIZE = ("share",)
-RANGE = {"share": LogUniform(0.004, 0.06), "probe": AnyProbe()}
+RANGE = {"share": LogUniform(0.07, 0.2), "probe": AnyProbe()}
 
 
 def sensors(rig: RigConfig, chain: Chain, values: Values) -> Chain:

@@ -11,7 +11,7 @@ from rotorrig.sims.plant.sensors import Chain
 
 PARAMETERS: dict[str, float] = {"time": 1.5e-4}  # s, at low frequency: a corner of 1.5 kHz
 SIZE = ("time",)
-RANGE = {"time": LogUniform(2e-5, 4e-4)}
+RANGE = {"time": LogUniform(6e-5, 4e-4)}
 
 
 def sensors(rig: RigConfig, chain: Chain, values: Values) -> Chain:

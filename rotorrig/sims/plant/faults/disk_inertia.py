@@ -18,7 +18,7 @@ PARAMETERS: dict[str, float] = {
     "disk": 0.0,  # its number in the config, from 0
 }
 SIZE = ("polar", "transverse")
-RANGE = {"polar": LogUniform(0.03, 0.3, either_sign=True), "transverse": LogUniform(0.03, 0.3, either_sign=True)}
+RANGE = {"polar": LogUniform(0.12, 0.3, either_sign=True), "transverse": LogUniform(0.12, 0.3, either_sign=True)}
 
 
 def structure(rig: RigConfig, truth: Truth, rotor: Rotor, values: Values) -> Rotor:

@@ -21,7 +21,7 @@ PARAMETERS: dict[str, float] = {
     "disk": 0.0,  # its number in the config, from 0
 }
 SIZE = ("coefficient",)
-RANGE = {"coefficient": LogUniform(0.5, 30.0)}
+RANGE = {"coefficient": LogUniform(1.0, 30.0)}
 TYPICAL = 0.03  # m/s: 130 um at the critical speed of the chapter's rig
 REYNOLDS = 0.075 / 1e-4  # s/m, times a speed: the disk's diameter in oil of 100 mm^2/s
 SWIRL = 0.1  # of the disk's speed, in a bath on one side: an estimate

@@ -24,7 +24,7 @@ PARAMETERS: dict[str, float] = {
     "frequency": 37.0,  # Hz, where the viscous part is half way from soft to stiff
 }
 SIZE = ("loss_factor",)
-RANGE = {"loss_factor": LogUniform(2e-3, 0.06)}
+RANGE = {"loss_factor": LogUniform(0.04, 0.15)}
 REACH = 5e-5  # m, motion at which most of the filler has come loose: an estimate, for rubber of 1 mm at 5 % strain
 FRICTION = 0.5  # of the loss; the rest is viscous
 

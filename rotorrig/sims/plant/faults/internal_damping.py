@@ -19,7 +19,7 @@ from rotorrig.sims.plant.truth import Truth
 
 PARAMETERS: dict[str, float] = {"time": 5e-5}  # s, stress per stiffness and strain rate at `RELAXATION`
 SIZE = ("time",)
-RANGE = {"time": LogUniform(1e-5, 1.2e-4)}
+RANGE = {"time": LogUniform(2.5e-5, 1.2e-4)}
 RELAXATION = 460.0  # rad/s, one over the relaxation time: twice the critical speed, as seen of a backward whirl there
 
 

@@ -19,7 +19,7 @@ PARAMETERS: dict[str, float] = {
     "third": 0.3,  # of the amount, at three times the frequency
 }
 SIZE = ("amount",)
-RANGE = {"amount": LogUniform(1e-7, 3e-6), "phase": ANY_PHASE}
+RANGE = {"amount": LogUniform(7e-7, 5e-6), "phase": ANY_PHASE}
 SPREAD = 0.25  # of the amount, and in rad: the most by which a probe's differs from the average
 
 

@@ -16,7 +16,7 @@ PARAMETERS: dict[str, float] = {
     "probe": 1.0,  # its number in the config, from 0
 }
 SIZE = ("turn",)
-RANGE = {"turn": LogUniform(math.radians(1.0), math.radians(10.0), either_sign=True), "probe": AnyProbe()}
+RANGE = {"turn": LogUniform(math.radians(6.0), math.radians(20.0), either_sign=True), "probe": AnyProbe()}
 
 
 def deviations(rig: RigConfig, truth: Truth, values: Values) -> Truth:

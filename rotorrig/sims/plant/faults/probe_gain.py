@@ -16,7 +16,7 @@ PARAMETERS: dict[str, float] = {
     "probe": 1.0,  # its number in the config, from 0
 }
 SIZE = ("gain",)
-RANGE = {"gain": LogUniform(0.01, 0.12, either_sign=True), "probe": AnyProbe()}
+RANGE = {"gain": LogUniform(0.07, 0.2, either_sign=True), "probe": AnyProbe()}
 
 
 def deviations(rig: RigConfig, truth: Truth, values: Values) -> Truth:

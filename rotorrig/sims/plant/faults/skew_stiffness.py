@@ -19,7 +19,7 @@ PARAMETERS: dict[str, float] = {
     "reference": 230.0,  # rad/s
 }
 SIZE = ("stiffness",)
-RANGE = {"stiffness": LogUniform(100.0, 1800.0)}
+RANGE = {"stiffness": LogUniform(150.0, 1800.0)}
 
 
 def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:

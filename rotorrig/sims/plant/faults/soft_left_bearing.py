@@ -15,7 +15,7 @@ from rotorrig.sims.plant.truth import BearingTruth, Truth
 
 PARAMETERS: dict[str, float] = {"compliance": 1.25e-6}  # m/N of the seat, one per bearing
 SIZE = ("compliance",)
-RANGE = {"compliance": LogUniform(5e-8, 3e-6)}
+RANGE = {"compliance": LogUniform(5e-7, 5e-6)}
 LOSS = 0.15
 SPEED = 230.0  # rad/s
 FLATTENED = 0.8  # compliance along gravity over that across it

@@ -21,7 +21,7 @@ PARAMETERS: dict[str, float] = {
     "reference": 230.0,  # rad/s, where the balls press outwards by as much as the preload
 }
 SIZE = ("gain",)
-RANGE = {"gain": LogUniform(0.005, 0.15, either_sign=True)}
+RANGE = {"gain": LogUniform(0.015, 0.15, either_sign=True)}
 
 
 def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:

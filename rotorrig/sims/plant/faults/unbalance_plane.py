@@ -20,7 +20,7 @@ PARAMETERS: dict[str, float] = {
     "radius": 0.01,  # m, at which the mass sits
 }
 SIZE = ("amount",)
-RANGE = {"amount": LogUniform(5e-7, 1e-5), "angle": ANY_PHASE, "position": Uniform(0.34, 0.46)}
+RANGE = {"amount": LogUniform(2e-6, 1e-5), "angle": ANY_PHASE, "position": Uniform(0.34, 0.46)}
 
 
 def forces(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:

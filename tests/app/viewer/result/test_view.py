@@ -19,6 +19,7 @@ from rotorrig.app.viewer.result.data import result_of
 from rotorrig.app.viewer.result.rotor import exaggeration
 from rotorrig.app.viewer.result.text import colour_words, verdict_words
 from rotorrig.app.viewer.result.view import application_of
+from rotorrig.balancing import Balance, write_balance
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.result_files import write_diagnosis, write_identification
@@ -37,7 +38,7 @@ BLUE, ORANGE, RED, VIOLET = (74, 163, 223), (242, 142, 43), (200, 24, 66), (176,
 PALE, GREEN, WHITE, WORDS = (250, 200, 140), (86, 196, 150), (240, 240, 240), (202, 216, 222)
 PALE_BLUE = (158, 208, 244)
 RAD = np.pi / 30
-TABS = ("Overview", "Bode", "Polar", "Centreline", "Spectrum", "Rotor")
+TABS = ("Overview", "Bode", "Polar", "Centreline", "Spectrum", "Balance", "Rotor")
 
 
 @pytest.fixture(scope="module")
@@ -45,14 +46,16 @@ def saved(
     response: OrderTrackedResponse,
     poorly_fitted: Identification,
     named: Diagnosis,
+    balanced: Balance,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Path:
-    """The .rrd of a response, its fit and its diagnosis, from their files."""
+    """The .rrd of a response, its fit, its diagnosis and its balance, from their files."""
     folder = tmp_path_factory.mktemp("result")
     write_response(folder / "response.mcap", response)
     write_identification(folder / "fit.json", poorly_fitted)
     write_diagnosis(folder / "diagnosis.json", named)
-    evidence = Evidence(fit=folder / "fit.json", diagnosis=folder / "diagnosis.json")
+    write_balance(folder / "balance.json", balanced)
+    evidence = Evidence(fit=folder / "fit.json", diagnosis=folder / "diagnosis.json", balance=folder / "balance.json")
     save_result(folder / "response.mcap", folder / "result.rrd", evidence)
     return folder / "result.rrd"
 
@@ -144,13 +147,15 @@ def test_a_diagnosis_of_another_response_is_one_sentence(
 
 
 def test_a_fit_or_a_run_of_another_response_is_one_sentence(
-    response: OrderTrackedResponse, identification: Identification, recording: RawRecording
+    response: OrderTrackedResponse, identification: Identification, recording: RawRecording, balanced: Balance
 ) -> None:
     other = dataclasses.replace(response.source, source_hash="00" * 8)
     with pytest.raises(DataError, match="want the fit of this very response"):
         result_of(response, dataclasses.replace(identification, source=other))
     with pytest.raises(DataError, match="want the run of this very response"):
         result_of(response, recording=dataclasses.replace(recording, source=other))
+    with pytest.raises(DataError, match="want the first response it was made of"):
+        result_of(response, balance=dataclasses.replace(balanced, source=other))
 
 
 def test_a_response_without_1x_is_one_sentence(response: OrderTrackedResponse) -> None:
@@ -206,6 +211,11 @@ def test_results_of_different_layouts_go_by_different_names(response: OrderTrack
                 "Full spectrum over speed: 1x": (BLUE, 1000), "Full spectrum over speed: 2x": (BLUE, 1000),
                 "Forward and backward whirl: 1x": (GREEN, 200), "Forward and backward whirl: 2x": (GREEN, 200),
             },
+        ),
+        (
+            "Balance",
+            {"Correction": (WORDS, 300)}
+            | {f"Before and as predicted after, probe {probe}": (VIOLET, 30) for probe in ("1x", "1y", "2x", "2y")},
         ),
         ("Rotor", {"1X deflection": (GREEN, 300), "critical speed 22": (WORDS, 20)}),
     ]),
