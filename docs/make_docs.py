@@ -35,6 +35,7 @@ COSTLY: Mapping[str, str] = {
     "demo.png": "python -m docs.make_pictures demo",
     "live.png": "python -m docs.make_pictures demo",
     "measured-run-up.svg": "python -m docs.make_measured_run_up",
+    "tutorial-balance.png": "python -m docs.make_tutorial",
     "tutorial-gain.svg": "python -m docs.make_tutorial",
     "tutorial-report.png": "python -m docs.make_tutorial",
 }

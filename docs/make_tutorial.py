@@ -33,7 +33,7 @@ COMMAND = "python -m docs.make_tutorial"
 QUOTED = re.compile(r"(```sh\n(?P<command>rotor [^\n]*)\n```\n(?:(?!```).)*?```text\n).*?(```)", re.DOTALL)
 BEGIN, END = "<!-- times: begin -->\n", "<!-- times: end -->"
 COLUMNS = 92  # of the terminal
-PAGE = (1100, 1000)  # CSS pixels of the report that are shown
+PAGE = (1100, 1000)  # CSS pixels of a page that are shown
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,11 +87,12 @@ def filled(text: str, every: list[Done]) -> str:
 
 
 def draw(folder: Path) -> None:
-    """Draw the head of the report and what the extended model leaves, from the files in `folder`. Raises RigError."""
+    """Draw what the extended model leaves, the head of the report and the balance sheet. Raises RigError."""
     response, found = read_response(folder / "response.mcap"), read_diagnosis(folder / "diagnosis.json")
     said = origin(COMMAND, response.rig.hash)
     gain(response, found).save(DOCS / "img" / "tutorial-gain.svg", origin=said)
-    save_png(screenshot(folder / "report.html", PAGE), DOCS / "img" / "tutorial-report.png", origin=said)
+    for page, picture in (("report.html", "tutorial-report.png"), ("balance.html", "tutorial-balance.png")):
+        save_png(screenshot(folder / page, PAGE), DOCS / "img" / picture, origin=said)
 
 
 def gain(response: OrderTrackedResponse, found: Diagnosis) -> Figure:
