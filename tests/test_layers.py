@@ -101,6 +101,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "bench",
     ),
     "balancing": (
+        "row_curves",
         "conditions discrete grade min_max",
         "influence",
         "correction fitted_model",

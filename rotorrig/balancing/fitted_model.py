@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from rotorrig.balancing.conditions import MOST_ROWS
 from rotorrig.balancing.influence import MODEL, Influence
+from rotorrig.balancing.row_curves import MOST_ROWS
 from rotorrig.identify import BaseProblem, Estimate, Identification, config_effects
 from rotorrig.identify.extended_model import ExtendedProblem, Recording, recordings_of
 from rotorrig.processing import OrderTrackedResponse
