@@ -119,9 +119,8 @@ def _influences(
 ) -> list[Influence]:
     """Return the influence coefficients, where the trial masses give them, and the model's, where there is a fit."""
     influences = []
-    repeatability = responses[0].rig.prior.repeatability
     try:
-        influences.append(estimate_influence(conditions, planes=planes, repeatability=repeatability))
+        influences.append(estimate_influence(conditions, planes=planes, prior=responses[0].rig.prior))
     except DataError:
         if identification is None:
             raise

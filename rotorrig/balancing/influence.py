@@ -16,13 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.balancing.conditions import Conditions
+from rotorrig.identify.extended_model import bend
 from rotorrig.rig import DataError
+from rotorrig.rig.config import Prior
 
 Complex = NDArray[np.complex128]
 Reals = NDArray[np.float64]
 
 INFLUENCE, MODEL = "influence coefficients", "fitted model"
 DEAD = 1e-9  # relative: a singular value below is rounding
+ODD = (3, 5)  # powers of a motion whose first order is not nothing
 GROWING = 0.5  # share of the variance between conditions that grows with the square of the masses
 
 
@@ -55,11 +58,11 @@ class Influence:
     conditions: int = 0  # of the estimate; 0: of a model
 
 
-def estimate_influence(conditions: Conditions, *, planes: tuple[str, ...], repeatability: float) -> Influence:
+def estimate_influence(conditions: Conditions, *, planes: tuple[str, ...], prior: Prior) -> Influence:
     """Estimate the influence of masses on `planes` from conditions with trial masses.
 
-    `repeatability` is the share by which the vibration strays from run to run, where no condition is left over to show
-    it. Raises DataError if the trial masses do not tell the planes apart.
+    Of the `prior` it takes the curvature of the probes, and the share by which the vibration strays from run to run,
+    where no condition is left over to show that. Raises DataError if the trial masses do not tell the planes apart.
     """
     known = np.isfinite(conditions.z).all(axis=0)
     row, probe = np.nonzero(known)
@@ -73,11 +76,13 @@ def estimate_influence(conditions: Conditions, *, planes: tuple[str, ...], repea
         weight = 1 / growth(np.sqrt(np.sum(np.abs(X[:, 1:]) ** 2, axis=1)) * unit, typical)
         X, Z = weight[:, None] * X, weight[:, None] * Z
     beta, spread = _solve(X, Z)
-    columns = _scatter(Z - X @ beta, dof) if dof else _priors(Z, repeatability)
+    columns = _scatter(Z - X @ beta, dof) if dof else _priors(Z, prior.repeatability)
     shared = _spread_over(columns, spread, _inverse(X), scattered=dof > 0)
+    bent = np.einsum("ac,cmk->amk", _inverse(X), prior.probe_linearity * _curvatures(Z, probe))
+    shared = np.concatenate([shared, bent], axis=-1)
     kept = slice(1, 1 + len(planes))
     own = conditions.variance[:, row, probe].mean(axis=0) * (not dof)  # the scatter of conditions has it already
-    strays = _both_parts(columns) if dof else _both_parts((Z[:1] * repeatability * math.sqrt(2)).T)
+    strays = _both_parts(columns) if dof else _both_parts((Z[:1] * prior.repeatability * math.sqrt(2)).T)
     return Influence(
         by=INFLUENCE,
         probes=conditions.probes,
@@ -148,6 +153,17 @@ def _scatter(residual: Complex, dof: int) -> Complex:
 def _priors(Z: Complex, repeatability: float) -> Complex:
     """Return the same of each condition, which strays in proportion to its own motion, (entry, condition)."""
     return (Z * repeatability * math.sqrt(2)).T  # that share in either part
+
+
+def _curvatures(Z: Complex, probe: NDArray[np.intp]) -> Complex:
+    """Return what a probe's scale that bends adds to vectors (condition, entry), (..., column): a column per bend.
+
+    It is the same bend in all conditions, so no repetition shows it; of those of an identification (probe_curve.py),
+    the odd ones change 1X.
+    """
+    own = probe == np.unique(probe)[:, None]
+    bends = [np.where(mine, bend(Z, 1, power), 0.0) for power in ODD for mine in own]
+    return np.stack(bends, axis=-1)
 
 
 def _spread_over(columns: Complex, spread: Complex, inverse: Complex, *, scattered: bool) -> Complex:

@@ -3,6 +3,9 @@
 import numpy as np
 
 from rotorrig.balancing.conditions import Conditions
+from rotorrig.rig.config.prior import Prior
+
+PRIOR = Prior(probe_linearity=0.0)  # vectors of about a metre, which no probe reads
 
 
 def conditions_of(

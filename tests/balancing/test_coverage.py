@@ -6,7 +6,7 @@ import pytest
 from rotorrig.balancing.correction import least_squares_correction, t_quantile
 from rotorrig.balancing.influence import estimate_influence
 from rotorrig.balancing.prediction import compare, predict_vibration
-from tests.balancing.made import conditions_of
+from tests.balancing.made import PRIOR, conditions_of
 
 DRAWS = 300
 ALLOWED = (0.91, 0.985)  # three standard deviations of 300 draws, and what two planes of one draw have in common
@@ -35,7 +35,7 @@ def test_intervals_hold_what_they_say(growing: bool) -> None:
     for _ in range(DRAWS):
         errors = scatter(rng, growing=growing)
         made = conditions_of(b, H, TRIAL, errors=errors[:-1])
-        found = estimate_influence(made, planes=made.planes, repeatability=0.0025)
+        found = estimate_influence(made, planes=made.planes, prior=PRIOR)
         correction = least_squares_correction(found)
         off = correction.W - truth
         sigma = np.sqrt(np.diag(correction.covariance))

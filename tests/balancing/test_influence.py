@@ -8,11 +8,12 @@ import pytest
 
 from rotorrig.balancing.correction import least_squares_correction
 from rotorrig.balancing.influence import Influence, estimate_influence
+from rotorrig.rig.config.prior import Prior
 from rotorrig.rig.errors import DataError
-from tests.balancing.made import conditions_of
+from tests.balancing.made import PRIOR, conditions_of
 from tests.balancing.measured import published
 
-SHARE = 0.0025  # repeatability
+SHARE = PRIOR.repeatability
 
 
 def rect(amount: float, degrees: float) -> complex:
@@ -27,7 +28,7 @@ def solved(vectors: np.ndarray, trial: np.ndarray) -> np.ndarray:
     """Return the correction by vectors (condition, probe) with masses (condition, plane)."""
     probes, planes = vectors.shape[1], trial.shape[1]
     made = conditions_of(np.zeros(probes), np.zeros((probes, planes)), trial, errors=vectors)
-    return least_squares_correction(estimate_influence(made, planes=made.planes, repeatability=SHARE)).W
+    return least_squares_correction(estimate_influence(made, planes=made.planes, prior=PRIOR)).W
 
 
 def test_a_trial_mass_that_doubles_the_vibration_belongs_on_the_other_side() -> None:
@@ -72,7 +73,7 @@ def test_the_published_case_of_kelm_is_no_better_by_its_own_answer() -> None:
     want = published("kelm_2016", "W_published_answer")
     trial = np.array([[0, 0], [1, 0], [0, 1]], complex)
     made = conditions_of(A, H, trial)
-    W = least_squares_correction(estimate_influence(made, planes=made.planes, repeatability=SHARE)).W
+    W = least_squares_correction(estimate_influence(made, planes=made.planes, prior=PRIOR)).W
     assert np.abs(W - want) == pytest.approx(np.zeros(2), abs=0.04 * float(np.abs(want).max()))
     assert np.linalg.norm(A + H @ W) < np.linalg.norm(A + H @ want)
 
@@ -122,7 +123,7 @@ def test_pyprb_finds_the_same(seed: int) -> None:
 
 def influence(trial: list[list[complex]]) -> Influence:
     made = conditions_of(np.ones(3) + 0j, np.eye(3, 2) + 0j, np.array(trial, complex))
-    return estimate_influence(made, planes=made.planes, repeatability=SHARE)
+    return estimate_influence(made, planes=made.planes, prior=PRIOR)
 
 
 def test_trial_masses_in_one_proportion_are_refused() -> None:
@@ -142,9 +143,27 @@ def test_turning_the_mark_turns_the_correction() -> None:
     assert solved(vectors, trial * turn) == pytest.approx(solved(vectors, trial) * turn)
 
 
+def test_a_scale_that_bends_is_in_the_intervals_as_the_waveform_shows_it() -> None:
+    """300 um, and 500 um with the trial mass, by probes that are 0.003 % off at 300 um, by the square or the fourth."""
+    z, trial, share, at = np.array([3e-4, 5e-4]), np.array([[0j], [2e-6]]), 3e-5, 3e-4
+    turn = np.linspace(0.0, math.tau, 64, endpoint=False)
+    off = []
+    for power in (3, 5):
+        motion = z[:, None] * np.cos(turn)
+        read = motion + share * at * (motion / at) ** power
+        first = 2 * (read * np.exp(-1j * turn)).mean(axis=1)
+        off.append(2e-6 * first[0] / (first[0] - first[1]) - 2e-6 * z[0] / (z[0] - z[1]))
+    made = conditions_of(z[:1] + 0j, np.array([[100.0 + 0j]]), trial)
+    prior = Prior(repeatability=0.0, probe_linearity=share)
+    found = least_squares_correction(estimate_influence(made, planes=("one",), prior=prior))
+    assert math.sqrt(found.covariance[0, 0]) == pytest.approx(math.hypot(*np.abs(off)), rel=1e-3)
+
+
 def test_without_a_condition_to_spare_the_intervals_are_of_the_priors() -> None:
     """One plane, two runs, 1 % of repeatability: W = -b T / (z1 - b) = -1; dW/T = (e1 - e0 z1 / b) / (z1 - b)."""
     made = conditions_of(np.array([1.0 + 0j]), np.array([[1.0 + 0j]]), np.array([[0j], [1.0]]))
-    found = least_squares_correction(estimate_influence(made, planes=("one",), repeatability=0.01))
+    found = least_squares_correction(
+        estimate_influence(made, planes=("one",), prior=Prior(repeatability=0.01, probe_linearity=0.0))
+    )
     # e0 = 0.01 * 1 in either part, e1 = 0.01 * 2: dW = e1 - 2 e0
     assert math.sqrt(found.covariance[0, 0]) == pytest.approx(0.01 * math.hypot(2, 2))

@@ -14,7 +14,7 @@ from rotorrig.balancing.influence import estimate_influence
 from rotorrig.balancing.min_max import min_max_correction
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
-from tests.balancing.made import conditions_of
+from tests.balancing.made import PRIOR, conditions_of
 
 
 def drawn(seed: int, entries: int = 6) -> tuple[np.ndarray, np.ndarray]:
@@ -82,7 +82,7 @@ def test_planes_that_act_alike_are_named_and_the_unknown_part_is_left_out() -> N
     rng = np.random.default_rng(5)
     errors = 0.02 * (rng.standard_normal((5, 4)) + 1j * rng.standard_normal((5, 4)))
     made = conditions_of(b, H, trial, errors=errors)
-    influence = estimate_influence(made, planes=made.planes, repeatability=0.0025)
+    influence = estimate_influence(made, planes=made.planes, prior=PRIOR)
     correction = least_squares_correction(influence)
     found = judge_determinacy(influence, correction)
     assert found.alike and not found.needed
@@ -98,7 +98,7 @@ def test_planes_that_act_alike_are_named_and_the_unknown_part_is_left_out() -> N
 def test_planes_that_act_differently_are_told_apart() -> None:
     b, H = near_parallel(1.0)
     made = conditions_of(b, H, np.array([[0, 0], [1, 0], [0, 1]], complex))
-    influence = estimate_influence(made, planes=made.planes, repeatability=0.0025)
+    influence = estimate_influence(made, planes=made.planes, prior=PRIOR)
     assert not judge_determinacy(influence, least_squares_correction(influence)).alike
 
 

@@ -8,6 +8,7 @@ import pytest
 from rotorrig.balancing.conditions import Conditions
 from rotorrig.balancing.influence import estimate_influence
 from rotorrig.balancing.prediction import Comparison, compare, predict_vibration
+from rotorrig.rig.config.prior import Prior
 from tests.balancing.measured import real_rig
 
 LARGE = 20e-6  # kg m: below that the rig changes as much from one mounting to the next
@@ -21,9 +22,7 @@ def left_out() -> list[tuple[Comparison, float]]:
         for out in there:
             if not every.trial[out].any():
                 continue
-            influence = estimate_influence(
-                part(every, there[there != out], row), planes=every.planes, repeatability=0.0025
-            )
+            influence = estimate_influence(part(every, there[there != out], row), planes=every.planes, prior=Prior())
             compared = compare(predict_vibration(influence, every.trial[out]), every.z[out, row])
             found.append((compared, float(np.linalg.norm(every.trial[out]))))
     return found

@@ -8,7 +8,7 @@ from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.nuisance_effects import nuisance_effects
 from rotorrig.identify.extended_model.parameters import KEYPHASOR, ExtendedParameters
-from rotorrig.identify.extended_model.probe_curve import CURVED_AT
+from rotorrig.identify.extended_model.probe_curve import CURVED_AT, bend
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.identify.extended_model.tracked_recording import Recording, recordings_of
@@ -23,6 +23,7 @@ __all__ = [
     "MarkEdge",
     "Moving",
     "Recording",
+    "bend",
     "halved_loads",
     "nuisance_effects",
     "recordings_of",

@@ -41,6 +41,7 @@ from rotorrig.rig.config.nameplate import (
     Tube,
     Unbalance,
 )
+from rotorrig.rig.config.prior import Prior
 from rotorrig.rig.config.sweep_plans import DwellAt, Plan, RunUpCoastDown, RunUpRampDown, Stepped, TrialMassRuns
 from rotorrig.rig.config.toml_file import read_toml
 from rotorrig.rig.config.trial_mass import NO_TRIAL, TrialMass, read_trial_mass, trial_unbalance
@@ -75,6 +76,7 @@ __all__ = [
     "Plan",
     "Plane",
     "PowerCut",
+    "Prior",
     "Probe",
     "RampRate",
     "Rate",
