@@ -122,6 +122,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "diagnosis",
         "result_files",
     ),
+    "identify.base_fit": ("base_fit", "trial_angles"),
     "identify.chea": (
         "calls session",
         "steps",

@@ -32,6 +32,11 @@ def influence_of_fit(
 
     Raises DataError if a response that the fit was made of is not among `responses`, or the model has force laws.
     """
+    if identification.trial_angles:
+        raise DataError(
+            "the fit counts the angles of the trial masses otherwise than they were told, want them told so and the "
+            "fit made anew: a correction is told as they are"
+        )
     used = _responses_of(identification, responses)
     with threadpool_limits(1, user_api="blas"):
         problem = BaseProblem.of(recordings_of(used, orders=(1,)), config_effects(used[0].rig)).problem

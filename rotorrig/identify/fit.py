@@ -1,6 +1,6 @@
 """Identification of what the config's [identify] table names, from recordings of one rig, whole and in bands of speed.
 
-The model and its noise are those of a diagnosis: base_fit.py.
+The model and its noise are those of a diagnosis: base_fit.
 """
 
 import time
@@ -17,11 +17,13 @@ from rotorrig.identify.base_fit import (
     assess_fit,
     check_rig,
     config_effects,
+    judge_trial_angles,
+    recount,
     search_and_refine,
 )
 from rotorrig.identify.base_model import ObjectiveName, Reals, SearchName, SearchResult
 from rotorrig.identify.extended_model import ExtendedProblem, Recording, recordings_of
-from rotorrig.identify.identification import Fit, Identification
+from rotorrig.identify.identification import Fit, Identification, TrialAngles
 from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty import (
     Identifiability,
@@ -69,25 +71,34 @@ def identify(
     began = time.perf_counter()
     options = SearchOptions(objective=objective, method=method or known.search, seed=seed)
     fitting = _Fitting(responses=responses, search=options, profile=profile)
-    left_out = []
+    remarks: list[str] = []
     with threadpool_limits(1, user_api="blas"):  # thousands of small products: threads cost 40 times what they save
         progress(WHOLE)
         whole = fitting.base()
         searched, problem, best = search_and_refine(whole, fitting.search)
         fits = [fitting.fit(WHOLE, problem, problem, searched, best)]
+        angles = None if fits[0].adequate else fitting.judge_trial_angles(best)
+        if angles:
+            counted = [recount(r, reversed_=angles.reversed, offset=angles.offset) for r in responses]
+            fitting = replace(fitting, responses=counted)
+            whole = fitting.base()
+            searched, problem, best = search_and_refine(whole, fitting.search)
+            fits = [fitting.fit(WHOLE, problem, problem, searched, best)]
+            remarks.append(angles.words)
         for name, limits in known.bands.items():
             progress(name)
             try:
                 searched, of_part, near = search_and_refine(fitting.base(limits), fitting.search, near=best.p)
                 fits.append(fitting.fit(name, of_part, problem, searched, near))
             except DataError as error:
-                left_out.append(f"The band '{name}' was left out: {error}.")
+                remarks.append(f"The band '{name}' was left out: {error}.")
         if resampling:
             progress("bootstrap")
             again = _Refit(whole, fitting.search)
             fits[0] = with_bootstrap_intervals(fits[0], problem, best, resampling, seed=seed, search=again)
     return Identification(
-        fits=(replace(fits[0], words=(*fits[0].words, *left_out)), *fits[1:]),
+        fits=(replace(fits[0], words=(*fits[0].words, *remarks)), *fits[1:]),
+        trial_angles=angles,
         effects=tuple(effect.label for effect in rig.effects),
         responses=tuple((r.source.source_hash, len(r.omega)) for r in responses),
         wall_s=time.perf_counter() - began,
@@ -118,6 +129,10 @@ class _Fitting:
         """Lay out the problem at 1X of a band of speeds [rad/s]. Raises DataError if it has too few rows."""
         recordings = recordings_of(self.responses, orders=(1,), band=band)
         return BaseProblem.of(recordings, config_effects(self.responses[0].rig))
+
+    def judge_trial_angles(self, told: Solution) -> TrialAngles | None:
+        """Return how the angles of trial masses are counted if not as they are `told` to that fit."""
+        return judge_trial_angles(self.responses, config_effects(self.responses[0].rig), self.search, told=told)
 
     def fit(
         self, name: str, problem: ExtendedProblem, whole: ExtendedProblem, searched: SearchResult, best: Solution

@@ -157,10 +157,38 @@ class Fit:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class TrialAngles:
+    """How the angles of trial masses are counted, where the data say: not as they were told."""
+
+    reversed: bool  # against the rotation
+    offset: float  # rad: how far their zero is from the keyphasor mark in the sense of rotation
+    sigma: float  # rad, one standard deviation of that
+    chi2_told: float  # of the fit with the angles as told
+    chi2: float  # with these
+    or_offset: float | None  # rad: with the other sense this would be as good
+
+    @property
+    def words(self) -> str:
+        """What it says, and what was done."""
+        senses = ["in the sense of rotation", "against the rotation"]
+        mine, other = senses[self.reversed], senses[not self.reversed]
+        offset, sigma = round(math.degrees(self.offset)), math.degrees(self.sigma)
+        words = (
+            f"THE ANGLES OF THE TRIAL MASSES ARE NOT AS TOLD: counted {mine}, from a zero {offset} ± {sigma:.1g} deg "
+            "from the keyphasor mark in the sense of rotation, chi2 falls from "
+            f"{self.chi2_told:.3g} to {self.chi2:.3g}."
+        )
+        if self.or_offset is not None:
+            words += f" Counted {other}, with {round(math.degrees(self.or_offset))} deg, it would be as good."
+        return f"{words} The fit takes them so; see how they were mounted."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Identification:
     """The fits of one or more responses: the whole of them first, then the config's bands."""
 
     fits: tuple[Fit, ...]
+    trial_angles: TrialAngles | None = None  # None: as told
     effects: tuple[str, ...]  # extensions of the model in use
     responses: tuple[tuple[str, int], ...] = ()  # source hash and rows of each response, in the order of the rows
     wall_s: float

@@ -8,6 +8,7 @@ import cmath
 import math
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -31,6 +32,7 @@ HOLES = 16
 MASSES = (0.1, 0.2, 0.5, 1.0)  # of the nameplate's unbalance, at that radius
 NOISE = 3.0  # standard deviations of a row, that no correction goes below
 MARK = math.pi / 2  # rad, where the trial mass goes
+HALVED = 3  # times, a trial mass that trips
 MOST_DRAWS = 30
 
 Masses = Mapping[str, complex]  # disk -> kg m
@@ -65,7 +67,7 @@ def run_case(case: Case) -> Iterator[dict[str, Any]]:
     try:
         bench = Bench(rig, case.seed)
         first = bench.sweep({})
-        tried = [first, *(bench.sweep({disk.name: trial_mass(rig, disk.name)}) for disk in rig.disks)]
+        tried = [first, *(bench.sweep_with_trial(disk.name, trial_mass(rig, disk.name)) for disk in rig.disks)]
         planes = tuple(disk.name for disk in rig.disks)
         yield {"by_trial": _mount(bench, tried, Task(planes=planes))}
         if case.kind == "one plane":
@@ -96,6 +98,13 @@ class Bench:
         source = replace(response.source, source=f"run {self._runs}")
         runs = tuple(replace(run, trial_unbalance=dict(masses)) for run in response.runs)
         return replace(response, source=source, runs=runs)
+
+    def sweep_with_trial(self, disk: str, mass: complex) -> OrderTrackedResponse:
+        """Return a run with a trial mass; where it trips, with half of it, and so on. Raises LimitExceeded."""
+        for halved in range(HALVED):
+            with suppress(LimitExceeded):
+                return self.sweep({disk: mass / 2**halved})
+        return self.sweep({disk: mass / 2**HALVED})
 
 
 def trial_mass(rig: RigConfig, disk: str) -> complex:

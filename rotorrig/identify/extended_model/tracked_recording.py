@@ -149,6 +149,12 @@ class Recording:
         other.trial = {plane: amount * ones for plane, amount in unbalance.items()}
         return other
 
+    def numbered(self, number: int) -> "Recording":
+        """Return the same recording with another number, of whose unknowns of its own it has a share."""
+        other = copy.copy(self)
+        other.number = number
+        return other
+
     def in_metres(self) -> "Recording":
         """Return the same recording with residuals and Jacobians in metres, of every vector, measured or not."""
         return self._with({n: m.in_metres() for n, m in self.measured.items()})

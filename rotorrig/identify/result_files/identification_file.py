@@ -1,15 +1,26 @@
 """`fit.json`: an `Identification` and back."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rotorrig.identify.identification import Direction, Estimate, Fit, Identification, Optimum, SearchTrace, Stage
+from rotorrig.identify.identification import (
+    Direction,
+    Estimate,
+    Fit,
+    Identification,
+    Optimum,
+    SearchTrace,
+    Stage,
+    TrialAngles,
+)
 from rotorrig.identify.result_files.nameplate_table import nameplate_in, nameplate_out
 from rotorrig.identify.result_files.plain_json import (
     FIT,
     complex_in,
     complex_out,
     fields_of,
+    finite,
     infinite,
     number,
     numbers_in,
@@ -52,7 +63,9 @@ def identification_table(identification: Identification) -> dict[str, Any]:
         }
         for fit in identification.fits
     ]
-    return {**fields_of(identification, "effects responses wall_s"), "fits": fits}
+    angles = identification.trial_angles
+    told = {"trial_angles": finite(asdict(angles)) if angles else None}
+    return {**fields_of(identification, "effects responses wall_s"), **told, "fits": fits}
 
 
 def read_identification(path: Path) -> Identification:
@@ -88,6 +101,7 @@ def read_identification(path: Path) -> Identification:
         source = Provenance(**table["source"])
         return Identification(
             fits=fits,
+            trial_angles=TrialAngles(**table["trial_angles"]) if table.get("trial_angles") else None,
             effects=tuple(table["effects"]),
             responses=tuple((str(of), int(rows)) for of, rows in table.get("responses", ())),
             wall_s=float(table["wall_s"]),
