@@ -60,7 +60,8 @@ def find_next_run(selection: Selection, *, not_possible: Collection[str] = ()) -
     failed: list[str] = []
     fits = [(each.problem, each.polished) for each in (best, *rivals)]
     try:
-        for plan in _open_plans(best.problem.recordings, not_possible):
+        unbalance = _find_unbalance(best.problem, best.polished)
+        for plan in _open_plans(best.problem.recordings, not_possible, unbalance=unbalance):
             share, why = _forecast(fits, plan)
             lam, why = (math.nan, why) if why else _rate(best, rivals, plan)
             if why:
@@ -86,7 +87,8 @@ def find_other_run(selection: Selection, *, not_possible: Collection[str] = ()) 
     failed: list[str] = []
     fits = [(selection.start, selection.base), (selection.problem, selection.polished)]
     try:
-        open_plans = _open_plans(selection.problem.recordings, not_possible)
+        unbalance = _find_unbalance(selection.problem, selection.polished)
+        open_plans = _open_plans(selection.problem.recordings, not_possible, unbalance=unbalance)
         for plan in sorted(open_plans, key=lambda plan: (_TELLING.index(plan.kind), -plan.high, plan.ramp)):
             share, why = _forecast(fits, plan)
             if _is_loud(share):
@@ -126,10 +128,16 @@ _TELLING = ("through critical", "trial mass", "ramp rate", "second plane", "reve
 _FAILURES = (DataError, ConfigError, ValueError, ArithmeticError)
 
 
-def _open_plans(measured: Sequence[Recording], not_possible: Collection[str]) -> Iterator[Plan]:
+def _find_unbalance(problem: ExtendedProblem, fit: Solution) -> complex:
+    """Return the unbalance that a fit found on the first plane [kg m]."""
+    re, im = fit.p[problem.parameters.base.unbalance][:2]
+    return complex(re, im)
+
+
+def _open_plans(measured: Sequence[Recording], not_possible: Collection[str], *, unbalance: complex) -> Iterator[Plan]:
     """Yield the possible plans for a rig whose recordings are `measured`, that were not made yet."""
     with_trial = any(run.trial_unbalance for recording in measured for run in recording.response.runs)
-    for plan in plans(measured[0].response, with_trial=with_trial):
+    for plan in plans(measured[0].response, with_trial=with_trial, unbalance=unbalance):
         made = plan.backward and any(recording.backward for recording in measured)
         if not (made or plan.kind in not_possible or _was_made(plan, measured)):
             yield plan

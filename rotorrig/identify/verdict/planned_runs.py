@@ -1,5 +1,6 @@
 """Planned runs: their rows and noise, from those of a run that was made."""
 
+import cmath
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -37,11 +38,12 @@ class Plan:
     backward: bool = False  # the rotor turns the other way
 
 
-def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None) -> Iterator[Plan]:
+def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None, unbalance: complex = 0j) -> Iterator[Plan]:
     """Yield what one could do next: what takes no tools, then a trial mass, then more probes; the shortest first.
 
     Of what takes none, turning the other way comes last: not every drive can, and screws may work loose. `with_trial`
-    says whether a trial mass was on in any recording there is; None: see the runs of this one.
+    says whether a trial mass was on in any recording there is; None: see the runs of this one. `unbalance` [kg m] is
+    what was found on the first plane: a mass against it tells as much as another, and calms the rotor.
     """
     rig, manner = response.rig, _manner(response)
     low, high = _range(response)
@@ -67,16 +69,32 @@ def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None) -> 
     yield again(kind="reverse rotation", words=words, backward=True)
     disk = rig.identify.unbalance[0] if rig.identify else rig.disks[0].name
     trial = {disk: VERDICT.trial * 1j}
+    against = _against(unbalance)
     if with_trial is None:
         with_trial = any(run.trial_unbalance for run in response.runs)
     if not with_trial:
         words = f"Repeat the sweep with a known trial mass of {VERDICT.trial * 1e6:.0f} g mm at 90 deg on '{disk}'."
         yield again(kind="trial mass", words=words, trial=trial)
+        if against:
+            degrees = math.degrees(cmath.phase(against)) % 360.0
+            words = f"Repeat the sweep with a known trial mass of {abs(against) * 1e6:.2g} g mm at {degrees:.0f} deg on"
+            yield again(kind="trial mass", words=f"{words} '{disk}', against the unbalance.", trial={disk: against})
     if more := _with_second_plane(rig, read):
         fitted, probes, words = more
         second = partial(again, kind="second plane", rig=fitted, probes=probes)
         yield second(words=f"{words}.")
         yield second(words=f"{words}, and once more with a known trial mass.", trial=trial)
+
+
+def _against(unbalance: complex) -> complex:
+    """Return a mass [kg m] opposite an unbalance that takes away half of it, in figures one can mount.
+
+    >>> mass = _against(15.3e-6 * cmath.exp(0.6j))
+    >>> round(abs(mass) * 1e6, 6), round(math.degrees(cmath.phase(mass)) % 360.0, 6)
+    (7.7, 215.0)
+    """
+    degrees = round((math.degrees(cmath.phase(unbalance)) + 180.0) / 5.0) * 5.0
+    return cmath.rect(float(f"{abs(unbalance) / 2:.2g}"), math.radians(degrees))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

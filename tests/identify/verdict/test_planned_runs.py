@@ -29,6 +29,16 @@ def test_what_needs_no_tools_comes_first_and_more_probes_last(below: OrderTracke
     assert list(dict.fromkeys(kinds)) == want
 
 
+def test_a_trial_mass_may_go_against_the_unbalance(below: OrderTrackedResponse) -> None:
+    u = 15e-6 * np.exp(1j * np.radians(33.0))
+    free, against = (plan for plan in plans(below, unbalance=u) if plan.kind == "trial mass")
+    assert free.trial == {"disk": 12e-6j}
+    (mass,) = against.trial.values()
+    assert abs(mass) == pytest.approx(7.5e-6)
+    assert np.degrees(np.angle(mass)) % 360 == pytest.approx(215.0)
+    assert "7.5 g mm at 215 deg on 'disk', against the unbalance" in against.words
+
+
 def test_what_the_run_had_already_is_not_planned(rig: RigConfig) -> None:
     top = swept_response(rig, trial=1e-6, speeds=(900, 3800), ramp=600)
     assert {plan.kind for plan in plans(top)} == {"ramp rate", "reverse rotation"}
