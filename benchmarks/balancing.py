@@ -18,11 +18,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from scipy.stats import binomtest
-
 from benchmarks.parts.balancing.case_run import Case, Kind, run_case
 from benchmarks.parts.blind.limited import Ending, run_limited
 from benchmarks.parts.blind.records import append_record, open_records, read_records, source_version
+from benchmarks.parts.shares import share
 
 ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "benchmarks/parts/balancing/cases.jsonl"
@@ -83,15 +82,15 @@ def summarise(kept: Sequence[Record], *, wanted: int) -> dict[str, Any]:
 
     parts = [found for record in kept for found in (record.get(m) for m in ("by_trial", "by_fit", "in_holes")) if found]
     return {
-        "trial_tenfold": share(one, "by_trial", reaches(TENFOLD)),
+        "trial_tenfold": reached(one, "by_trial", reaches(TENFOLD)),
         "trial_factor_median": median(one, "by_trial", "factor"),
-        "two_planes_fivefold": share(two, "by_trial", reaches(FIVEFOLD)),
+        "two_planes_fivefold": reached(two, "by_trial", reaches(FIVEFOLD)),
         "two_planes_factor_median": median(two, "by_trial", "factor"),
-        "fit_held": share(one, "by_fit", lambda found: found["held"]),
-        "fit_no_worse": share(one, "by_fit", lambda found: found["no_worse"]),
+        "fit_held": reached(one, "by_fit", lambda found: found["held"]),
+        "fit_no_worse": reached(one, "by_fit", lambda found: found["no_worse"]),
         "fit_factor_median": median(one, "by_fit", "factor"),
-        "fit_fivefold": share(one, "by_fit", reaches(FIVEFOLD)),
-        "holes_held": share(one, "in_holes", lambda found: found["held"]),
+        "fit_fivefold": reached(one, "by_fit", reaches(FIVEFOLD)),
+        "holes_held": reached(one, "in_holes", lambda found: found["held"]),
         "holes_factor_median": median(one, "in_holes", "factor"),
         "holes_expected_median": median(one, "in_holes", "expected"),
         "inside_mean": round(statistics.fmean(found["inside"] for found in parts), 3) if parts else None,
@@ -102,14 +101,9 @@ def summarise(kept: Sequence[Record], *, wanted: int) -> dict[str, Any]:
     }
 
 
-def share(kept: Sequence[Record], method: str, met: Callable[[Record], bool]) -> dict[str, Any]:
-    """Return how many cases meet a bar by a method, one that ended in an error not; 95 % by Clopper and Pearson."""
-    hits = sum(method in record and met(record[method]) for record in kept)
-    if not kept:
-        return {"hits": 0, "of": 0}
-    bounds = binomtest(hits, len(kept)).proportion_ci(0.95, method="exact")
-    found = {"share": hits / len(kept), "low": float(bounds.low), "high": float(bounds.high)}
-    return {"hits": hits, "of": len(kept), **{key: round(value, 3) for key, value in found.items()}}
+def reached(kept: Sequence[Record], method: str, met: Callable[[Record], bool]) -> dict[str, Any]:
+    """Return the share of cases that meet a bar by a method; one that ended in an error does not."""
+    return share(sum(method in record and met(record[method]) for record in kept), len(kept))
 
 
 def median(kept: Sequence[Record], method: str, key: str) -> float | None:

@@ -22,12 +22,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import binomtest
 
 from benchmarks.parts.blind.cases import Case, draw_again, modelled, sizes
 from benchmarks.parts.blind.limited import Ending, run_limited
 from benchmarks.parts.blind.names import answer
 from benchmarks.parts.blind.records import append_record, open_records, read_records, source_version
+from benchmarks.parts.shares import share
 from rotorrig.app.commands.investigate import investigate, prepare
 from rotorrig.app.commands.simulate import SimulatedRig
 from rotorrig.app.terminal import out
@@ -146,9 +146,9 @@ def summarise(kept: Sequence[dict[str, Any]], *, wanted: int) -> dict[str, Any]:
     tied = [r for r in whole if r["first_verdict"] == "tied" and set(r["first_beliefs"]) & set(r["right"])]
     resolved = [r for r in tied if r in right]
     return {
-        "named_right": share(right, kept),
-        "named_right_first": share([r for r in right if r["first_verdict"] == "named"], kept),
-        "ties_resolved": share(resolved, tied),
+        "named_right": share(len(right), len(kept)),
+        "named_right_first": share(sum(r["first_verdict"] == "named" for r in right), len(kept)),
+        "ties_resolved": share(len(resolved), len(tied)),
         "wrong_unique": len(wrong),
         "still_tied": sum(r["verdict"] == "tied" for r in whole),
         "runs_median": statistics.median(len(r["runs"]) for r in whole) if whole else None,
@@ -158,15 +158,6 @@ def summarise(kept: Sequence[dict[str, Any]], *, wanted: int) -> dict[str, Any]:
         "wanted": wanted,
         "version": sorted({r["version"] for r in kept}),
     }
-
-
-def share(hits: Sequence[object], of: Sequence[object]) -> dict[str, Any]:
-    """Return hits and their share with its 95 % bounds (Clopper and Pearson)."""
-    if not of:
-        return {"hits": 0, "of": 0}
-    bounds = binomtest(len(hits), len(of)).proportion_ci(0.95, method="exact")
-    found = {"share": len(hits) / len(of), "low": float(bounds.low), "high": float(bounds.high)}
-    return {"hits": len(hits), "of": len(of), **{key: round(value, 3) for key, value in found.items()}}
 
 
 def arguments() -> argparse.Namespace:

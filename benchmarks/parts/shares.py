@@ -1,0 +1,18 @@
+"""Shares of cases with their bounds."""
+
+from typing import Any
+
+from scipy.stats import binomtest
+
+
+def share(hits: int, of: int) -> dict[str, Any]:
+    """Return hits and their share with its 95 % bounds (Clopper and Pearson); of no case the counts alone.
+
+    >>> share(9, 10)
+    {'hits': 9, 'of': 10, 'share': 0.9, 'low': 0.555, 'high': 0.997}
+    """
+    if not of:
+        return {"hits": 0, "of": 0}
+    bounds = binomtest(hits, of).proportion_ci(0.95, method="exact")
+    found = {"share": hits / of, "low": float(bounds.low), "high": float(bounds.high)}
+    return {"hits": hits, "of": of, **{key: round(value, 3) for key, value in found.items()}}
