@@ -51,7 +51,7 @@ def _draw_probe(stream: rr.RecordingStream, result: Result, balance: Balance, p:
                 (f"{DIRECTIONS[way]}-before", prediction.before[rows], before),
                 (f"{DIRECTIONS[way]}-after", prediction.after[rows], after),
             ]
-            rpm.setdefault(f"{DIRECTIONS[way]}-before", prediction.omega[rows] * RPM)
+            rpm = rpm or {f"{DIRECTIONS[way]}-before": prediction.omega[rows] * RPM}  # of one path is enough
     picture.draw(curves, rpm=rpm)
     mine = np.flatnonzero(prediction.probe == p)
     largest = mine[np.argmax(np.abs(prediction.before[mine]))]
@@ -60,8 +60,9 @@ def _draw_probe(stream: rr.RecordingStream, result: Result, balance: Balance, p:
 
 def _words(balance: Balance) -> str:
     """Return the correction as Markdown: a table, what to mount, what is known of it."""
-    head = ["plane", "by", "amount", "mass", "angle", "against rotation"]
-    rows = [" | ".join(cells) for cells in (head, ["---"] * len(head), *correction_rows(balance))]
+    head = ["plane", "by", "amount", "angle"]
+    told = [[plane, by, amount, angle] for plane, by, amount, _, angle, _ in correction_rows(balance)]
+    rows = [" | ".join(cells) for cells in (head, ["---"] * len(head), *told)]
     lines = [f"- {line}" for line in (*hole_lines(balance), *known_sentences(balance))]
     said = [mounted_sentence(balance), grade_sentence(balance)]
     key = "Blue and orange: before; pale: as predicted with the masses on; violet: what they do to the largest vector."
