@@ -25,6 +25,7 @@ Complex = NDArray[np.complex128]
 UNIT = 1e-5  # kg m, of the mass whose effect is taken
 FEWEST = 2  # rows without a mass, to fit a rotor to
 FAR = 4.0  # standard deviations of the mark: within that the fit's own nuisance will do
+BETTER = 0.5  # of the misfit of the angles as told: a reading that leaves more explains nothing; another fault may
 SURE = 25.0  # of chi2, in the noise that the better reading leaves: five standard deviations
 ALIKE = 16.0  # of it: two readings nearer than that are both possible
 ROUNDS = 3  # in which the offset and the rotor are fitted in turn
@@ -58,17 +59,13 @@ def judge_trial_angles(
         return None
     _, problem, best = search_and_refine(BaseProblem.of(bare, effects), options)
     as_told, readings = _read_all(problem, best, recordings)
-    noise = max(1.0, min(r.misfit for r in readings) / told.dof)
-    tried = [
-        _fit_reading(reading, responses, effects, options)
-        for reading in readings
-        if reading.misfit < as_told - SURE * noise
-    ]
+    tried = [_fit_reading(r, responses, effects, options) for r in readings if r.misfit < BETTER * as_told]
     if not tried:
         return None
     prior, left = recordings[0].rig.prior.keyphasor_angle, max(1.0, min(r.misfit for r in tried) / told.dof)
     first, *others = sorted(tried, key=lambda r: r.misfit / left + (r.offset / prior) ** 2)
-    if first.misfit > told.chi2 - SURE * left or not (first.reversed or abs(first.offset) > FAR * prior):
+    better = first.misfit < min(BETTER * told.chi2, told.chi2 - SURE * left)
+    if not (better and (first.reversed or abs(first.offset) > FAR * prior)):
         return None
     return TrialAngles(
         reversed=first.reversed,

@@ -18,6 +18,7 @@ from rotorrig.processing.files.bode_table import read_table
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig, parse
 from rotorrig.rig.errors import DataError
+from rotorrig.sims.effects.base import find
 from tests.conftest import CONFIGS
 from tests.identify.swept import U, swept_response
 
@@ -72,6 +73,20 @@ def test_a_scale_that_runs_against_the_rotation_is_found_with_its_zero(mistold: 
     assert fit.adequate
     assert fit.estimate("u").value == pytest.approx(abs(U), rel=0.01)
     assert "counted against the rotation, from a zero 78 ±" in fit.words[-1]
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize(("fault", "theta"), [("delay", {"delay": 6e-4}), ("skew_stiffness", {"k": 3000.0})])
+def test_another_fault_is_not_laid_on_the_angles(rig: RigConfig, fault: str, theta: dict[str, float]) -> None:
+    """The masses were told rightly; what the model lacks is something else."""
+    rng, hidden = np.random.default_rng(4), [(find(rig, fault), theta)]
+    faulty = [
+        swept_response(rig, rng=rng, orders=(1,), trial=u, speeds=(900, 2600), ramp=600, hidden=hidden)
+        for u in TRIALS[:2]
+    ]
+    found = identify([replace(r, source=replace(r.source, source_hash=f"{i:016x}")) for i, r in enumerate(faulty)])
+    assert not found.fits[0].adequate
+    assert found.trial_angles is None
 
 
 @pytest.mark.campaign
