@@ -89,9 +89,9 @@ def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None, unb
 def _against(unbalance: complex) -> complex:
     """Return a mass [kg m] opposite an unbalance that takes away half of it, in figures one can mount.
 
-    >>> mass = _against(15.3e-6 * cmath.exp(0.6j))
+    >>> mass = _against(15e-6 * cmath.exp(0.6j))
     >>> round(abs(mass) * 1e6, 6), round(math.degrees(cmath.phase(mass)) % 360.0, 6)
-    (7.7, 215.0)
+    (7.5, 215.0)
     """
     degrees = round((math.degrees(cmath.phase(unbalance)) + 180.0) / 5.0) * 5.0
     return cmath.rect(float(f"{abs(unbalance) / 2:.2g}"), math.radians(degrees))

@@ -23,7 +23,7 @@ RK4 = Path(__file__).parents[3] / "configs/rk4.toml"
 #: arguments that name a file to read; any other path of any verb is held to be an output
 READ = {
     *("config", "run", "response", "responses", "file", "fit", "diagnosis", "holdout", "hidden", "faults", "mapping"),
-    "after",
+    *("after", "balance"),
 }
 Case = tuple[str, str]  # verb, argument
 RESUMED = {("investigate", "folder")}  # goes on with what is there: tests/app/commands/test_investigate.py
