@@ -37,7 +37,8 @@ NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 #: which effects a recording just shows or does not depends on its noise, and no two simulated sweeps have the same
 NOISY = re.compile(
     r"Causes tried.*?(?=At their)|At their typical size this data would not show:[^.]*\.|"
-    r"Pulled in the config, by group.*σ \([^)]*\)|The fit pulls at nothing the config states by more than 2 sigma\."
+    r"Pulled in the config, by group.*σ \([^)]*\)|The fit pulls at nothing the config states by more than 2 sigma\.|"
+    r"furthest \w+ at"
 )  # on either side of a limit, as the sweep went
 
 
