@@ -44,6 +44,7 @@ pictures: docs tutorial
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_measured_run_up
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_chea_table7
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_chapter
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m docs.make_discovery
 	$(BIN)/python -m docs.make_pictures demo
 
 bench: .venv/ready .venv-ross/ready

@@ -1,9 +1,9 @@
 """From tracked vectors to a rotor model: identify it, say what it gets wrong, and why.
 
-`identify` fits stiffness, damping and unbalance to one response (fit.py), `diagnose` extends that model by what the
-data call for (diagnosis.py). Below: `base_model` and `extended_model` (the least-squares problems), `least_squares`
-(their solver), `chea` (the optimiser), `uncertainty`, `adequacy` (is the model good enough), `causes` (which effects
-to add), `verdict`.
+`identify` fits stiffness, damping and unbalance to one response (base_fit/fit.py), `diagnose` extends that model by
+what the data call for (diagnosis.py). Below: `base_model` and `extended_model` (the least-squares problems),
+`least_squares` (their solver), `chea` (the optimiser), `uncertainty`, `adequacy` (is the model good enough), `causes`
+(which effects to add), `verdict`, `discovery` (the force that no known effect is).
 """
 
 import lazy_loader

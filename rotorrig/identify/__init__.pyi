@@ -1,9 +1,9 @@
 from .base_fit import BaseProblem as BaseProblem
 from .base_fit import config_effects as config_effects
+from .base_fit.fit import identify as identify
 from .diagnosis import Diagnosis as Diagnosis
 from .diagnosis import Verdict as Verdict
 from .diagnosis import diagnose as diagnose
-from .fit import identify as identify
 from .identification import Deviation as Deviation
 from .identification import Estimate as Estimate
 from .identification import Fit as Fit

@@ -2,7 +2,7 @@
 
 The base model is fitted to all recordings together; what its residual calls for is looked for among the effects of
 sims/effects (stepwise_selection.py), named or not (verdict.py), and what the extended model buys is measured on data
-that no fit saw (cross_validation.py).
+that no fit saw (cross_validation.py). Where none of them explains it, the force that would is looked for (discovery).
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -17,6 +17,7 @@ from rotorrig.identify import base_fit
 from rotorrig.identify.adequacy import ADEQUACY, Adequacy, Misfit
 from rotorrig.identify.base_fit import AssessedFit, config_effects
 from rotorrig.identify.causes import Selection, candidates
+from rotorrig.identify.discovery import Discovery, MissingForce, discover
 from rotorrig.identify.extended_model import recordings_of
 from rotorrig.identify.identification import NO_CHECK, NameplateCheck
 from rotorrig.identify.uncertainty import check_nameplate
@@ -74,6 +75,7 @@ class Diagnosis:
     nameplate: NameplateCheck = NO_CHECK  # pulls of the final model, and what of the config they contradict
     hidden: tuple[HiddenEffect, ...] = ()  # effects this data would not show, with the size that would
     cut_short: bool = False  # before every cause was tried: `causes` are the best so far
+    missing: MissingForce | None = None  # where no known cause explains it: the force or reading that would
     character: str = ""  # of the residual, where no known cause explains it
     extended_residual: NDArray[np.complex128] | None = None  # as `residual`, of the extended model; None: there is none
     extended_sigmas: NDArray[np.float64] | None = None  # as `sigmas`, likewise; None of an older file too
@@ -148,10 +150,16 @@ def diagnose(
             predictions=predictions,
             misstated=len(found.pulled_far(check_nameplate(extended.polished, extended.problem))),
         )
-        progress("next run", 0.9)
         further = _find_next_run(verdict, selection, not_possible)
+        missing = None
+        if verdict is Verdict.UNEXPLAINED:
+            progress("missing force", 0.85)
+            missing = discover(start, selection, unseen, go_on)
+            if missing and missing.missing.described:
+                verdict, selection = Verdict.DESCRIBED, missing.selection
+                extended, predictions = missing.extended, missing.predictions
         found = replace(found, selection=selection)
-        diagnosis = _assemble(responses, found, base, extended, verdict, predictions)
+        diagnosis = _assemble(responses, found, base, extended, verdict, predictions, missing)
         diagnosis = replace(diagnosis, model=model, next_run=further)
     progress("done", 1.0)
     return diagnosis
@@ -218,6 +226,7 @@ def _assemble(
     extended: AssessedFit,
     verdict: Verdict,
     predictions: gain.Predictions | None,
+    discovery: Discovery | None = None,
 ) -> Diagnosis:
     """Return the diagnosis; without `predictions` of unseen data it was cut short."""
     adequacy, selection = base.adequacy, found.selection
@@ -233,6 +242,9 @@ def _assemble(
         concluded = sentences.cut_short(found.start.adequacy, extended.adequacy, causes)
     else:
         concluded = sentences.sentence(verdict, found.start.adequacy, extended.adequacy, causes, ties, predictions)
+        if discovery:
+            missing = discovery.missing
+            concluded = sentences.with_missing(concluded, missing.words, missing.shortfall, discovery.predictions)
     concluded = sentences.with_nameplate(concluded, verdict, extended.adequacy, pulled, of_nameplate)
     return Diagnosis(
         verdict=conclude_with_nameplate(verdict, named, of_nameplate),
@@ -250,6 +262,7 @@ def _assemble(
         nameplate=check,
         gain=gain.measure_gain(base, selection, predictions) if predictions and was_extended else None,
         hidden=hidden_effects(selection),
+        missing=discovery.missing if discovery else None,
         character=sentences.character(extended.adequacy) if verdict is Verdict.UNEXPLAINED else "",
         extended_residual=extended.adequacy.residual if extended is not base else None,
         extended_sigmas=extended.adequacy.sigmas if extended is not base else None,

@@ -12,6 +12,7 @@ from rotorrig.investigation.menu import Menu
 WORTHWHILE = 4.0  # expected separation in chi2, two standard deviations: a run that tells less is not made
 OPEN = {
     Verdict.UNEXPLAINED: "Nothing known explains the runs so far.",
+    Verdict.DESCRIBED: "What is missing was found, but it is none of the causes that are known.",
     Verdict.CANNOT_TELL: "Fewer than half of the known causes would show in the runs so far.",
     Verdict.TIED: "The config may be wrong in more than one way.",
 }

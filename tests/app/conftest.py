@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from rotorrig.balancing import Balance, Holes, Task, balance
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
+from rotorrig.identify.discovery import ForceOverSpeed, MissingForce, Rival
 from rotorrig.identify.identification import (
     Deviation,
     Estimate,
@@ -356,3 +358,33 @@ def closed_form() -> Callable[[NDArray[np.float64]], NDArray[np.complex128]]:
 def swept(rig: RigConfig) -> tuple[NDArray[np.int32], DaqInfo]:
     """Counts (sample, channel) of a run-up and a coast-down."""
     return swept_counts(rig)
+
+
+def make_missing(**changes: Any) -> MissingForce:
+    """A force at the spring bearing of the RK4 that is ahead of its motion, and follows its law."""
+    omega = np.linspace(60.0, 300.0, 12)
+    motion = np.stack([50e-6 / (1 + (omega - 180.0) ** 2 / 900), 5e-6 * np.ones(12)], axis=-1) + 0j
+    places = np.arange(0.0, 0.565, 0.01)
+    weight = np.exp(-(((places - 0.485) / 0.01) ** 2) / 2)
+    force = ForceOverSpeed(
+        omega=omega,
+        force=1600j * motion + 1e-3,
+        sigma=np.full((12, 2), 2e-3),
+        law=1500j * motion,
+        motion=motion,
+        recording=0,
+    )
+    usual = MissingForce(
+        kind="force",
+        words="at 485 ± 10 mm from the coupling (bearing spring is at 481 mm) acts a force across the motion",
+        laws=("cross-coupled stiffness",),
+        like=("a fluid film",),
+        place=0.485,
+        place_sigma=0.01,
+        places=places,
+        probability=weight / weight.sum(),
+        rivals=(Rival(words="probe 2x reads besides 3 % of the motion it reads", evidence=9.4),),
+        over_speed=force,
+        shortfall="",
+    )
+    return dataclasses.replace(usual, **changes)

@@ -10,7 +10,7 @@ from benchmarks.identification_coverage import Outcome, Trial, case, summarise, 
 from benchmarks.parts.identification.coverage_groups import GROUPS, NAMES
 from benchmarks.parts.identification.matched_run import Case, Design, draw
 from benchmarks.parts.identification.uncertainty_page import page
-from rotorrig.identify.fit import identify
+from rotorrig.identify.base_fit.fit import identify
 from rotorrig.identify.measurement import measure
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.rotor.model.assembly import assemble, with_bearing

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from rotorrig.identify.fit import identify
+from rotorrig.identify.base_fit.fit import identify
 from rotorrig.identify.identification import Fit
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig, from_si

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from benchmarks.parts.blind.run import record
+from rotorrig.identify.base_fit.fit import identify
 from rotorrig.identify.diagnosis import Diagnosis, Verdict, diagnose
-from rotorrig.identify.fit import identify
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse

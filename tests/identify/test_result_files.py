@@ -10,6 +10,7 @@ import pytest
 
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
+from rotorrig.identify.discovery import ForceOverSpeed, MissingForce, Rival
 from rotorrig.identify.identification import (
     Direction,
     Estimate,
@@ -139,6 +140,26 @@ VERDICT = Diagnosis(
         HiddenEffect(effect="couple", smallest=1e-3, unit="rad", missing="a second plane"),
         HiddenEffect(effect="delay", smallest=math.inf, unit="s", missing=""),
     ),
+    missing=MissingForce(
+        kind="force",
+        words="at 480 ± 4 mm from the coupling acts a force against the motion",
+        laws=("stiffness", "damping"),
+        like=("a stiffness",),
+        place=0.48,
+        place_sigma=0.004,
+        places=np.array([0.47, 0.48, 0.49]),
+        probability=np.array([0.25, 0.5, 0.25]),
+        rivals=(Rival(words="probe 2x reads besides", evidence=12.5),),
+        over_speed=ForceOverSpeed(
+            omega=np.array([100.0, 200.0]),
+            force=np.array([[1 + 2j, 0.1j], [3 - 1j, 0.2]]),
+            sigma=np.array([[0.1, 0.1], [0.2, 0.1]]),
+            law=np.array([[1 + 1j, 0j], [3 + 0j, 0j]]),
+            motion=np.array([[1e-6 + 0j, 1e-7j], [2e-6j, 0j]]),
+            recording=1,
+        ),
+        shortfall="",
+    ),
     character="strongest at 2X",
     extended_residual=Z[:, :, None],
     extended_sigmas=np.abs(Z)[:, :, None],
@@ -185,6 +206,23 @@ def test_a_file_from_before_bearing_sets_is_read(tmp_path: Path) -> None:
 def test_a_diagnosis_comes_back(tmp_path: Path) -> None:
     write_diagnosis(tmp_path / "diagnosis.json", VERDICT)
     assert equal(read_diagnosis(tmp_path / "diagnosis.json"), VERDICT)
+
+
+def test_a_reading_that_was_found_has_no_place_nor_force(tmp_path: Path) -> None:
+    assert VERDICT.missing is not None
+    nowhere = {"place": math.nan, "place_sigma": math.nan, "places": np.zeros(0), "probability": np.zeros(0)}
+    reading = replace(VERDICT.missing, kind="reading", over_speed=None, shortfall="it leaves 40 %", **nowhere)
+    write_diagnosis(tmp_path / "diagnosis.json", replace(VERDICT, missing=reading))
+    found = read_diagnosis(tmp_path / "diagnosis.json").missing
+    assert equal(found, reading) and found is not None and not found.described
+
+
+def test_a_diagnosis_from_before_discovery_is_read(tmp_path: Path) -> None:
+    write_diagnosis(tmp_path / "diagnosis.json", VERDICT)
+    table = json.loads((tmp_path / "diagnosis.json").read_text())
+    del table["missing"]
+    (tmp_path / "diagnosis.json").write_text(json.dumps(table))
+    assert read_diagnosis(tmp_path / "diagnosis.json").missing is None
 
 
 def test_the_files_are_strict_json_with_the_documented_keys(tmp_path: Path) -> None:

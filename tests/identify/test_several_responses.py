@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.fit import identify
+from rotorrig.identify.base_fit.fit import identify
 from rotorrig.identify.identification import Identification
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig

@@ -18,6 +18,7 @@ from rotorrig.app.text import (
     finding_sentences,
     gain_sentence,
     hidden_effects_sentence,
+    missing_lines,
     next_run_sentence,
     tie_sentences,
 )
@@ -116,8 +117,10 @@ def show(diagnosis: Diagnosis) -> None:
     if diagnosis.causes:
         out.print(tables.causes_table(diagnosis))
     show_nameplate(diagnosis.nameplate, told=diagnosis.sentence)
-    in_sentence = diagnosis.verdict in (Verdict.NAMED, Verdict.TIED)  # it has the gain
+    in_sentence = diagnosis.verdict in (Verdict.NAMED, Verdict.TIED, Verdict.DESCRIBED)  # it has the gain
+    missing = list(missing_lines(diagnosis.missing))[1:] if diagnosis.missing else []  # the first is in the sentence
     sentences = [
+        *missing,
         *tie_sentences(diagnosis),
         next_run_sentence(diagnosis),
         "" if in_sentence else gain_sentence(diagnosis),

@@ -16,6 +16,7 @@ from rotorrig.app.report.sections import (
     full_spectrum_section,
     identified_section,
     investigation_section,
+    missing_section,
     nameplate_section,
     orbits_section,
     other_orders_section,
@@ -54,6 +55,7 @@ def write_report(
     verdict = banner(identification, diagnosis)
     parts = (
         investigation_section(journal),
+        missing_section(diagnosis, response.rig),
         residuals_section(response, diagnosis),
         synchronous_section(response, identification, diagnosis),
         causes_section(diagnosis),

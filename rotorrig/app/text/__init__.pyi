@@ -23,6 +23,7 @@ from .causes import parameter_shifts as parameter_shifts
 from .causes import tie_sentences as tie_sentences
 from .investigation import belief_text as belief_text
 from .investigation import run_text as run_text
+from .missing import missing_lines as missing_lines
 from .nameplate import NOTHING_PULLED as NOTHING_PULLED
 from .nameplate import finding_sentences as finding_sentences
 from .nameplate import misfit_sentence as misfit_sentence
@@ -82,6 +83,7 @@ __all__ = [
     "long_name",
     "mass_text",
     "misfit_sentence",
+    "missing_lines",
     "mounted_sentence",
     "next_run_sentence",
     "p_value_text",

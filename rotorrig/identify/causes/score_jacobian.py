@@ -111,12 +111,12 @@ def _by_loads(
         for load in step.loads
         if load.order == order
     ]
-    z = _responses(recording, moving.model, [load for _, load, _ in acting], order)
+    z = responses_to(recording, moving.model, [load for _, load, _ in acting], order)
     for k, (c, _, h) in enumerate(acting):
         columns[..., c] += model.probes.linear(p, z[..., k]) / h
 
 
-def _responses(recording: Recording, model: RotorModel, loads: Sequence[Load], order: int) -> Complex:
+def responses_to(recording: Recording, model: RotorModel, loads: Sequence[Load], order: int) -> Complex:
     """Return what Recording.columns does, from the responses to as few loads as span them: no more than coordinates."""
     z = np.zeros((len(recording.rows) + 1, len(model.probes), len(loads)), complex)
     kinds = [(load.law, recording.begins(load)) for load in loads]

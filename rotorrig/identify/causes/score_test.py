@@ -34,7 +34,7 @@ def scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> 
     One with a grid, or with several initial guesses, stands where its score is best. Those that have no first order, as
     a clearance, are left to nameplate_search.py.
     """
-    Q, r = _projection(problem, p)
+    Q, r = projection(problem, p)
     able = [effect for effect in candidates if not effect.needs_starts]
     placed = [_place(problem, p, effect, Q, r) if effect.grid else effect for effect in able]
     begun = [effect for several in placed for effect in several.at_initial_guesses()]
@@ -45,7 +45,7 @@ def scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> 
 
 def relocate(problem: ExtendedProblem, p: Reals, effect: Effect) -> Effect:
     """Return a grid-searched effect placed where its score is best beside the effects `problem` has, at `p`."""
-    return _place(problem, p, effect, *_projection(problem, p))
+    return _place(problem, p, effect, *projection(problem, p))
 
 
 def _scores(problem: ExtendedProblem, p: Reals, able: Sequence[Effect], Q: Reals, r: Reals) -> list[Score]:
@@ -62,7 +62,7 @@ def _place(problem: ExtendedProblem, p: Reals, effect: Effect, Q: Reals, r: Real
     return best_place(effect, lambda tries: [score.lam for score in _scores(problem, p, tries, Q, r)])
 
 
-def _projection(problem: ExtendedProblem, p: Reals) -> tuple[Reals, Reals]:
+def projection(problem: ExtendedProblem, p: Reals) -> tuple[Reals, Reals]:
     """Return an orthonormal basis of what the unknowns can do, and the residual beyond that."""
     r = problem.residual(p)
     Q = np.linalg.qr(_normalise(problem.jacobian(p)))[0]

@@ -5,6 +5,7 @@ Vectors are predicted from a vector of ExtendedParameters.
 
 import copy
 from collections.abc import Collection, Hashable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -255,6 +256,14 @@ class ExtendedModel:
         amounts = self.amounts(recording, p, halved=moving.halved)
         z = np.einsum("rpl,rl->rp", units[..., :planes], amounts)
         return z + units[..., planes:].sum(axis=-1)
+
+    def motion_at(self, recording: Recording, p: Reals, rows: Reals) -> Complex:
+        """Return the motion at 1X that `rows` (n, dof) read, anywhere on the shaft, (row + 1, n) m."""
+        moving = self.moving(p)
+        there = replace(moving, model=replace(moving.model, probes=rows))
+        if there.laws:
+            return self._marched_anew(recording, p, there, [1])[1]
+        return self.motion_of(recording, p, there, order=1)
 
     def above(self, moving: Moving) -> RotorModel:
         """Return the rotor for responses above 1X: under force laws that of the start of a fit, its passing known."""

@@ -5,6 +5,7 @@ from typing import Any
 
 from rotorrig.identify.adequacy import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
+from rotorrig.identify.result_files.missing_table import missing_in, missing_out
 from rotorrig.identify.result_files.nameplate_table import nameplate_in, nameplate_out
 from rotorrig.identify.result_files.plain_json import (
     DIAGNOSIS,
@@ -54,6 +55,7 @@ def diagnosis_table(diagnosis: Diagnosis) -> dict[str, Any]:
         "next_run": {} if diagnosis.next_run is None else fields_of(diagnosis.next_run, _NEXT_RUN),
         "gain": {} if diagnosis.gain is None else _gain_out(diagnosis.gain),
         "hidden": [fields_of(effect, "effect smallest unit missing") for effect in diagnosis.hidden],
+        "missing": {} if diagnosis.missing is None else missing_out(diagnosis.missing),
         **fields_of(diagnosis, "character cut_short responses"),
     }
 
@@ -85,6 +87,7 @@ def read_diagnosis(path: Path) -> Diagnosis:
             gain=_gain(table["gain"]) if table["gain"] else None,
             nameplate=nameplate_in(table.get("nameplate", {})),
             hidden=tuple(_hidden(effect) for effect in table["hidden"]),
+            missing=missing_in(table["missing"]) if table.get("missing") else None,
             character=table["character"],
             cut_short=bool(table.get("cut_short", False)),
             extended_residual=None if (after := table["extended_residual"]) is None else complex_in(after),

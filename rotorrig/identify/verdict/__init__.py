@@ -2,7 +2,7 @@
 
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.cross_validation import Unseen
-from rotorrig.identify.verdict.gain import Gain, Shift, leave_out_idle
+from rotorrig.identify.verdict.gain import Gain, Predictions, Shift, leave_out_idle, predict_unseen
 from rotorrig.identify.verdict.nameplate import (
     NameplateSelection,
     conclude_with_nameplate,
@@ -34,6 +34,7 @@ __all__ = [
     "NameplateSelection",
     "NextRun",
     "ParameterValue",
+    "Predictions",
     "Shift",
     "Unseen",
     "Verdict",
@@ -46,6 +47,7 @@ __all__ = [
     "leave_out_idle",
     "moving_speed",
     "nameplate_ties",
+    "predict_unseen",
     "rank_causes",
     "rank_with_nameplate",
     "select_beside_nameplate",

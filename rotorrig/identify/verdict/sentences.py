@@ -30,21 +30,34 @@ def sentence(
             f"This data cannot tell: the model fits ({_figures(before)}), but fewer than half of the known causes "
             "would show in it if they were there."
         )
+    if verdict is Verdict.DESCRIBED:
+        return f"The model is NOT adequate: {_figures(before)}. {_worst(before)} No cause that is known explains it."
     if verdict is Verdict.UNEXPLAINED:
         return (
             f"The model is NOT adequate: {_figures(before)}. {_worst(before)} {_attempt(after, causes, predictions)}."
         )
     words = "; ".join(cause.words for cause in causes if cause.chosen)
-    bought = (
-        f"With that the error on data no fit saw ({predictions.on}) goes from {micrometres(predictions.before.error)} "
-        f"to {micrometres(predictions.after.error)} um, {predictions.after.over_floor:.1f} times the noise floor."
-    )
+    bought = _bought(predictions)
     if not after.adequate:
         bought += f" That is not yet all: {_figures(after)}."
     if verdict is Verdict.TIED:
         others = " or ".join(", ".join(group[1:]) for group in tied)
         return f"The model is wrong here: {words} - or as likely, for all this data can tell: {others}. {bought}"
     return f"The model is wrong here: {words}. {bought}"
+
+
+def _bought(predictions: Predictions) -> str:
+    return (
+        f"With that the error on data no fit saw ({predictions.on}) goes from {micrometres(predictions.before.error)} "
+        f"to {micrometres(predictions.after.error)} um, {predictions.after.over_floor:.1f} times the noise floor."
+    )
+
+
+def with_missing(concluded: str, missing: str, shortfall: str, predictions: Predictions) -> str:
+    """Say what a model lacks that no known cause is: found, or what comes nearest and why that is no finding."""
+    if not shortfall:
+        return f"{concluded} What is missing: {missing}. {_bought(predictions)}"
+    return f"{concluded} Of single forces and readings this comes nearest, no finding, for {shortfall}: {missing}."
 
 
 def cut_short(before: Adequacy, after: Adequacy, causes: Sequence[Cause]) -> str:

@@ -22,6 +22,7 @@ class Verdict(StrEnum):
     ADEQUATE = "adequate"
     NAMED = "named"
     TIED = "tied"
+    DESCRIBED = "described"  # no known cause, but a force or reading by a law that predicts
     UNEXPLAINED = "unexplained"
     CANNOT_TELL = "cannot tell"
 

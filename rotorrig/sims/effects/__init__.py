@@ -14,22 +14,39 @@ from rotorrig.sims.effects.base import (
     find,
     magnitudes,
 )
+from rotorrig.sims.effects.found_force import FoundForce, found_force, slope_rows
+from rotorrig.sims.effects.found_laws import DAMPING, FREQUENCY, LAWS, Law, ResonantForce
+from rotorrig.sims.effects.found_reading import SHARES, FoundReading, found_reading
 from rotorrig.sims.effects.internal_damping import InternalDamping
 from rotorrig.sims.effects.line_hum import leak
+from rotorrig.sims.effects.shaft_motion import forward, position_rows
 from rotorrig.sims.effects.unbalance_step import Stretch, UnbalanceStep
 
 __all__ = [
+    "DAMPING",
     "EVERY",
+    "FREQUENCY",
+    "LAWS",
+    "SHARES",
     "Complex",
     "Effect",
+    "FoundForce",
+    "FoundReading",
     "InternalDamping",
+    "Law",
     "Parameter",
     "ReadingContext",
+    "ResonantForce",
     "Stretch",
     "Theta",
     "UnbalanceStep",
     "catalogue",
     "find",
+    "forward",
+    "found_force",
+    "found_reading",
     "leak",
     "magnitudes",
+    "position_rows",
+    "slope_rows",
 ]

@@ -1,8 +1,9 @@
 """Interface of an effect: one way in which a real rig departs from its nameplate's model, with its unknowns.
 
 To add one, drop a file into this folder. It holds a class derived from `Effect` and `effects(rig)`, which returns one
-object for every place on the rig where it could act; a file without `effects` is a helper. The class overrides those of
-these methods that it needs, and `acts_on` says which:
+object for every place on the rig where it could act; a file without `effects` is a helper. (One whose places nobody can
+list has `named(rig, name, where)` instead, for what a config says of it.) The class overrides those of these methods
+that it needs, and `acts_on` says which:
 
 - `change_matrices`: the model with other stiffness, damping or mass, or with further coordinates (a pedestal);
 - `loads`: forces that do not depend on the motion, each of one order of rotation, from the start or from some time on;
@@ -178,13 +179,14 @@ class Effect:
 
 def catalogue(rig: RigConfig) -> tuple[Effect, ...]:
     """Return every effect of every file in this folder at every place of `rig` it could act at."""
-    return tuple(effect for effects in _files() for effect in effects(rig))
+    return tuple(effect for effects in _functions("effects") for effect in effects(rig))
 
 
 def find(rig: RigConfig, label: str) -> Effect:
-    """Return the effect of that label. Raises ValueError naming those there are."""
+    """Return the effect of that label, of the catalogue or found. Raises ValueError naming those there are."""
     known = catalogue(rig)
-    for effect in known:
+    name, _, where = label.partition(", ")
+    for effect in (*known, *(found for named in _functions("named") if (found := named(rig, name, where)))):
         if effect.label == label:
             return effect
     raise ValueError(f"effect '{label}': there is none, want one of {', '.join(e.label for e in known)}")
@@ -230,9 +232,9 @@ def describe_parameters(parameters: tuple[Parameter, ...], theta: Theta) -> str:
     )
 
 
-def _files() -> Iterator[Callable[[RigConfig], tuple[Effect, ...]]]:
-    """Yield `effects` of every file in the folder that has it."""
-    for name in sorted(m.name for m in pkgutil.iter_modules([str(Path(__file__).parent)])):
-        module = importlib.import_module(f"{__package__}.{name}")
-        if hasattr(module, "effects"):
-            yield module.effects
+def _functions(name: str) -> Iterator[Callable[..., Any]]:
+    """Yield the function of that name of every file in the folder that has it."""
+    for file in sorted(m.name for m in pkgutil.iter_modules([str(Path(__file__).parent)])):
+        module = importlib.import_module(f"{__package__}.{file}")
+        if hasattr(module, name):
+            yield getattr(module, name)

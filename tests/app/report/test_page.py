@@ -19,7 +19,7 @@ from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.errors import DataError
-from tests.app.conftest import WRONG_CONFIG, make_cause, make_gain
+from tests.app.conftest import WRONG_CONFIG, make_cause, make_gain, make_missing
 
 TRUTH = {"kxx": 34000.0, "kyy": 34100.0, "cxx": 14.8, "cyy": 15.0, "u": 1.61e-5, "phase": 0.70}
 
@@ -74,6 +74,36 @@ def test_a_balance_is_told_drawn_and_predicted(response: OrderTrackedResponse, b
     other = dataclasses.replace(balanced, source=dataclasses.replace(balanced.source, source_hash="22" * 8))
     with pytest.raises(DataError, match="want the first response it was made of"):
         write_report(path, response=response, balance=other)
+
+
+def test_what_is_missing_is_told_after_the_verdict_with_its_place_and_its_force(
+    path: Path, response: OrderTrackedResponse, named: Diagnosis
+) -> None:
+    described = dataclasses.replace(named, verdict=Verdict.DESCRIBED, missing=make_missing())
+    write_report(path, response=response, diagnosis=described)
+    page = Page(path.read_text())
+    assert [words for where, words in page.words if where == "h2"][:2] == [
+        "The base model does NOT describe this run; what it lacks was found, without a name",
+        "What is missing",
+    ]
+    said = page.said()
+    assert "At 485 ± 10 mm from the coupling" in said and "Such a law has a fluid film." in said
+    assert "Nearly as good, 9 of BIC behind: probe 2x reads besides 3 %" in said
+    assert {"missing-speed", "missing-motion"} <= set(page.ids)
+    assert "polygon" in page.elements
+    assert page.unlabelled == []
+
+
+def test_what_comes_nearest_is_no_finding_and_a_reading_has_no_pictures(
+    path: Path, response: OrderTrackedResponse, named: Diagnosis
+) -> None:
+    nowhere = {"places": np.zeros(0), "probability": np.zeros(0), "over_speed": None, "kind": "reading"}
+    missing = make_missing(shortfall="it leaves 40 % of the misfit", **nowhere)
+    nearest = dataclasses.replace(named, verdict=Verdict.UNEXPLAINED, missing=missing)
+    write_report(path, response=response, diagnosis=nearest)
+    page = Page(path.read_text())
+    assert "What comes nearest, which is no finding" in [words for where, words in page.words if where == "h2"]
+    assert not {"missing-speed", "missing-motion"} & set(page.ids)
 
 
 @pytest.fixture

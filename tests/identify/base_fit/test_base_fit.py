@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.base_fit.fit import identify
 from rotorrig.identify.base_model.parameters import Parameters
-from rotorrig.identify.fit import identify
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import from_si
 from rotorrig.rig.errors import ConfigError

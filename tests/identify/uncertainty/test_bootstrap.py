@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rotorrig.identify.base_fit.fit import identify
 from rotorrig.identify.extended_model.problem import ExtendedProblem
-from rotorrig.identify.fit import identify
 from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.identify.uncertainty.bootstrap import Bootstrap, Resampling, bootstrap, simulate_draw
 from rotorrig.identify.uncertainty.intervals import standard_deviation

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.fit import identify
+from rotorrig.identify.base_fit.fit import identify
 from rotorrig.identify.identification import Estimate, Fit
 from rotorrig.identify.uncertainty.quantities import quantities
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY

@@ -2,16 +2,24 @@
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rotorrig.app.report.drawings.svg import LETTERS, arrow, bent_arrow, svg, text
 from rotorrig.rig.config import Probe, RigConfig
+
+Reals = NDArray[np.float64]
 
 MARGIN = 26.0  # mm of paper left and right of the shaft
 LANE = 12.0  # mm between lines of labels
 LETTER = 0.56  # of the height: the width a letter takes on average
 
 
-def side_view(rig: RigConfig) -> str:
-    """Return shaft, disks, bearings and probes as an SVG, to scale, in millimetres from the coupling."""
+def side_view(rig: RigConfig, *, likely: tuple[Reals, Reals] | None = None) -> str:
+    """Return shaft, disks, bearings and probes as an SVG, to scale, in millimetres from the coupling.
+
+    `likely` are places [m] and the probability of each, which are shaded.
+    """
     length, tallest = rig.shaft.length * 1e3, max([d.diameter for d in rig.disks] + [rig.shaft.diameter]) * 1e3
     above = [(p, _names(names, p), "probe") for p, names in _by_position(rig.probes)]
     above += [(d.position * 1e3, f"{d.name}, {d.position * 1e3:g}", "disk") for d in rig.disks]
@@ -20,6 +28,7 @@ def side_view(rig: RigConfig) -> str:
     bottom, lower = _labels(below, start=rig.shaft.diameter * 500 + 34, step=LANE)
     floor = max(lower, tallest / 2 + 6)
     parts = [
+        *(_region(*likely, height=tallest / 2) if likely else ()),
         *(_disk(d.position * 1e3, d.width * 1e3, d.diameter * 1e3) for d in rig.disks),
         *(_tube(t.start * 1e3, t.length * 1e3, t.diameter * 1e3) for t in rig.shaft.tubes),
         *(_bearing(b.position * 1e3, rig.shaft.diameter * 500) for b in rig.bearings),
@@ -87,6 +96,14 @@ def _disk(x: float, width: float, diameter: float) -> str:
 
 def _tube(x: float, length: float, diameter: float) -> str:
     return f'<rect class="shaft" x="{x:.2f}" y="{-diameter / 2:.2f}" width="{length:.2f}" height="{diameter:.2f}"/>'
+
+
+def _region(places: Reals, probability: Reals, *, height: float) -> list[str]:
+    """Draw how probable each place is, as an area about the shaft that is highest at the most probable one."""
+    up = height * probability / max(float(probability.max()), 1e-300)
+    outline = [*zip(1e3 * places, -up, strict=True), *zip(1e3 * places[::-1], up[::-1], strict=True)]
+    points = " ".join(f"{x:.2f},{y:.2f}" for x, y in outline)
+    return [f'<polygon class="region" points="{points}"/>']
 
 
 def _bearing(x: float, radius: float) -> str:

@@ -15,6 +15,7 @@ from rotorrig.app.report.sections.balance import (
 from rotorrig.app.report.sections.causes import causes_section, nameplate_section, undetectable_section
 from rotorrig.app.report.sections.identified import identified_section
 from rotorrig.app.report.sections.investigation import investigation_section
+from rotorrig.app.report.sections.missing import missing_section
 from rotorrig.app.report.sections.motion import centreline_section, orbits_section
 from rotorrig.app.report.sections.orders import full_spectrum_section, other_orders_section
 from rotorrig.app.report.sections.residuals import residuals_section
@@ -38,6 +39,7 @@ __all__ = [
     "highest_table",
     "identified_section",
     "investigation_section",
+    "missing_section",
     "mounting",
     "nameplate_section",
     "orbits_section",

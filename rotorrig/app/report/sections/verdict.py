@@ -16,6 +16,10 @@ HEADLINES = {
     Verdict.ADEQUATE: ("good", "The model describes this run"),
     Verdict.NAMED: ("bad", "The base model does NOT describe this run; a cause is named"),
     Verdict.TIED: ("bad", "The base model does NOT describe this run; several causes fit equally well"),
+    Verdict.DESCRIBED: (
+        "bad",
+        "The base model does NOT describe this run; what it lacks was found, without a name",
+    ),
     Verdict.UNEXPLAINED: ("bad", "The model does NOT describe this run"),
     Verdict.CANNOT_TELL: ("unsure", "This data cannot decide whether the model is right"),
 }
@@ -82,7 +86,8 @@ def _worst(diagnosis: Diagnosis) -> list[str]:
     """Return the named causes and the worst misfits, except those in the verdict's sentence."""
     if diagnosis.verdict is Verdict.ADEQUATE:
         return []
-    sentences = [cause.words for cause in diagnosis.causes if cause.chosen]
+    found = diagnosis.verdict is Verdict.DESCRIBED  # the sentence has the force with its intervals
+    sentences = [] if found else [cause.words for cause in diagnosis.causes if cause.chosen]
     sentences += [misfit.sentence for misfit in diagnosis.worst[:SHOWN_MISFITS]]
     return [sentence for sentence in sentences if sentence not in diagnosis.sentence]
 

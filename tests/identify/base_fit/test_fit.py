@@ -11,8 +11,8 @@ import pytest
 
 from rotorrig.identify.adequacy.residual_tests import assess
 from rotorrig.identify.base_fit import fit_base
+from rotorrig.identify.base_fit.fit import WHOLE, identify
 from rotorrig.identify.extended_model.tracked_recording import recordings_of
-from rotorrig.identify.fit import WHOLE, identify
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.measurement import measure
 from rotorrig.processing.response import OrderTrackedResponse

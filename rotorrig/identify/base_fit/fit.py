@@ -11,16 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from rotorrig.identify.base_fit import (
+from rotorrig.identify.base_fit.base_fit import (
     BaseProblem,
     SearchOptions,
     assess_fit,
     check_rig,
     config_effects,
-    judge_trial_angles,
-    recount,
     search_and_refine,
 )
+from rotorrig.identify.base_fit.trial_angles import judge_trial_angles, recount
 from rotorrig.identify.base_model import ObjectiveName, Reals, SearchName, SearchResult
 from rotorrig.identify.extended_model import ExtendedProblem, Recording, recordings_of
 from rotorrig.identify.identification import Fit, Identification, TrialAngles

@@ -1,0 +1,158 @@
+"""The missing force, with every known cause left out: whether it is found, where, and what its law predicts.
+
+    python benchmarks/discovery.py --development --seeds 2 --hidden pedestal bow
+    python benchmarks/discovery.py                                     (seeds from 1000 on; resumable)
+    python benchmarks/discovery.py --summary --json                    (of the cases that are kept)
+
+Cases are those of the blind test (benchmarks/blind.py), with two planes and a trial mass, in a random order: as far as
+a run has come, it is a fair sample. Of a fault the base model must fail; then one force or reading is looked for
+(rotorrig/identify/discovery), none of the effects in sims/effects is tried, and the answer is held against
+parts/discovery/expected.py. Seeds 0 to 99 are for development.
+"""
+
+import argparse
+import json
+import statistics
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from benchmarks.parts.blind.cases import Case, Extent, cases, shuffle
+from benchmarks.parts.blind.limited import Ending, run_limited
+from benchmarks.parts.blind.records import append_record, open_records, read_records, source_version
+from benchmarks.parts.discovery.case_run import run_case
+from benchmarks.parts.shares import share
+
+ROOT = Path(__file__).parents[1]
+KEPT = ROOT / "benchmarks/parts/discovery/cases.jsonl"
+DEVELOPED = ROOT / ".cache/discovery.jsonl"
+RECORDINGS = ROOT / ".cache/blind"
+PUBLISHED, DEVELOPMENT = 1000, 100  # first seed of what is published; seeds that may be looked at
+EXTENT = Extent(seeds=10, healthy=100, outsiders=40)
+LIMIT = 1800.0  # s a case
+NEAR = 0.025  # m
+MISSED = 1.96  # standard deviations
+
+Record = dict[str, Any]
+
+
+def main() -> None:
+    """Run the cases that are not kept yet, and print what came of all."""
+    options = arguments()
+    first, path = (0, DEVELOPED) if options.development else (PUBLISHED, KEPT)
+    extent = Extent(seeds=options.seeds, healthy=10 * options.seeds, outsiders=4 * options.seeds)
+    wanted = shuffle(list(cases("P2", extent, hidden=options.hidden, first=first)), attempt=1)
+    version = source_version()
+    if not options.summary:
+        run(wanted, path, version, workers=options.workers)
+    names = {case.name for case in wanted}
+    result = summarise([record for record in read_all(path) if record["name"] in names], wanted=len(wanted))
+    for key, value in result.items():
+        print(f"{key:22} {_shown(value)}")
+    if options.json:
+        print(json.dumps(result))
+
+
+def run(wanted: Sequence[Case], path: Path, version: str, *, workers: int) -> None:
+    """Run the cases of which `path` has no line of this version."""
+    with open_records(path) as file:
+        kept = read_records(path, version=version)
+        jobs = [(case, RECORDINGS) for case in wanted if f"{case.design} {case.name}" not in kept]
+
+        def keep(job: tuple[Case, Path], parts: Record, ending: Ending) -> None:
+            case = job[0]
+            own = {"version": version, "ending": ending, "design": case.design, "name": case.name, "kind_of": case.kind}
+            append_record(file, own | asdict(case) | parts)
+            print(f"{case.name}: {parts.get('words') or parts.get('error') or 'adequate'}", flush=True)
+
+        run_limited(run_case, jobs, workers=workers, limit=LIMIT, done=keep)
+
+
+def read_all(path: Path) -> list[Record]:
+    """Return the newest line of every case, of whatever version."""
+    text = path.read_text(encoding="utf-8") if path.exists() else ""
+    return list({record["name"]: record for record in map(json.loads, text.splitlines())}.values())
+
+
+def summarise(kept: Sequence[Record], *, wanted: int) -> dict[str, Any]:
+    """Return the figures of the cases whose base model fails; `described` are those that count as found."""
+    failed = [r for r in kept if r.get("adequate") is False and "kind" in r]
+    known = [r for r in failed if r["kind_of"] == "single" and r["right"][0]]
+    strange = [r for r in failed if r["kind_of"] == "outsider" and r["right"][0]]
+    healthy = [r for r in kept if r["kind_of"] == "healthy"]
+    told = [r for r in known if not r["shortfall"]]
+    placed = [r for r in told if r["right"][0]["places"]]
+    sure = [r for r in known if r["right"][0]["places"] and r["sigma"] is not None and r["sigma"] <= NEAR]
+    return {
+        "kind_right": share(sum(map(is_kind_right, known)), len(known)),
+        "described": share(len(told), len(known)),
+        "described_kind_right": share(sum(map(is_kind_right, told)), len(told)),
+        "place_right": share(sum(off(r) <= NEAR for r in placed), len(placed)),
+        "place_right_of_sure": share(sum(off(r) <= NEAR for r in sure), len(sure)),
+        "region_missed": share(sum(off(r) > MISSED * r["sigma"] for r in sure), len(sure)),
+        "direction_right": share(sum(is_law_right(r) for r in told if r["right"][0]["laws"]), has_law(told)),
+        "heldout_ok": share(sum(r["over_floor"] <= 1.5 for r in known), len(known)),
+        "heldout_ok_expected": share(sum(r["over_expected"] <= 1.5 for r in known), len(known)),
+        "healthy_found": share(sum(not r.get("shortfall", "none") for r in healthy), len(healthy)),
+        "outsiders_kind_right": share(sum(map(is_kind_right, strange)), len(strange)),
+        "outsiders_place_right": share(
+            sum(off(r) <= NEAR for r in strange if r["right"][0]["places"]),
+            sum(bool(r["right"][0]["places"]) for r in strange),
+        ),
+        "seconds_per_case": round(statistics.fmean(r["seconds_cpu"] for r in kept if "seconds_cpu" in r), 1)
+        if any("seconds_cpu" in r for r in kept)
+        else None,
+        "errors": sum("error" in r or r["ending"] != "ended" for r in kept),
+        "cases": len(kept),
+        "wanted": wanted,
+        "version": sorted({r["version"] for r in kept}),
+    }
+
+
+def is_kind_right(record: Record) -> bool:
+    """Say whether a force was told from a reading; a moment is a force."""
+    return bool((record["kind"] == "reading") == (record["right"][0]["kind"] == "reading"))
+
+
+def is_law_right(record: Record) -> bool:
+    """Say whether the first of its laws, which explains most, is one of the right ones."""
+    return bool(record["laws"]) and record["laws"][0] in record["right"][0]["laws"]
+
+
+def has_law(told: Sequence[Record]) -> int:
+    """Return how many have a right law."""
+    return sum(bool(record["right"][0]["laws"]) for record in told)
+
+
+def off(record: Record) -> float:
+    """Return how far its place is from the nearest right one [m]; infinite for a reading."""
+    if record["place"] is None:
+        return float("inf")
+    return min(abs(record["place"] - place) for place in record["right"][0]["places"])
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, dict) and value["of"]:
+        bounds = f"{100 * value['low']:.0f} to {100 * value['high']:.0f} %"
+        return f"{100 * value['share']:5.1f} %  {value['hits']} of {value['of']}, {bounds}"
+    return str(value)
+
+
+def arguments() -> argparse.Namespace:
+    """Return the checked command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--development", action="store_true", help="seeds 0 on, kept in .cache")
+    parser.add_argument("--seeds", type=int, default=EXTENT.seeds, help="of every fault; ten times as many healthy")
+    parser.add_argument("--hidden", nargs="+", default=[], help="of these faults alone, or 'healthy'")
+    parser.add_argument("--summary", action="store_true", help="of the cases that are kept; run none")
+    parser.add_argument("--json", action="store_true", help="end with one JSON object on the last line")
+    parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
+    options = parser.parse_args()
+    if not 1 <= options.seeds <= DEVELOPMENT:
+        parser.error(f"--seeds is {options.seeds}, want 1 to {DEVELOPMENT}")
+    return options
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,48 @@
+"""Discovery of a missing force: searched, fitted with the base, and measured on data that no fit saw."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from rotorrig.identify.base_fit import AssessedFit, assess_fit
+from rotorrig.identify.causes import Selection, SelectionStep, refit, relocate_last_effect
+from rotorrig.identify.discovery.force_search import search_force
+from rotorrig.identify.discovery.missing_force import MissingForce, missing_force, shortfall
+from rotorrig.identify.verdict import Predictions, Unseen, predict_unseen
+from rotorrig.sims.effects import LAWS
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Discovery:
+    """A missing force, the model with it, and how well that predicts."""
+
+    missing: MissingForce
+    selection: Selection
+    extended: AssessedFit
+    predictions: Predictions
+
+
+def discover(
+    start: AssessedFit, before: Selection, unseen: Unseen, go_on: Callable[[], bool] = lambda: True
+) -> Discovery | None:
+    """Look for the force that the model of `start` lacks; None if no law explains anything.
+
+    `before` is the selection of known causes for that model, which explain less than they should.
+    """
+    tried = search_force(start.problem, start.polished, go_on)
+    if not tried:
+        return None
+    best = tried[0]
+    _, fit = relocate_last_effect(best.problem, refit(best.problem, best.polished.p))
+    scores = before.steps[0].scores if before.steps else ()
+    step = SelectionStep(before=start.polished, scores=scores, tried=tuple(tried))
+    selection = replace(before, steps=(step, *before.steps), problem=best.problem, polished=fit)
+    extended = assess_fit(best.problem, fit)
+    predictions = predict_unseen(selection, unseen)
+    found, missing = replace(best, polished=fit), missing_force(start.problem, tried, fit)
+    tries = max(len(LAWS) * len(missing.places), 1)
+    short = shortfall(start.polished, found, missing, extended.adequacy, predictions, tries=tries)
+    if not go_on():
+        short = "it was not looked for to the end"
+    return Discovery(
+        missing=replace(missing, shortfall=short), selection=selection, extended=extended, predictions=predictions
+    )
