@@ -7,6 +7,7 @@ import rerun.blueprint as rrb
 
 from rotorrig.app.viewer.blueprint import BACKGROUND, BODE_BOUNDS, ORBIT_BOUNDS, POLAR_BOUNDS, flat, make_blueprint
 from rotorrig.app.viewer.result.data import Result
+from rotorrig.app.viewer.result.missing import PATH
 from rotorrig.balancing import Balance
 from rotorrig.processing import Plane
 
@@ -27,6 +28,8 @@ def result_layout(result: Result, modes: Sequence[str]) -> rrb.Blueprint:
         tabs.append(_spectrum(planes))
     if result.balance is not None:
         tabs.append(_balance(result.balance))
+    if result.diagnosis is not None and result.diagnosis.missing is not None:
+        tabs.append(_missing())
     tabs.append(_rotor(modes, result.response.rig.shaft.length))
     return make_blueprint(rrb.Tabs(*tabs, active_tab=0), timeline="speed_rpm", fps=PLAYED)
 
@@ -89,6 +92,12 @@ def _balance(balance: Balance) -> rrb.Container:
     words = rrb.TextDocumentView(origin="correction", name="Correction")
     pictures = rrb.Grid(*polars, grid_columns=1 if len(polars) < 2 else 2)
     return rrb.Horizontal(words, pictures, column_shares=[1, 2], name="Balance")
+
+
+def _missing() -> rrb.Container:
+    words = rrb.TextDocumentView(origin=f"{PATH}/words", name="What is missing")
+    force = flat(f"{PATH}/force", "The missing force over speed", SPEED_BOUNDS)
+    return rrb.Horizontal(words, force, column_shares=[1, 2], name="Missing force")
 
 
 def _rotor(modes: Sequence[str], length: float) -> rrb.Container:

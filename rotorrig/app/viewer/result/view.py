@@ -17,6 +17,7 @@ from rotorrig.app.viewer.result.blueprint import result_layout
 from rotorrig.app.viewer.result.by_speed import draw_by_speed, rows_to_show
 from rotorrig.app.viewer.result.cascade import draw_cascades
 from rotorrig.app.viewer.result.data import Result, result_of
+from rotorrig.app.viewer.result.missing import draw_missing
 from rotorrig.app.viewer.result.rotor import RotorScene
 from rotorrig.app.viewer.result.rotor_motion import mode_words, rotor_motion
 from rotorrig.app.viewer.result.text import colour_words, verdict_words
@@ -62,6 +63,7 @@ def _draw_result(sink: Sink, result: Result, recording: RawRecording | None) -> 
     curves.draw_whirl(stream, result)
     draw_cascades(stream, result, waveforms)
     draw_balance(stream, result)
+    draw_missing(stream, result)
     for name, words in (("verdict", verdict_words(result)), ("colours", colour_words(result))):
         stream.log(name, rr.TextDocument(displayable(words), media_type=rr.MediaType.MARKDOWN), static=True)
     rotor = RotorScene(stream, result, motion)
@@ -72,5 +74,6 @@ def _draw_result(sink: Sink, result: Result, recording: RawRecording | None) -> 
 
 def application_of(result: Result, titles: Sequence[str]) -> str:
     """Return the name a viewer keeps the layout under: it would show another layout's result in the first it saw."""
-    shape = (result.response.source, titles, result.diagnosis is None, result.extended is None, result.balance is None)
+    lacking = (result.diagnosis is None, result.diagnosis is None or result.diagnosis.missing is None)
+    shape = (result.response.source, titles, *lacking, result.extended is None, result.balance is None)
     return f"rotorrig result {hashlib.sha256(repr(shape).encode()).hexdigest()[:8]}"

@@ -30,7 +30,7 @@ from rotorrig.processing.waveform import Waveforms
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.probes.base import Block, DaqInfo
-from tests.app.conftest import jeffcott
+from tests.app.conftest import jeffcott, make_missing
 from tests.app.headless import headless_viewer, marked, needs_vulkan, views
 from tests.parameters import defer_rest
 
@@ -38,7 +38,7 @@ BLUE, ORANGE, RED, VIOLET = (74, 163, 223), (242, 142, 43), (200, 24, 66), (176,
 PALE, GREEN, WHITE, WORDS = (250, 200, 140), (86, 196, 150), (240, 240, 240), (202, 216, 222)
 PALE_BLUE = (158, 208, 244)
 RAD = np.pi / 30
-TABS = ("Overview", "Bode", "Polar", "Centreline", "Spectrum", "Balance", "Rotor")
+TABS = ("Overview", "Bode", "Polar", "Centreline", "Spectrum", "Balance", "Missing force", "Rotor")
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def saved(
     folder = tmp_path_factory.mktemp("result")
     write_response(folder / "response.mcap", response)
     write_identification(folder / "fit.json", poorly_fitted)
-    write_diagnosis(folder / "diagnosis.json", named)
+    write_diagnosis(folder / "diagnosis.json", dataclasses.replace(named, missing=make_missing()))
     write_balance(folder / "balance.json", balanced)
     evidence = Evidence(fit=folder / "fit.json", diagnosis=folder / "diagnosis.json", balance=folder / "balance.json")
     save_result(folder / "response.mcap", folder / "result.rrd", evidence)
@@ -175,6 +175,7 @@ def test_a_response_is_saved_with_what_was_made_of_it(saved: Path) -> None:
     entities = {str(chunk.entity_path) for chunk in RrdReader(str(saved)).stream()}
     bode = {"/bode/1x/amplitude/1-before", "/bode/1x/phase/1-model"}
     assert {"/residual/before/map", "/residual/after/map", *bode} <= entities
+    assert {"/missing/words", "/missing/force/backward/law", "/missing/force/forward/measured"} <= entities
 
 
 def test_results_of_different_layouts_go_by_different_names(response: OrderTrackedResponse, named: Diagnosis) -> None:
@@ -217,6 +218,7 @@ def test_results_of_different_layouts_go_by_different_names(response: OrderTrack
             {"Correction": (WORDS, 300)}
             | {f"Before and as predicted after, probe {probe}": (VIOLET, 30) for probe in ("1x", "1y", "2x", "2y")},
         ),
+        ("Missing force", {"What is missing": (WORDS, 300), "The missing force": (GREEN, 100)}),
         ("Rotor", {"1X deflection": (GREEN, 300), "critical speed 22": (WORDS, 20)}),
     ]),
 )  # fmt: skip
