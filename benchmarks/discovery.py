@@ -1,7 +1,7 @@
 """The missing force, with every known cause left out: whether it is found, where, and what its law predicts.
 
     python benchmarks/discovery.py --development --seeds 2 --hidden pedestal bow
-    python benchmarks/discovery.py                                     (seeds from 1000 on; resumable)
+    python benchmarks/discovery.py                                     (seeds from 2000 on; resumable)
     python benchmarks/discovery.py --summary --json                    (of the cases that are kept)
 
 Cases are those of the blind test (benchmarks/blind.py), with two planes and a trial mass, in a random order: as far as
@@ -28,7 +28,7 @@ ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "benchmarks/parts/discovery/cases.jsonl"
 DEVELOPED = ROOT / ".cache/discovery.jsonl"
 RECORDINGS = ROOT / ".cache/blind"
-PUBLISHED, DEVELOPMENT = 1000, 100  # first seed of what is published; seeds that may be looked at
+PUBLISHED, DEVELOPMENT = 2000, 100  # first seed of what is published; seeds that may be looked at
 EXTENT = Extent(seeds=10, healthy=100, outsiders=40)
 LIMIT = 1800.0  # s a case
 NEAR = 0.025  # m
@@ -64,7 +64,8 @@ def run(wanted: Sequence[Case], path: Path, version: str, *, workers: int) -> No
             case = job[0]
             own = {"version": version, "ending": ending, "design": case.design, "name": case.name, "kind_of": case.kind}
             append_record(file, own | asdict(case) | parts)
-            print(f"{case.name}: {parts.get('words') or parts.get('error') or 'adequate'}", flush=True)
+            told = parts.get("words") if path == DEVELOPED else "done"  # nobody looks at what is published
+            print(f"{case.name}: {parts.get('error') or told or 'adequate'}", flush=True)
 
         run_limited(run_case, jobs, workers=workers, limit=LIMIT, done=keep)
 

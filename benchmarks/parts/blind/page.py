@@ -28,7 +28,7 @@ WORDS = {
     "healthy_found_wrong": "healthy rigs whose model was found wrong, named or not",
     "deviants_false_alarm": "a fault named where the nameplate is wrong",
     "deviants_named": "the wrong dimension named, off by what it is off",
-    "outsiders_unexplained": "called unexplained, of the outsiders found wrong",
+    "outsiders_unexplained": "called unexplained or described, of the outsiders found wrong",
     "pairs_contained": "both causes named, of the pairs",
     "pairs_contained_nameable": "both causes named, of the pairs each of which could be named if it were alone",
     "heldout_at_floor": "error on unseen data after extension <= 1.2 noise floors",
@@ -66,7 +66,7 @@ DESIGN_WORDS: dict[Design, str] = {
     "P1": "one plane of two probes; slow roll, speed-up and coast-down",
     "P2": "two planes; the same, and again with a trial mass at 90 deg on a disk",
 }
-NO_CAUSE = ("adequate", "cannot tell", "unexplained", "failed", "killed")
+NO_CAUSE = ("adequate", "cannot tell", "described", "unexplained", "failed", "killed")
 
 Judged = Mapping[Design, Sequence[Score]]
 Summaries = Mapping[Design, Mapping[str, Any]]

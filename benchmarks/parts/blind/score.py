@@ -22,7 +22,8 @@ from rotorrig.identify.verdict import VERDICT
 WITHIN = 1.959964  # standard deviations: 95 %
 FAILED, KILLED = "failed", "killed"  # for a verdict: ended in an error, took longer than a case may
 NONE = (FAILED, KILLED)
-_FOUND_WRONG = ("named", "tied", "unexplained")
+_FOUND_WRONG = ("named", "tied", "described", "unexplained")
+_NO_NAME = ("described", "unexplained")  # rightly of an outsider
 _NAMING = ("named", "tied")
 
 
@@ -89,8 +90,8 @@ class Score:
 
     @property
     def false_alarm(self) -> bool:
-        """A cause was named, for certain or in a tie, and neither it nor what it is tied with is there."""
-        return self.verdict in _NAMING and any(
+        """A cause was named, for certain or in a tie, or a force described, and neither it nor its rivals are there."""
+        return self.verdict in (*_NAMING, "described") and any(
             not self._there.intersection({label}.union(*(tie for tie in self.ties if label in tie)))
             for label in self.chosen
         )
@@ -226,7 +227,7 @@ def rates(scores: Sequence[Score]) -> dict[str, Rate]:
         "healthy_found_wrong": _rate(healthy, lambda s: s.detected),
         "deviants_false_alarm": _rate(deviants, lambda s: s.false_alarm),
         "deviants_named": _rate(deviants, lambda s: s.named_right),
-        "outsiders_unexplained": _rate([s for s in outsiders if s.detected], lambda s: s.verdict == "unexplained"),
+        "outsiders_unexplained": _rate([s for s in outsiders if s.detected], lambda s: s.verdict in _NO_NAME),
         "pairs_contained": _rate(pairs, lambda s: s.in_set),
         "pairs_contained_nameable": _rate([s for s in pairs if s.nameable], lambda s: s.in_set),
         "heldout_at_floor": Rate(hits=sum(ratio <= 1.2 for ratio in over), of=len(over)),

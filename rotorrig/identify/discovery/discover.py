@@ -1,13 +1,16 @@
 """Discovery of a missing force: searched, fitted with the base, and measured on data that no fit saw."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from rotorrig.identify.base_fit import AssessedFit, assess_fit
-from rotorrig.identify.causes import Selection, SelectionStep, refit, relocate_last_effect
+from rotorrig.identify.causes import Candidate, Selection, SelectionStep, refit, relocate_last_effect
 from rotorrig.identify.discovery.force_search import search_force
 from rotorrig.identify.discovery.missing_force import MissingForce, missing_force, shortfall
 from rotorrig.identify.verdict import Predictions, Unseen, predict_unseen
+from rotorrig.rig import DataError
 from rotorrig.sims.effects import LAWS
 
 
@@ -29,8 +32,18 @@ def discover(
     `before` is the selection of known causes for that model, which explain less than they should.
     """
     tried = search_force(start.problem, start.polished, go_on)
-    if not tried:
-        return None
+    for i in range(len(tried)):
+        try:
+            return _measure(start, before, unseen, tried[i:], go_on)
+        except (DataError, np.linalg.LinAlgError):
+            continue  # no motion is found under it to the end, or none that is finite
+    return None
+
+
+def _measure(
+    start: AssessedFit, before: Selection, unseen: Unseen, tried: Sequence[Candidate], go_on: Callable[[], bool]
+) -> Discovery:
+    """Return the first of `tried` in its final fit, with what it predicts. Raises DataError, LinAlgError."""
     best = tried[0]
     _, fit = relocate_last_effect(best.problem, refit(best.problem, best.polished.p))
     scores = before.steps[0].scores if before.steps else ()

@@ -168,8 +168,11 @@ def found_force(rig: RigConfig, laws: Iterable[str], place: float = 0.0) -> Foun
     stiffness = next((group_stiffness(rig, group) for group in bearing_groups(rig).values()), UNKNOWN_STIFFNESS)
     for name in names:
         size = LAWS[name].typical(stiffness, reference_speed(rig))
+        low = (
+            0.0 if isinstance(LAWS[name], ResonantForce) else -WIDEST * size
+        )  # what gives way, gives way with the force
         parameters += [
-            Parameter(name=unknown, unit=LAWS[name].unit, low=-WIDEST * size, high=WIDEST * size, size=size)
+            Parameter(name=unknown, unit=LAWS[name].unit, low=low, high=WIDEST * size, size=size)
             for unknown in LAWS[name].unknowns
         ]
         if isinstance(LAWS[name], ResonantForce):

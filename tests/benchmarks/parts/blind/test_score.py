@@ -128,6 +128,10 @@ def test_outsiders_ought_to_be_unexplained_and_of_a_pair_both_named() -> None:
     odd = [record(v, "bow", faults=("loose_disk",), hidden=[right("", labels=[])]) for v in ("unexplained", "named")]
     unseen = record("adequate", faults=("loose_disk",), hidden=[right("", labels=[])])
     assert rate("outsiders_unexplained", *odd, unseen) == (1, 2)
+    force = "found_force, stiffness"
+    described = record("described", force, faults=("loose_disk",), hidden=[right("", labels=[])])
+    assert rate("outsiders_unexplained", described) == (1, 1)
+    assert rate("false_alarm", record("described", force, faults=(), hidden=[])) == (1, 1)
     two = ("bow", "delay")
     pairs = (
         record("named", "bow", "delay", faults=two, lam=FAIR),
