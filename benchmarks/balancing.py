@@ -20,8 +20,8 @@ from typing import Any
 
 from benchmarks.parts.balancing.case_run import Case, Kind, run_case
 from benchmarks.parts.blind.limited import Ending, run_limited
-from benchmarks.parts.blind.records import append_record, open_records, read_records, source_version
-from benchmarks.parts.shares import share
+from benchmarks.parts.blind.records import append_record, open_records, read_newest, read_records, source_version
+from benchmarks.parts.shares import share, shown
 
 ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "benchmarks/parts/balancing/cases.jsonl"
@@ -45,10 +45,10 @@ def main() -> None:
     if not options.summary:
         run(wanted, path, version, workers=options.workers)
     names = {case.name for case in wanted}
-    kept = [record for record in read_all(path) if record["name"] in names]
+    kept = [record for record in read_newest(path) if record["name"] in names]
     result = summarise(kept, wanted=len(wanted))
     for key, value in result.items():
-        print(f"{key:24} {_shown(value)}")
+        print(f"{key:24} {shown(value)}")
     if options.json:
         print(json.dumps(result))
 
@@ -65,12 +65,6 @@ def run(wanted: Sequence[Case], path: Path, version: str, *, workers: int) -> No
             print(f"{case.name}: {parts.get('error') or 'done'}", flush=True)
 
         run_limited(run_case, jobs, workers=workers, limit=LIMIT, done=keep)
-
-
-def read_all(path: Path) -> list[Record]:
-    """Return the newest line of every case, of whatever version."""
-    text = path.read_text(encoding="utf-8") if path.exists() else ""
-    return list({record["name"]: record for record in map(json.loads, text.splitlines())}.values())
 
 
 def summarise(kept: Sequence[Record], *, wanted: int) -> dict[str, Any]:
@@ -110,13 +104,6 @@ def median(kept: Sequence[Record], method: str, key: str) -> float | None:
     """Return the median of what the cases have."""
     values = [record[method][key] for record in kept if method in record]
     return round(statistics.median(values), 2) if values else None
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, dict) and value["of"]:
-        bounds = f"{100 * value['low']:.0f} to {100 * value['high']:.0f} %"
-        return f"{100 * value['share']:5.1f} %  {value['hits']} of {value['of']}, {bounds}"
-    return str(value)
 
 
 def arguments() -> argparse.Namespace:

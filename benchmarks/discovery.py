@@ -20,9 +20,9 @@ from typing import Any
 
 from benchmarks.parts.blind.cases import Case, Extent, cases, shuffle
 from benchmarks.parts.blind.limited import Ending, run_limited
-from benchmarks.parts.blind.records import append_record, open_records, read_records, source_version
+from benchmarks.parts.blind.records import append_record, open_records, read_newest, read_records, source_version
 from benchmarks.parts.discovery.case_run import run_case
-from benchmarks.parts.shares import share
+from benchmarks.parts.shares import share, shown
 
 ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "benchmarks/parts/discovery/cases.jsonl"
@@ -47,9 +47,9 @@ def main() -> None:
     if not options.summary:
         run(wanted, path, version, workers=options.workers)
     names = {case.name for case in wanted}
-    result = summarise([record for record in read_all(path) if record["name"] in names], wanted=len(wanted))
+    result = summarise([record for record in read_newest(path) if record["name"] in names], wanted=len(wanted))
     for key, value in result.items():
-        print(f"{key:22} {_shown(value)}")
+        print(f"{key:22} {shown(value)}")
     if options.json:
         print(json.dumps(result))
 
@@ -68,12 +68,6 @@ def run(wanted: Sequence[Case], path: Path, version: str, *, workers: int) -> No
             print(f"{case.name}: {parts.get('error') or told or 'adequate'}", flush=True)
 
         run_limited(run_case, jobs, workers=workers, limit=LIMIT, done=keep)
-
-
-def read_all(path: Path) -> list[Record]:
-    """Return the newest line of every case, of whatever version."""
-    text = path.read_text(encoding="utf-8") if path.exists() else ""
-    return list({record["name"]: record for record in map(json.loads, text.splitlines())}.values())
 
 
 def summarise(kept: Sequence[Record], *, wanted: int) -> dict[str, Any]:
@@ -131,13 +125,6 @@ def off(record: Record) -> float:
     if record["place"] is None:
         return float("inf")
     return min(abs(record["place"] - place) for place in record["right"][0]["places"])
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, dict) and value["of"]:
-        bounds = f"{100 * value['low']:.0f} to {100 * value['high']:.0f} %"
-        return f"{100 * value['share']:5.1f} %  {value['hits']} of {value['of']}, {bounds}"
-    return str(value)
 
 
 def arguments() -> argparse.Namespace:

@@ -26,7 +26,7 @@ import numpy as np
 from benchmarks.parts.blind.cases import Case, draw_again, modelled, sizes
 from benchmarks.parts.blind.limited import Ending, run_limited
 from benchmarks.parts.blind.names import answer
-from benchmarks.parts.blind.records import append_record, open_records, read_records, source_version
+from benchmarks.parts.blind.records import append_record, open_records, read_newest, read_records, source_version
 from benchmarks.parts.shares import share
 from rotorrig.app.commands.investigate import investigate, prepare
 from rotorrig.app.commands.simulate import SimulatedRig
@@ -57,7 +57,7 @@ def main() -> None:
     version = source_version(later=frozenset({"balancing"}))
     if not options.summary:
         run(wanted, path, version, workers=options.workers)
-    kept = [r for r in read_all(path) if any(r["name"] == c.name for c in wanted)]
+    kept = [r for r in read_newest(path) if any(r["name"] == c.name for c in wanted)]
     result = summarise(kept, wanted=len(wanted))
     for key, value in result.items():
         print(f"{key:16} {value}")
@@ -130,12 +130,6 @@ def line(journal: Journal, named: Sequence[str], tied: Sequence[Sequence[str]], 
         "runs": [{"plan": r.plan, "trial": list(r.trial), "seconds": r.seconds} for r in journal.judged],
         "ending": journal.ending,
     }
-
-
-def read_all(path: Path) -> list[dict[str, Any]]:
-    """Return the newest line of every case, of whatever version."""
-    text = path.read_text(encoding="utf-8") if path.exists() else ""
-    return list({r["name"]: r for r in map(json.loads, text.splitlines())}.values())
 
 
 def summarise(kept: Sequence[dict[str, Any]], *, wanted: int) -> dict[str, Any]:

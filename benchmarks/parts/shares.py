@@ -16,3 +16,15 @@ def share(hits: int, of: int) -> dict[str, Any]:
     bounds = binomtest(hits, of).proportion_ci(0.95, method="exact")
     found = {"share": hits / of, "low": float(bounds.low), "high": float(bounds.high)}
     return {"hits": hits, "of": of, **{key: round(value, 3) for key, value in found.items()}}
+
+
+def shown(value: Any) -> str:
+    """Return a figure of a summary for a person: a share with its bounds, anything else as it is.
+
+    >>> shown(share(9, 10))
+    ' 90.0 %  9 of 10, 56 to 100 %'
+    """
+    if isinstance(value, dict) and value["of"]:
+        bounds = f"{100 * value['low']:.0f} to {100 * value['high']:.0f} %"
+        return f"{100 * value['share']:5.1f} %  {value['hits']} of {value['of']}, {bounds}"
+    return str(value)

@@ -68,6 +68,11 @@ def read_records(path: Path, *, version: str) -> dict[str, Record]:
     return {_key(record): record for record in _lines(path) if record["version"] == version}
 
 
+def read_newest(path: Path) -> list[Record]:
+    """Return the newest line of every case by its name, of whatever version."""
+    return list({record["name"]: record for record in _lines(path)}.values())
+
+
 @contextmanager
 def open_records(path: Path) -> Iterator[int]:
     """Open a file of cases to append to, alone; yield its descriptor. Raises ConfigError if another run has it."""

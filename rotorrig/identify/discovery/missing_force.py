@@ -114,7 +114,7 @@ def shortfall(
     wrong = [sigmas for sigmas in pulls if sigmas > VERDICT.pulled]
     if sum(sigmas**2 for sigmas in wrong) > DISCOVERY.beside * found.lam:
         return f"beside it the config would be wrong in {len(wrong)} thing{'s' if len(wrong) > 1 else ''}"
-    if missing.places.size and (spread := _spread(missing)) > DISCOVERY.widest:
+    if missing.places.size and not (spread := _spread(missing)) <= DISCOVERY.widest:
         return f"where it acts is not known: {1e3 * spread:.0f} mm, one standard deviation over all laws as good"
     return ""
 

@@ -49,6 +49,8 @@ def _chi2_above_best(found: Candidate, places: Reals, scale: float) -> Reals:
                 )
             except (DataError, np.linalg.LinAlgError):
                 break  # no motion is found there
+            if not np.isfinite(fit.chi2):
+                break
             p, known[z] = fit.p.copy(), fit.chi2 - found.polished.chi2
             if known[z] > DISCOVERY.unlikely * scale or z in (places[0], places[-1]):
                 break
