@@ -31,12 +31,13 @@ def discover(
 
     `before` is the selection of known causes for that model, which explain less than they should.
     """
-    tried = search_force(start.problem, start.polished, go_on)
-    for i in range(len(tried)):
-        try:
-            return _measure(start, before, unseen, tried[i:], go_on)
-        except (DataError, np.linalg.LinAlgError):
-            continue  # no motion is found under it to the end, or none that is finite
+    with np.errstate(over="ignore", invalid="ignore"):  # steps of a fit that are not taken
+        tried = search_force(start.problem, start.polished, go_on)
+        for i in range(len(tried)):
+            try:
+                return _measure(start, before, unseen, tried[i:], go_on)
+            except (DataError, np.linalg.LinAlgError):
+                continue  # no motion is found under it to the end, or none that is finite
     return None
 
 
