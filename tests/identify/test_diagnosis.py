@@ -115,12 +115,18 @@ def test_the_gain_tells_the_base_before_and_after(named: Diagnosis) -> None:
 
 @pytest.mark.campaign
 def test_with_the_true_cause_left_out_it_is_not_named(late: OrderTrackedResponse) -> None:
-    """A control: the name above is not given to whatever comes."""
+    """A control: the name above is not given to whatever comes; but what a probe reads besides is told."""
     found = judged(late, tried=QUICK - {"delay"})
-    assert found.verdict is Verdict.UNEXPLAINED
+    assert found.verdict is Verdict.DESCRIBED
     assert all(cause.effect != "delay" for cause in found.causes)
-    assert found.character.startswith("What is left is at 1X")
     assert found.sentence.startswith("The model is NOT adequate")
+    assert found.missing is not None and found.missing.kind == "reading"
+    assert found.missing.laws[0] == "share over speed"  # a lag by omega tau, at 270 degrees
+    assert found.missing.words.startswith("probe 2y reads besides")
+    (chosen,) = (cause for cause in found.causes if cause.chosen)
+    effect = find(late.rig, chosen.label)
+    share = complex(chosen.theta["share over speed re"], chosen.theta["share over speed im"])
+    assert share / effect.reference == pytest.approx(-1j * DELAY, rel=0.15)  # type: ignore[attr-defined]
 
 
 def test_the_extended_config_is_adequate_the_second_time(late: OrderTrackedResponse, named: Diagnosis) -> None:
@@ -305,11 +311,11 @@ def test_a_rig_without_an_identify_table_is_refused(late: OrderTrackedResponse) 
 
 
 @pytest.mark.campaign
-def test_no_cause_to_try_leaves_the_verdict_on_the_base(late: OrderTrackedResponse) -> None:
+def test_no_cause_to_try_leaves_what_the_base_lacks(late: OrderTrackedResponse) -> None:
     found = judged(late, tried=())
-    assert found.verdict is Verdict.UNEXPLAINED
-    assert all(cause.nameplate and not cause.chosen for cause in found.causes)
-    assert found.tied == ()
+    assert found.verdict is Verdict.DESCRIBED
+    assert {cause.effect for cause in found.causes if cause.chosen} == {"found_reading"}
+    assert all("probe 2y" in label for group in found.tied for label in group)  # laws, but no other probe
 
 
 def test_a_slow_roll_that_was_not_measured_is_done_without(healthy: OrderTrackedResponse) -> None:
