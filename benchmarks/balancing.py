@@ -21,13 +21,14 @@ from typing import Any
 from benchmarks.parts.balancing.case_run import Case, Kind, run_case
 from benchmarks.parts.blind.limited import Ending, run_limited
 from benchmarks.parts.blind.records import append_record, open_records, read_newest, read_records, source_version
-from benchmarks.parts.shares import share, shown
+from benchmarks.parts.case_arguments import case_parser, parse_cases
+from benchmarks.parts.shares import share, to_text
 
 ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "benchmarks/parts/balancing/cases.jsonl"
 DEVELOPED = ROOT / ".cache/balancing.jsonl"
 KINDS: tuple[Kind, ...] = ("one plane", "two planes")
-PUBLISHED, DEVELOPMENT = 6000, 100  # first seed of what is published; seeds that may be looked at
+PUBLISHED = 6000  # first seed of what is published
 CASES = 100  # of each kind
 LIMIT = 900.0  # s a case
 TENFOLD, FIVEFOLD = 10.0, 5.0
@@ -48,7 +49,7 @@ def main() -> None:
     kept = [record for record in read_newest(path) if record["name"] in names]
     result = summarise(kept, wanted=len(wanted))
     for key, value in result.items():
-        print(f"{key:24} {shown(value)}")
+        print(f"{key:24} {to_text(value)}")
     if options.json:
         print(json.dumps(result))
 
@@ -108,17 +109,9 @@ def median(kept: Sequence[Record], method: str, key: str) -> float | None:
 
 def arguments() -> argparse.Namespace:
     """Return the checked command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--development", action="store_true", help="seeds 0 on, kept in .cache")
-    parser.add_argument("--seeds", type=int, default=CASES, help="rigs of each kind")
+    parser = case_parser(__doc__, seeds=CASES, of="rigs of each kind")
     parser.add_argument("--kind", nargs="+", choices=KINDS, default=list(KINDS))
-    parser.add_argument("--summary", action="store_true", help="of the cases that are kept; run none")
-    parser.add_argument("--json", action="store_true", help="end with one JSON object on the last line")
-    parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
-    options = parser.parse_args()
-    if not 1 <= options.seeds <= DEVELOPMENT:
-        parser.error(f"--seeds is {options.seeds}, want 1 to {DEVELOPMENT}")
-    return options
+    return parse_cases(parser)
 
 
 if __name__ == "__main__":

@@ -21,14 +21,15 @@ from typing import Any
 from benchmarks.parts.blind.cases import Case, Extent, cases, shuffle
 from benchmarks.parts.blind.limited import Ending, run_limited
 from benchmarks.parts.blind.records import append_record, open_records, read_newest, read_records, source_version
+from benchmarks.parts.case_arguments import case_parser, parse_cases
 from benchmarks.parts.discovery.case_run import run_case
-from benchmarks.parts.shares import share, shown
+from benchmarks.parts.shares import share, to_text
 
 ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "benchmarks/parts/discovery/cases.jsonl"
 DEVELOPED = ROOT / ".cache/discovery.jsonl"
 RECORDINGS = ROOT / ".cache/blind"
-PUBLISHED, DEVELOPMENT = 2000, 100  # first seed of what is published; seeds that may be looked at
+PUBLISHED = 2000  # first seed of what is published
 EXTENT = Extent(seeds=10, healthy=100, outsiders=40)
 LIMIT = 1800.0  # s a case
 NEAR = 0.025  # m
@@ -49,7 +50,7 @@ def main() -> None:
     names = {case.name for case in wanted}
     result = summarise([record for record in read_newest(path) if record["name"] in names], wanted=len(wanted))
     for key, value in result.items():
-        print(f"{key:22} {shown(value)}")
+        print(f"{key:22} {to_text(value)}")
     if options.json:
         print(json.dumps(result))
 
@@ -129,17 +130,9 @@ def off(record: Record) -> float:
 
 def arguments() -> argparse.Namespace:
     """Return the checked command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--development", action="store_true", help="seeds 0 on, kept in .cache")
-    parser.add_argument("--seeds", type=int, default=EXTENT.seeds, help="of every fault; ten times as many healthy")
+    parser = case_parser(__doc__, seeds=EXTENT.seeds, of="of every fault; ten times as many healthy")
     parser.add_argument("--hidden", nargs="+", default=[], help="of these faults alone, or 'healthy'")
-    parser.add_argument("--summary", action="store_true", help="of the cases that are kept; run none")
-    parser.add_argument("--json", action="store_true", help="end with one JSON object on the last line")
-    parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
-    options = parser.parse_args()
-    if not 1 <= options.seeds <= DEVELOPMENT:
-        parser.error(f"--seeds is {options.seeds}, want 1 to {DEVELOPMENT}")
-    return options
+    return parse_cases(parser)
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ from benchmarks.parts.blind.cases import Case, draw_again, modelled, sizes
 from benchmarks.parts.blind.limited import Ending, run_limited
 from benchmarks.parts.blind.names import answer
 from benchmarks.parts.blind.records import append_record, open_records, read_newest, read_records, source_version
+from benchmarks.parts.case_arguments import case_parser, parse_cases
 from benchmarks.parts.shares import share
 from rotorrig.app.commands.investigate import investigate, prepare
 from rotorrig.app.commands.simulate import SimulatedRig
@@ -38,7 +39,7 @@ from rotorrig.sims.plant import draw, seal, unseal
 ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "benchmarks/parts/investigate/cases.jsonl"
 DEVELOPED = ROOT / ".cache/investigate.jsonl"
-PUBLISHED, DEVELOPMENT = 5000, 100  # first seed of what is published; seeds that may be looked at
+PUBLISHED = 5000  # first seed of what is published
 RIGS = 3  # per fault
 RATE = 60.0  # simulated seconds per second, at most
 LIMIT = 1800.0  # s a case
@@ -156,17 +157,9 @@ def summarise(kept: Sequence[dict[str, Any]], *, wanted: int) -> dict[str, Any]:
 
 def arguments() -> argparse.Namespace:
     """Return the checked command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--development", action="store_true", help="seeds 0 on, kept in .cache")
-    parser.add_argument("--seeds", type=int, default=RIGS, help="rigs per fault")
+    parser = case_parser(__doc__, seeds=RIGS, of="rigs per fault")
     parser.add_argument("--hidden", nargs="+", choices=modelled(), default=list(modelled()), metavar="FAULT")
-    parser.add_argument("--summary", action="store_true", help="of the cases that are kept; run none")
-    parser.add_argument("--json", action="store_true", help="end with one JSON object on the last line")
-    parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
-    options = parser.parse_args()
-    if not 1 <= options.seeds <= DEVELOPMENT:
-        parser.error(f"--seeds is {options.seeds}, want 1 to {DEVELOPMENT}")
-    return options
+    return parse_cases(parser)
 
 
 if __name__ == "__main__":

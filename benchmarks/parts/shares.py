@@ -18,10 +18,10 @@ def share(hits: int, of: int) -> dict[str, Any]:
     return {"hits": hits, "of": of, **{key: round(value, 3) for key, value in found.items()}}
 
 
-def shown(value: Any) -> str:
+def to_text(value: Any) -> str:
     """Return a figure of a summary for a person: a share with its bounds, anything else as it is.
 
-    >>> shown(share(9, 10))
+    >>> to_text(share(9, 10))
     ' 90.0 %  9 of 10, 56 to 100 %'
     """
     if isinstance(value, dict) and value["of"]:

@@ -7,6 +7,7 @@ that no fit saw (cross_validation.py). Where none of them explains it, the force
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -113,16 +114,8 @@ def diagnose(
     if not responses:
         raise DataError("no response was given, want at least one to diagnose")
     if model == "quasi-static" and (steady := _quasi_static_base(responses, seed=seed, progress=progress)):
-        diagnosis = diagnose(
-            responses,
-            holdout=holdout,
-            without=without,
-            not_possible=not_possible,
-            seed=seed,
-            progress=progress,
-            go_on=go_on,
-        )
-        return _add_moving_speed(diagnosis, *steady)
+        judge = partial(diagnose, responses, holdout=holdout, without=without, not_possible=not_possible, seed=seed)
+        return _add_moving_speed(judge(progress=progress, go_on=go_on), *steady)
     with threadpool_limits(1, user_api="blas"):
         progress("base model", 0.0)
         recordings = recordings_of(responses, swept=model == "swept")
@@ -150,12 +143,13 @@ def diagnose(
             predictions=predictions,
             misstated=len(found.pulled_far(check_nameplate(extended.polished, extended.problem))),
         )
+        progress("next run", 0.8)
         further = _find_next_run(verdict, selection, not_possible)
         missing = None
         if verdict is Verdict.UNEXPLAINED:
             progress("missing force", 0.85)
             missing = discover(start, selection, unseen, go_on)
-            if missing and missing.missing.described:
+            if missing and missing.missing.is_described:
                 verdict, selection = Verdict.DESCRIBED, missing.selection
                 extended, predictions = missing.extended, missing.predictions
         found = replace(found, selection=selection)

@@ -214,7 +214,7 @@ def test_a_reading_that_was_found_has_no_place_nor_force(tmp_path: Path) -> None
     reading = replace(VERDICT.missing, kind="reading", over_speed=None, shortfall="it leaves 40 %", **nowhere)
     write_diagnosis(tmp_path / "diagnosis.json", replace(VERDICT, missing=reading))
     found = read_diagnosis(tmp_path / "diagnosis.json").missing
-    assert equal(found, reading) and found is not None and not found.described
+    assert equal(found, reading) and found is not None and not found.is_described
 
 
 def test_a_diagnosis_from_before_discovery_is_read(tmp_path: Path) -> None:

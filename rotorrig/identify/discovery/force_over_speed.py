@@ -31,7 +31,7 @@ class ForceOverSpeed:
     recording: int  # whose vectors they are of
 
 
-def force_over_speed(problem: ExtendedProblem, found: Candidate) -> ForceOverSpeed:
+def reconstruct_force(problem: ExtendedProblem, found: Candidate) -> ForceOverSpeed:
     """Return that of a force, the last effect of `found`; `problem` is that without it."""
     effect, p = found.effect, found.polished.p
     assert isinstance(effect, FoundForce)

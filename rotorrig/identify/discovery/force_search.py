@@ -28,6 +28,7 @@ from rotorrig.identify.discovery.settings import DISCOVERY
 from rotorrig.identify.discovery.shaft_forces import ShaftForces, is_first_order
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution, Stop
+from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects import (
     DAMPING,
@@ -90,7 +91,9 @@ def search_force(problem: ExtendedProblem, fit: Solution, go_on: GoOn = lambda: 
     a rotor turned backwards.
     """
     look = _Look.at(problem, fit)
-    promising = sorted(_scores(look), key=lambda score: -score.lam)
+    taken = {effect.label for effect in problem.effects}
+    new = (score for score in _scores(look) if score.effect.label not in taken)
+    promising = sorted(new, key=lambda score: -score.lam)
     least = max(SELECTION.detected, DISCOVERY.promising * promising[0].lam if promising else 0.0)
     kept = [score for score in promising if score.lam > least][: DISCOVERY.fitted]
     tried = _settle_rivals(_fit_all(look, kept, go_on), go_on)
@@ -117,10 +120,10 @@ def _fit_all(look: _Look, kept: Sequence[Score], go_on: GoOn) -> list[Candidate]
         leader = max((c.evidence for c in tried), default=-np.inf)
         if found := fit_candidate(look.problem, look.fit, plain, score, leader=leader, go_on=go_on):
             tried.append(found)
-    return _ranked(tried)
+    return _rank(tried)
 
 
-def _ranked(tried: Sequence[Candidate]) -> list[Candidate]:
+def _rank(tried: Sequence[Candidate]) -> list[Candidate]:
     """Return the best of every label, what is plausible before what is not."""
     ranked = sorted(tried, key=lambda c: (not plausible(c), -c.evidence))
     first = {c.effect.label: c for c in reversed(ranked)}
@@ -130,15 +133,18 @@ def _ranked(tried: Sequence[Candidate]) -> list[Candidate]:
 def _settle_rivals(tried: Sequence[Candidate], go_on: GoOn) -> list[Candidate]:
     """Return the fits with those near the best taken to their end: only then their evidence compares."""
     leader = max((c.evidence for c in tried), default=0.0)
-    return _ranked([_settled(c, go_on) if leader - c.evidence < SELECTION.near else c for c in tried])
+    return _rank([_settle(c, go_on) if leader - c.evidence < SELECTION.near else c for c in tried])
 
 
-def _settled(found: Candidate, go_on: GoOn) -> Candidate:
+def _settle(found: Candidate, go_on: GoOn) -> Candidate:
     """Return a fit that ran out of steps taken on to its end."""
     for _ in range(DISCOVERY.rounds):
         if found.polished.stop is not Stop.BUDGET or not go_on():
             break
-        found = finish(found)
+        try:
+            found = finish(found)
+        except (DataError, np.linalg.LinAlgError):
+            break  # no motion is found further on, or none that is finite: it stays where it is
     return found
 
 
@@ -156,7 +162,9 @@ def _with_another_law(look: _Look, tried: Sequence[Candidate], go_on: GoOn) -> l
         return []
     best = tried[0]
     fit = replace(best.polished, jacobian=best.problem.jacobian(best.polished.p))
-    wider = sorted(_scores_beside(_Look.at(best.problem, fit), best), key=lambda score: -score.lam)
+    taken = {effect.label for effect in look.problem.effects}
+    new = (s for s in _scores_beside(_Look.at(best.problem, fit), best) if s.effect.label not in taken)
+    wider = sorted(new, key=lambda score: -score.lam)
     found = []
     for score in wider[: DISCOVERY.further]:
         if score.lam > max(SELECTION.detected, DISCOVERY.worth * best.lam) and go_on():
@@ -174,7 +182,7 @@ def _scores(look: _Look) -> Iterator[Score]:
     for name in _laws(look.problem):
         law, lam, amounts = _best_variant(name, look, shaft)
         for i in _peaks(lam):
-            yield _score(look, _tuned_force(rig, [name], float(places[i]), law), float(lam[i]), amounts[i])
+            yield _score(look, _tune_force(rig, [name], float(places[i]), law), float(lam[i]), amounts[i])
     readings = [found_reading(rig, p.name, [law]) for p in rig.probes for law in SHARES]
     yield from scores(look.problem, look.fit.p, readings)
 
@@ -189,10 +197,10 @@ def _best_variant(name: str, look: _Look, shaft: ShaftForces) -> tuple[Law, Real
     return max(((each, *look.score(shaft.columns(each))) for each in tuned), key=lambda found: found[1].max())
 
 
-def _tuned_force(rig: RigConfig, laws: Sequence[str], place: float, law: Law) -> FoundForce:
+def _tune_force(rig: RigConfig, laws: Sequence[str], place: float, law: Law) -> FoundForce:
     """Return the force of `laws`, the last of which is `law`."""
     force = found_force(rig, laws, place)
-    return force.tuned(law.frequency, law.ratio) if isinstance(law, ResonantForce) else force
+    return force.tune(law.frequency, law.ratio) if isinstance(law, ResonantForce) else force
 
 
 def _peaks(lam: Reals) -> list[int]:
@@ -216,7 +224,7 @@ def _scores_beside(look: _Look, best: Candidate) -> Iterator[Score]:
         shaft = ShaftForces(look.problem, look.fit.p, np.array([place]))
         for name in (name for name in _laws(look.problem) if name not in own.laws):
             tuned, lam, amounts = _best_variant(name, look, shaft)
-            force = _tuned_force(rig, [*own.laws, name], place, tuned)
+            force = _tune_force(rig, [*own.laws, name], place, tuned)
             yield _beginning(look, _score(look, force, float(lam[0]), amounts[0]), force, theta)
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy import Adequacy
 from rotorrig.identify.causes import SELECTION, Candidate, plausible
-from rotorrig.identify.discovery.force_over_speed import ForceOverSpeed, force_over_speed
+from rotorrig.identify.discovery.force_over_speed import ForceOverSpeed, reconstruct_force
 from rotorrig.identify.discovery.force_search import grid
 from rotorrig.identify.discovery.place_probability import place_probability
 from rotorrig.identify.discovery.settings import DISCOVERY
@@ -48,7 +48,7 @@ class MissingForce:
     shortfall: str  # why it does not count as found, in words; "": it does
 
     @property
-    def described(self) -> bool:
+    def is_described(self) -> bool:
         """Whether it counts as found: real, with a law that predicts what no fit saw, and somewhere."""
         return not self.shortfall
 
@@ -75,7 +75,7 @@ def missing_force(problem: ExtendedProblem, tried: Sequence[Candidate], fit: Sol
     rig, laws = problem.recordings[0].rig, [LAWS[name] for name in effect.laws]
     theta = _theta(best)
     place, sigma = effect.place(theta), _place_sigma(best)
-    how = " and ".join(f"{law.words(theta)} (± {_percent(law, best):.0f} %)" for law in laws)
+    how = " and ".join(f"{law.words(theta)} (± {_relative_sigma(law, best):.0f} %)" for law in laws)
     return MissingForce(
         kind="moment" if all(law.tilts for law in laws) else "force",
         words=f"at {1e3 * place:.0f} ± {1e3 * sigma:.0f} mm from the coupling{_beside(rig, place)} acts {how}",
@@ -86,7 +86,7 @@ def missing_force(problem: ExtendedProblem, tried: Sequence[Candidate], fit: Sol
         places=grid(rig),
         probability=place_probability([best, *rivals], grid(rig)),
         rivals=told,
-        over_speed=force_over_speed(problem, best),
+        over_speed=reconstruct_force(problem, best),
         shortfall="",
     )
 
@@ -130,7 +130,7 @@ def _place_sigma(found: Candidate) -> float:
     return min(sigma["place"], found.problem.recordings[0].rig.shaft.length)
 
 
-def _percent(law: Law, found: Candidate) -> float:
+def _relative_sigma(law: Law, found: Candidate) -> float:
     """Return one standard deviation of a law's amount, in percent of it."""
     names, last = found.problem.parameters, len(found.problem.effects) - 1
     size, sigma = (

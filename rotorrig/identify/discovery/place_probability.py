@@ -54,10 +54,10 @@ def _chi2_above_best(found: Candidate, places: Reals, scale: float) -> Reals:
             p, known[z] = fit.p.copy(), fit.chi2 - found.polished.chi2
             if known[z] > DISCOVERY.unlikely * scale or z in (places[0], places[-1]):
                 break
-    return _interpolated(known, places, curvature=1 / max(sigma, DISCOVERY.step / 2) ** 2)
+    return _interpolate(known, places, curvature=1 / max(sigma, DISCOVERY.step / 2) ** 2)
 
 
-def _interpolated(known: dict[float, float], places: Reals, *, curvature: float) -> Reals:
+def _interpolate(known: dict[float, float], places: Reals, *, curvature: float) -> Reals:
     """Return chi2 between the places known by straight lines of its root, and beyond them as a parabola goes on."""
     z = np.array(sorted(known))
     root = np.sqrt(np.maximum([known[each] - min(known.values()) for each in z], 0.0))

@@ -43,7 +43,7 @@ class ShaftForces:
         for units, motion, omega in zip(self._units, self._motion, self._omega, strict=True):
             forces = _unit_forces(law, motion[:, kind], omega)
             changes.append(np.einsum("rpzs,urzs->rpzu", units[:, :, kind], forces))
-        return self._whitened(changes)
+        return self._whiten(changes)
 
     def turning(self, weights: Sequence[Reals], *, tilts: bool = False) -> Reals:
         """Return the change by given forces at the one place, times functions of the row (row + 1, function).
@@ -54,7 +54,7 @@ class ShaftForces:
         for units, weight in zip(self._units, weights, strict=True):
             both = np.einsum("rps,rf->rpfs", units[:, :, int(tilts), 0], weight)
             changes.append(np.stack([both, 1j * both], axis=-1).reshape(*both.shape[:3], 4))
-        return self._whitened(changes)
+        return self._whiten(changes)
 
     def forces(self, law: Law, amounts: Reals) -> list[Complex]:
         """Return the force of a law with these unknowns at the one place, per recording (row + 1, sense) N or N m."""
@@ -91,7 +91,7 @@ class ShaftForces:
             found.append(np.stack([x + across, x - across], axis=-1) / 2)
         return found
 
-    def _whitened(self, changes: Sequence[Complex]) -> Reals:
+    def _whiten(self, changes: Sequence[Complex]) -> Reals:
         """Return changes of the vectors at 1X, (row + 1, probe, ...) per recording, in sigmas, (value, ...)."""
         pairs = zip(self._problem.recordings, changes, strict=True)
         white = [

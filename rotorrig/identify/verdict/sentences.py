@@ -37,7 +37,7 @@ def sentence(
             f"The model is NOT adequate: {_figures(before)}. {_worst(before)} {_attempt(after, causes, predictions)}."
         )
     words = "; ".join(cause.words for cause in causes if cause.chosen)
-    bought = _bought(predictions)
+    bought = _say_gain(predictions)
     if not after.adequate:
         bought += f" That is not yet all: {_figures(after)}."
     if verdict is Verdict.TIED:
@@ -46,7 +46,7 @@ def sentence(
     return f"The model is wrong here: {words}. {bought}"
 
 
-def _bought(predictions: Predictions) -> str:
+def _say_gain(predictions: Predictions) -> str:
     return (
         f"With that the error on data no fit saw ({predictions.on}) goes from {micrometres(predictions.before.error)} "
         f"to {micrometres(predictions.after.error)} um, {predictions.after.over_floor:.1f} times the noise floor."
@@ -56,7 +56,7 @@ def _bought(predictions: Predictions) -> str:
 def with_missing(concluded: str, missing: str, shortfall: str, predictions: Predictions) -> str:
     """Say what a model lacks that no known cause is: found, or what comes nearest and why that is no finding."""
     if not shortfall:
-        return f"{concluded} What is missing: {missing}. {_bought(predictions)}"
+        return f"{concluded} What is missing: {missing}. {_say_gain(predictions)}"
     return f"{concluded} Of single forces and readings this comes nearest, no finding, for {shortfall}: {missing}."
 
 

@@ -2,7 +2,7 @@
 
 To add one, drop a file into this folder. It holds a class derived from `Effect` and `effects(rig)`, which returns one
 object for every place on the rig where it could act; a file without `effects` is a helper. (One whose places nobody can
-list has `named(rig, name, where)` instead, for what a config says of it.) The class overrides those of these methods
+list has `from_config(rig, name, where)` instead.) The class overrides those of these methods
 that it needs, and `acts_on` says which:
 
 - `change_matrices`: the model with other stiffness, damping or mass, or with further coordinates (a pedestal);
@@ -186,7 +186,7 @@ def find(rig: RigConfig, label: str) -> Effect:
     """Return the effect of that label, of the catalogue or found. Raises ValueError naming those there are."""
     known = catalogue(rig)
     name, _, where = label.partition(", ")
-    for effect in (*known, *(found for named in _functions("named") if (found := named(rig, name, where)))):
+    for effect in (*known, *(e for make in _functions("from_config") if (e := make(rig, name, where)))):
         if effect.label == label:
             return effect
     raise ValueError(f"effect '{label}': there is none, want one of {', '.join(e.label for e in known)}")

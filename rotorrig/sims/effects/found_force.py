@@ -22,11 +22,13 @@ from rotorrig.sims.effects.found_laws import (
     DAMPING,
     FREQUENCY,
     LAWS,
+    PLUS,
     GivenForce,
     Law,
     LinearForce,
     NonlinearForce,
     ResonantForce,
+    check_laws,
 )
 from rotorrig.sims.effects.places import bearing_groups, group_stiffness, reference_speed
 from rotorrig.sims.effects.shaft_motion import forward, position_rows
@@ -40,7 +42,6 @@ _TUNING = (
 Kind = TypeVar("Kind", bound=Law)
 
 NAME = "found_force"
-PLUS = " + "
 WIDEST = 1000.0  # typical sizes: nobody knows how large a force may be that nobody knows
 UNKNOWN_STIFFNESS = 1e5  # N/m, for typical sizes on a rig without an elastic bearing
 
@@ -55,7 +56,7 @@ class FoundForce(Effect):
     laws: tuple[str, ...]
     length: float  # m, of the shaft
 
-    def tuned(self, frequency: float, ratio: float) -> "FoundForce":
+    def tune(self, frequency: float, ratio: float) -> "FoundForce":
         """Return the same with what resonates beginning at that frequency [rad/s] and damping ratio."""
         begin = {FREQUENCY: frequency, DAMPING: ratio}
         moved = (replace(q, at_zero=begin.get(q.name, q.at_zero)) for q in self.parameters)
@@ -161,27 +162,25 @@ _KINDS: Mapping[type[Law], type[FoundForce]] = {
 def found_force(rig: RigConfig, laws: Iterable[str], place: float = 0.0) -> FoundForce:
     """Return the force of these laws, beginning at `place` [m]. Raises ValueError naming the laws there are."""
     names = tuple(laws)
-    if unknown := next((name for name in names if name not in LAWS), None):
-        raise ValueError(f"{NAME}: there is no law '{unknown}', want some of {', '.join(LAWS)}, joined by '{PLUS}'")
+    check_laws(NAME, names, LAWS)
     length = rig.shaft.length
     parameters = [Parameter(name="place", unit="m", low=-length, high=2 * length, size=0.005, at_zero=place)]
     stiffness = next((group_stiffness(rig, group) for group in bearing_groups(rig).values()), UNKNOWN_STIFFNESS)
     for name in names:
         size = LAWS[name].typical(stiffness, reference_speed(rig))
-        low = (
-            0.0 if isinstance(LAWS[name], ResonantForce) else -WIDEST * size
-        )  # what gives way, gives way with the force
+        gives_way = isinstance(LAWS[name], ResonantForce)  # and only ever with the force
+        low = 0.0 if gives_way else -WIDEST * size
         parameters += [
             Parameter(name=unknown, unit=LAWS[name].unit, low=low, high=WIDEST * size, size=size)
             for unknown in LAWS[name].unknowns
         ]
-        if isinstance(LAWS[name], ResonantForce):
+        if gives_way:
             parameters += _TUNING
     kind = _class_of(frozenset(type(LAWS[name]) for name in names))
     return kind(where=PLUS.join(names), laws=names, length=length, parameters=tuple(parameters))
 
 
-def named(rig: RigConfig, name: str, where: str) -> FoundForce | None:
+def from_config(rig: RigConfig, name: str, where: str) -> FoundForce | None:
     """Return the force of the laws in `where` if `name` is that of this file. Raises ValueError as `found_force`."""
     return found_force(rig, where.split(PLUS)) if name == NAME else None
 

@@ -7,7 +7,7 @@ that produces it.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from rotorrig.sims.effects.base import Complex, Theta, polar
 from rotorrig.sims.rotor.nonlinear import Force
 
+PLUS = " + "  # between the names of several laws
 SHARE = 0.03  # of a bearing's stiffness: a typical size of a law that goes with the motion
 MOTION = 20e-6  # m, and
 ARM = 0.03  # m: typical of the motion, and of a moment's force
@@ -141,6 +142,12 @@ def dry(x: float, y: float, vx: float, vy: float, constants: NDArray[np.float64]
     """Return -F v / |v|."""
     by = -constants[0] / np.sqrt(vx * vx + vy * vy + STILL * STILL)
     return by * vx, by * vy
+
+
+def check_laws(effect: str, names: Iterable[str], known: Collection[str]) -> None:
+    """Raise ValueError naming the laws there are if one of those of an effect is none of them."""
+    if unknown := next((name for name in names if name not in known), None):
+        raise ValueError(f"{effect}: there is no law '{unknown}', want some of {', '.join(known)}, joined by '{PLUS}'")
 
 
 def _cubic_first(f: Complex, b: Complex) -> Pair:

@@ -2,8 +2,8 @@
 
 Like found_force.py it is not in the catalogue: a diagnosis makes one where nothing known explains the measurement. In a
 config it is `where = "probe 1x: share over speed"`. A law adds to the vector of the probe, at every order, a complex
-share of what it is of; its argument is a lag or lead. Source: API 670, annex on the calibration of probes, for a gain
-that depends on size; the others are its complex generalisation.
+share of what it is of; its argument is a lag or lead. Source: none of its own: a gain (probe_gain.py, API 670), a lag
+(delay.py) and cross-talk (cross_talk.py) are real or imaginary shares; these are any, alike at all speeds or growing.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Complex, Effect, ReadingContext, Theta, pair, phasor, polar
+from rotorrig.sims.effects.found_laws import PLUS, check_laws
 from rotorrig.sims.effects.places import probe_planes, reference_speed
 
 NAME = "found_reading"
-PLUS = " + "
 SIZE = 0.03  # a typical share
 MOTION = 100e-6  # m, of a vector whose share over size is the share
 SHARES: Mapping[str, tuple[str, Callable[[Complex, Complex, NDArray[np.float64]], Complex]]] = MappingProxyType(
@@ -73,8 +73,7 @@ class FoundReading(Effect):
 def found_reading(rig: RigConfig, probe: str, laws: Iterable[str]) -> FoundReading:
     """Return the one at that probe with these laws. Raises ValueError on an unknown law or probe."""
     names = tuple(laws)
-    if unknown := next((name for name in names if name not in SHARES), None):
-        raise ValueError(f"{NAME}: there is no law '{unknown}', want some of {', '.join(SHARES)}, joined by '{PLUS}'")
+    check_laws(NAME, names, SHARES)
     planes = [[p.name for p in plane] for plane in probe_planes(rig).values()]
     beside = next((plane for plane in planes if probe in plane), None)
     if beside is None:
@@ -90,7 +89,7 @@ def found_reading(rig: RigConfig, probe: str, laws: Iterable[str]) -> FoundReadi
     )
 
 
-def named(rig: RigConfig, name: str, where: str) -> FoundReading | None:
+def from_config(rig: RigConfig, name: str, where: str) -> FoundReading | None:
     """Return the one that `where` tells of if `name` is that of this file. Raises ValueError as `found_reading`."""
     if name != NAME:
         return None

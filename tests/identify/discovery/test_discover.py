@@ -1,17 +1,20 @@
 """A force that no known cause is, put into recordings by an effect of another file: place, law and prediction."""
 
 from collections.abc import Sequence
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from rotorrig.identify.base_fit import AssessedFit, fit_base
 from rotorrig.identify.causes import Selection
-from rotorrig.identify.discovery import Discovery, discover
+from rotorrig.identify.discovery import Discovery, discover, force_search
 from rotorrig.identify.extended_model.tracked_recording import recordings_of
+from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict import Unseen
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import Effect, find
 from tests.identify.swept import swept_response
 
@@ -112,4 +115,23 @@ def test_a_probe_that_is_wrong_is_no_force(rig: RigConfig) -> None:
 
 def test_a_healthy_rig_lacks_nothing(healthy: OrderTrackedResponse) -> None:
     _, found = found_in([healthy])
-    assert found is None or not found.missing.described
+    assert found is None or not found.missing.is_described
+
+
+@pytest.mark.campaign
+def test_a_force_that_the_config_has_is_not_found_by_that_name_again(rig: RigConfig) -> None:
+    """A config tells two effects apart by their labels."""
+    known = hidden_at(rig, "found_force, cross-coupled stiffness", place=0.481)
+    base = fit_base(recordings_of([swept_response(rig, hidden=[hidden_at(rig, "skew_stiffness", k=1500.0)])]), [known])
+    labels = [c.effect.label for c in force_search.search_force(base.problem, base.polished)]
+    assert known[0].label in {effect.label for effect in base.problem.effects}
+    assert known[0].label not in labels
+
+
+def test_a_fit_that_ends_where_nothing_moves_stays_where_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    def lost(found: object) -> object:
+        raise DataError("the rotor moves by more than 1 m, want a bounded motion")
+
+    monkeypatch.setattr(force_search, "finish", lost)
+    short = SimpleNamespace(polished=SimpleNamespace(stop=Stop.BUDGET))
+    assert force_search._settle(short, lambda: True) is short  # type: ignore[arg-type]

@@ -22,7 +22,7 @@ def missing_section(diagnosis: Diagnosis | None, rig: RigConfig) -> Section | No
     if diagnosis is None or diagnosis.missing is None:
         return None
     missing = diagnosis.missing
-    heading = "What is missing" if missing.described else "What comes nearest, which is no finding"
+    heading = "What is missing" if missing.is_described else "What comes nearest, which is no finding"
     return section("missing", heading, items(missing_lines(missing)), _place(missing, rig), _force(missing))
 
 
