@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from docs import (
+    api_reference,
     chea_choices,
     chea_figures,
     chea_pictures,
@@ -56,6 +57,7 @@ def pictures() -> dict[str, Figure]:
 def pages() -> dict[str, str]:
     """Return every page that is generated, or in part, by its file name in docs."""
     return {
+        "api.md": api_reference.text(),
         "config.md": config_reference.text(),
         "cli.md": cli_reference.text(),
         "chea.md": chea_figures.shown((DOCS / "chea.md").read_text(encoding="utf-8")),

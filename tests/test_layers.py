@@ -42,7 +42,7 @@ TABLE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "investigation": (("investigation", "identify", *BASE), ()),
     "app": (
         ("rig", "acquisition", "processing", "sims", "identify", "balancing", "investigation", "app"),
-        ("scipy", "pydantic", "rerun", "typer", "rich", "plotly", "threadpoolctl"),
+        ("scipy", "pydantic", "rerun", "typer", "rich", "plotly", "threadpoolctl", "pandas", "xarray"),
     ),
 }
 EVERYWHERE = {*sys.stdlib_module_names, "numpy", "lazy_loader"}
@@ -133,7 +133,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "search",
         "minimize",
     ),
-    "app": ("plot_data text", "report terminal", "viewer", "commands", "verbs", "cli"),
+    "app": ("plot_data text", "report terminal", "viewer", "commands", "python verbs", "cli"),
     "app.viewer": ("blueprint plots sinks", "live result", "open"),
     "app.viewer.live": ("data pipe", "parts view", "process"),
 }

@@ -31,22 +31,29 @@ from rotorrig.rig.config import Extension, RigConfig, extend, read_quantity
 
 
 def read_responses(paths: Sequence[Path], *, config: RigConfig | None = None) -> list[OrderTrackedResponse]:
-    """Read responses of one rig; with `config`, its model replaces the one in the files.
+    """Read responses of one rig; with `config`, its model replaces the one in the files. Raises DataError likewise."""
+    return of_one_rig([(str(path), read_response(path)) for path in paths], config=config)
+
+
+def of_one_rig(
+    responses: Sequence[tuple[str, OrderTrackedResponse]], *, config: RigConfig | None = None
+) -> list[OrderTrackedResponse]:
+    """Return responses, given with their names, with the model of the first or of `config`.
 
     Raises DataError if their nameplates differ from each other's or from `config`'s. Effects in the model and the sense
     of rotation may differ.
     """
     if config:
         check_effects(config)
-    responses = [read_response(path) for path in paths]
-    rig, where = (config, "the config given") if config else (responses[0].rig, str(paths[0]))
-    for path, response in zip(paths, responses, strict=True):
+    first, response = responses[0]
+    rig, where = (config, "the config given") if config else (response.rig, first)
+    for name, response in responses:
         if rig.nameplate_hash not in (response.rig.nameplate_hash, response.rig.turned_over.nameplate_hash):
             raise DataError(
-                f"{path}: is from another rig ({response.rig.name}, {response.rig.nameplate_hash}) than "
+                f"{name}: is from another rig ({response.rig.name}, {response.rig.nameplate_hash}) than "
                 f"{where} ({rig.name}, {rig.nameplate_hash}), want responses of one rig"
             )
-    return [with_model_of(response, rig) for response in responses]
+    return [with_model_of(response, rig) for _, response in responses]
 
 
 def with_model_of(response: OrderTrackedResponse, rig: RigConfig) -> OrderTrackedResponse:
