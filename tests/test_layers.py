@@ -44,6 +44,10 @@ TABLE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("rig", "acquisition", "processing", "sims", "identify", "balancing", "investigation", "app"),
         ("scipy", "pydantic", "rerun", "typer", "rich", "plotly", "threadpoolctl", "pandas", "xarray"),
     ),
+    "app.lab.page": (
+        ("app.lab.page", "app.plot_data", "app.report", "app.text", "processing", *BASE),
+        ("plotly", "pyarrow"),
+    ),
 }
 EVERYWHERE = {*sys.stdlib_module_names, "numpy", "lazy_loader"}
 
@@ -133,7 +137,8 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "search",
         "minimize",
     ),
-    "app": ("plot_data text", "report terminal", "viewer", "commands", "python verbs", "cli"),
+    "app": ("plot_data text", "report terminal", "viewer", "commands", "lab", "python verbs", "cli"),
+    "app.lab.page": ("catalogue numbers", "bode_data trends", "runs", "pages"),
     "app.viewer": ("blueprint plots sinks", "live result", "open"),
     "app.viewer.live": ("data pipe", "parts view", "process"),
 }

@@ -32,16 +32,16 @@ def write_page(
 
     `body` and `conventions` are HTML, `look` a class of report.css. Raises DataError if it cannot be written.
     """
-    page = Template(_asset("report.html")).substitute(
+    page = Template(read_asset("report.html")).substitute(
         title=escape(f"{heading}: {kind[0].lower()}{kind[1:]}"),
         kind=escape(kind),
         heading=escape(heading),
         source=escape(source or "live rig"),
         written=f"{datetime.now().astimezone():%Y-%m-%d %H:%M %Z}",
         look=look,
-        style=_asset("report.css"),
+        style=read_asset("report.css"),
         plotly=_pack_plotly(),
-        script=_asset("report.js"),
+        script=read_asset("report.js"),
         body=body,
         conventions=conventions,
         unscripted=escape(unscripted),
@@ -49,7 +49,8 @@ def write_page(
     write_whole_text(path, page)
 
 
-def _asset(name: str) -> str:
+def read_asset(name: str) -> str:
+    """Return the text of a file of app/assets."""
     return resources.files("rotorrig.app").joinpath("assets", name).read_text(encoding="utf-8")
 
 
