@@ -138,7 +138,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "minimize",
     ),
     "app": ("plot_data text", "report terminal", "viewer", "commands", "lab", "python verbs", "cli"),
-    "app.lab.page": ("catalogue numbers", "bode_data trends", "runs", "pages"),
+    "app.lab.page": ("catalogue numbers", "bode_data trends", "curve_files runs", "pages"),
     "app.viewer": ("blueprint plots sinks", "live result", "open"),
     "app.viewer.live": ("data pipe", "parts view", "process"),
 }

@@ -84,9 +84,10 @@ async function showTrend({ again = false } = {}) {
   }));
   const groups = GROUPS.map((group, i) => traceOf(group, walk.filter(({ run }) => groupOf(run) === i)));
   const layout = frame({ xaxis: axis({ type: "date" }), yaxis: axis({ title: { text: plotText(`${trend.name}${unit}`) } }), uirevision: trend.name + rig });
-  const canvas = at("trend-plot"), fresh = !canvas.data;
+  const canvas = at("trend-plot");
   await plot(canvas, at("trend-caption"), [...lines, ...groups, ring()], layout);
-  if (fresh) canvas.on?.("plotly_click", ({ points }) => points[0].customdata && mark(byId.get(points[0].customdata)));
+  canvas.removeAllListeners?.("plotly_click");
+  canvas.on?.("plotly_click", ({ points }) => points[0].customdata && mark(byId.get(points[0].customdata)));
 }
 
 function sayPoint() {
@@ -116,7 +117,7 @@ function listChosen() {
   at("chosen").replaceChildren(...items);
   const link = at("to-bode");
   link.hidden = !items.length;
-  link.textContent = `Bode plots of ${items.length} run${items.length > 1 ? "s" : ""}`;
+  link.textContent = `Bode plots of ${items.length} run${items.length > 1 ? "s" : ""}${items.length === MOST ? ", the most" : ""}`;
 }
 
 async function showBode() {

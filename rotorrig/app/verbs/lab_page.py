@@ -29,7 +29,7 @@ def page(
     from rotorrig.app.lab.page import write_lab_page
 
     with progress_bars() as bars:
-        task = bars.add_task("runs", total=1.0, note="")
+        task = bars.add_task("curves", total=1.0, note="")
         written = write_lab_page(
             folder,
             out_folder or folder / "lab" / "page",

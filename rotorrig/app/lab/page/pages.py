@@ -1,7 +1,6 @@
 """The folder of pages: index.html with all runs in it, its scripts, plotly.js, and a file of curves for each run."""
 
 import os
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -12,8 +11,10 @@ from urllib.parse import quote
 
 from plotly.offline import get_plotlyjs
 
-from rotorrig.app.lab.page.bode_data import as_script, is_written, write_bode_data
+from rotorrig.app.lab.page.bode_data import as_script
 from rotorrig.app.lab.page.catalogue import Catalogue, Row, read_catalogue
+from rotorrig.app.lab.page.curve_files import FOLDER as CURVES
+from rotorrig.app.lab.page.curve_files import write_curve_files
 from rotorrig.app.lab.page.runs import row_of_run
 from rotorrig.app.lab.page.trends import collect_trends
 from rotorrig.app.report import read_asset
@@ -21,11 +22,9 @@ from rotorrig.processing.files import read_response
 from rotorrig.rig import DataError, write_whole_text
 from rotorrig.rig.config import Limits
 
-INDEX, PLOTLY, CURVES = "index.html", "plotly.min.js", "bode"
+INDEX, PLOTLY = "index.html", "plotly.min.js"
 SCRIPTS = ("lab.js", "lab-plots.js")
 MARK = '<meta name="generator" content="rotor lab page">'  # of an index that may be replaced
-_HASH = re.compile(r"[0-9a-f]{16}")
-_CURVES = re.compile(r"[0-9a-f]{16}-[0-9a-f]{16}\.js")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,7 +61,7 @@ def check_page_folder(folder: Path, *, force: bool = False) -> None:
 def write_lab_page(
     lab: Path, folder: Path, *, force: bool = False, progress: Callable[[float], None] = lambda _: None
 ) -> LabPage:
-    """Write the pages of a lab into a folder, the index last; `progress` is told the share of the runs done.
+    """Write the pages of a lab into a folder, the index last; `progress` is told the share of the curves done.
 
     Raises DataError if there is no catalogue, or the folder holds something else (see `check_page_folder`).
     """
@@ -72,45 +71,18 @@ def write_lab_page(
         (folder / CURVES).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DataError(f"{folder}: cannot be written ({error.strerror})") from error
-    rows, unread = [], []
-    for done, run in enumerate(catalogue.runs, start=1):
-        bode, fault = _curves_of(lab, folder, run)
-        unread += [fault] if fault else []
-        rows.append(row_of_run(catalogue, run, report=_address_of_report(lab, folder, run), bode=bode))
-        progress(done / len(catalogue.runs))
+    addresses, unread = write_curve_files(lab, folder, catalogue.runs, progress=progress)
+    rows = [
+        row_of_run(catalogue, run, report=_address_of_report(lab, folder, run), bode=addresses.get(run["run_id"]))
+        for run in catalogue.runs
+    ]
     trends = collect_trends(catalogue, _limits_of_rigs(lab, catalogue))
     for name in SCRIPTS:
         _write_once(folder / name, read_asset(name))
     _write_once(folder / PLOTLY, get_plotlyjs())
-    _remove_curves(folder / CURVES, keep={row["bode"] for row in rows if "bode" in row})
     table = {"runs": rows, "trends": [{name: getattr(t, name) for name in t.__slots__} for t in trends]}
     write_whole_text(folder / INDEX, _index(lab, table))
-    return LabPage(
-        index=folder / INDEX,
-        runs=len(rows),
-        curves=sum("bode" in row for row in rows),
-        unread=tuple(unread),
-    )
-
-
-def _curves_of(lab: Path, folder: Path, run: Row) -> tuple[str | None, str]:
-    """Write the curves of a run unless they are there; return their address, or why there are none."""
-    if run["response_file"] is None or not (lab / run["response_file"]).is_file():
-        return None, ""
-    for name in ("run_id", "key"):
-        if not _HASH.fullmatch(run[name]):
-            raise DataError(f"{lab}: its catalogue has {name} {run[name]!r}, want 16 hexadecimal digits")
-    address = f"{CURVES}/{run['run_id']}-{run['key']}.js"
-    if is_written(folder / address):
-        return address, ""
-    try:
-        response = read_response(lab / run["response_file"])
-    except DataError as error:
-        return None, str(error)
-    if 1.0 not in response.orders:
-        return None, f"{lab / run['response_file']}: has no 1X, want it for a Bode plot"
-    write_bode_data(folder / address, run["run_id"], response)
-    return address, ""
+    return LabPage(index=folder / INDEX, runs=len(rows), curves=len(addresses), unread=tuple(unread))
 
 
 def _address_of_report(lab: Path, folder: Path, run: Row) -> str | None:
@@ -138,13 +110,6 @@ def _write_once(path: Path, text: str) -> None:
     """Write a file unless it is there as it should be."""
     if not path.is_file() or path.read_bytes() != text.encode():
         write_whole_text(path, text)
-
-
-def _remove_curves(folder: Path, *, keep: set[str]) -> None:
-    """Remove the curves of runs that are no longer in the catalogue, or were made anew."""
-    for path in folder.iterdir():
-        if _CURVES.fullmatch(path.name) and f"{CURVES}/{path.name}" not in keep:
-            path.unlink()
 
 
 def _index(lab: Path, table: object) -> str:

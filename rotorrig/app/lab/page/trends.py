@@ -118,7 +118,8 @@ def _add_limits(trends: dict[str, Trend], catalogue: Catalogue, rig: str, limits
         held = limits if band is None else band
         peak = trends.get(f"peak {probe} {run}")
         if peak:
-            peak.lines[rig] = [(held.probes.get(probe, held.vibration) * UM, "limit of vibration, all orders")]
+            limit = round(held.probes.get(probe, held.vibration) * UM, 3)
+            peak.lines[rig] = [(limit, "limit of vibration, all orders")]
         if band:
             ends = ((band.low, "lower end of the critical band"), (band.high, "upper end of the critical band"))
             trends[f"critical {probe} {run}"].lines[rig] = [(round(end * RPM, 1), words) for end, words in ends]

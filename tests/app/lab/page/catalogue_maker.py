@@ -84,18 +84,31 @@ def estimate(name: str, value: float, sigma: float, unit: str, nameplate: float,
     return {**row, **ends, "determined": True, **more}
 
 
-def make_lab(lab: Path, *, runs: int = 1000, seed: int = 1) -> None:
-    """Write the catalogue of two years: three rigs, the first of which softens, one run in twelve failed."""
+def make_lab(lab: Path, *, runs: int = 1000, seed: int = 1, response: Path | None = None, responses: int = 0) -> None:
+    """Write the catalogue of two years: three rigs, the first of which softens, one run in twelve failed.
+
+    Of those that did not, the last `responses` have the file `response`, by links.
+    """
     rng = np.random.default_rng(seed)
     for i in range(runs):
         rig = i % 7 % len(RIGS)
         when = FIRST_DAY + timedelta(days=DAYS * i / runs, hours=float(rng.uniform(0, 8)))
         name = f"{when:%Y-%m}/{('window', 'cellar', 'kit')[rig]}-{i:04d}/run.mcap"
-        run = {"recorded_at": when, "rig": RIGS[rig], "config_hash": hash_of(RIGS[rig]), "nameplate_hash": "0" * 16}
+        run: dict[str, Any] = {
+            "recorded_at": when,
+            "rig": RIGS[rig],
+            "config_hash": hash_of(RIGS[rig]),
+            "nameplate_hash": "0" * 16,
+        }
         if rng.random() < 1 / 12:
             sentence = FAILURES[int(rng.integers(len(FAILURES)))]
             write_run(lab, name, made_at=when, runs={**run, "step": "track", "sentence": sentence})
             continue
+        if response and i >= runs - responses:
+            copy = lab / "lab" / "results" / hash_of(name) / "response.mcap"
+            copy.parent.mkdir(parents=True)
+            copy.hardlink_to(response)
+            run["response_file"] = copy.relative_to(lab).as_posix()
         softer = SOFTENS * i / runs if rig == 0 else 0.0
         _write_finished_run(lab, name, run, kxx=STIFFNESS - softer - 1500 * rig, when=when, rng=rng)
 
