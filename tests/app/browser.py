@@ -81,10 +81,10 @@ class Tab:
 
     def press(self, key: str) -> None:
         """Press and release a key that types nothing: "Tab", say."""
-        for kind in ("rawKeyDown", "keyUp"):
-            self.call(
-                "Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode={"Tab": 9, " ": 32}[key]
-            )
+        number = {"Tab": 9, "Enter": 13, " ": 32, "ArrowLeft": 37}[key]
+        text = {"text": "\r"} if key == "Enter" else {}  # without which it presses no button
+        for kind in ("keyDown" if text else "rawKeyDown", "keyUp"):
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=number, **text)
 
     def picture(self, path: Path, selector: str = "body") -> None:
         """Write the first element that a CSS selector finds as a PNG."""

@@ -64,14 +64,20 @@ function ring() {
   return { mode: "markers", marker, x: points.map(({ run }) => timeText(run.t)), y: points.map(({ value }) => value), hoverinfo: "skip", showlegend: false };
 }
 
-async function showTrend({ again = false } = {}) {
+function moveRing() {
+  const canvas = at("trend-plot"), { x, y, marker } = ring();
+  if (canvas.data) Plotly.restyle(canvas, { x: [x], y: [y], "marker.color": [marker.color] }, canvas.data.length - 1);
+}
+
+async function showTrend() {
   const trend = trendOf(), rig = state.of;
+  at("walk").hidden = at("trend-plot").hidden = !trend;
+  if (!trend) at("trend-caption").textContent = "No run has values to follow.";
   if (!trend || !seen.has("trends")) return;
   const passed = new Set(shown);
-  const before = walk;
   walk = trend.points.map(([index, value, low, high]) => ({ run: byId.get(runs[index].id), value, low, high }))
     .filter(({ run }) => run.rig === rig && known(run.t) && passed.has(run)).sort((one, other) => one.run.t - other.run.t);
-  if (again || walk.length !== before.length) Object.assign(at("point"), { max: Math.max(walk.length - 1, 0), value: walk.length });
+  Object.assign(at("point"), { max: Math.max(walk.length - 1, 0), value: walk.length });
   at("walk").hidden = at("trend-plot").hidden = walk.length === 0;
   const bars = walk.some(({ low }) => known(low)) ? "bars are 95 % intervals" : "no interval is stated for it";
   const unit = trend.unit && `, ${trend.unit}`;
@@ -83,7 +89,7 @@ async function showTrend({ again = false } = {}) {
     name: plotText(name), mode: "lines", x: ends, y: [y, y], line: { color: LINE, width: 1.5, dash: ["dash", "dot", "dashdot"][i % 3] }, hoverinfo: "skip",
   }));
   const groups = GROUPS.map((group, i) => traceOf(group, walk.filter(({ run }) => groupOf(run) === i)));
-  const layout = frame({ xaxis: axis({ type: "date" }), yaxis: axis({ title: { text: plotText(`${trend.name}${unit}`) } }), uirevision: trend.name + rig });
+  const layout = frame({ xaxis: axis({ type: "date" }), yaxis: axis({ title: { text: plotText(trend.unit || trend.label) } }), uirevision: trend.name + rig });
   const canvas = at("trend-plot");
   await plot(canvas, at("trend-caption"), [...lines, ...groups, ring()], layout);
   canvas.removeAllListeners?.("plotly_click");
@@ -189,7 +195,7 @@ function watchPlots() {
     for (const { target } of entries.filter(({ isIntersecting }) => isIntersecting)) {
       watch.unobserve(target);
       seen.add(target.id);
-      if (target.id === "trends") showTrend({ again: true });
+      if (target.id === "trends") showTrend();
       else showBode();
     }
   }, { rootMargin: "100px" });

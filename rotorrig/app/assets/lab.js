@@ -152,7 +152,7 @@ function toggle(run) {
   state.run = state.run === run.id ? "" : run.id;
   showTable();
   at(`run-${run.id}`).querySelector("th button").focus({ preventScroll: true });
-  showTrend();
+  moveRing();
 }
 
 // All that is known of a run: what the table has no column for
@@ -200,7 +200,7 @@ function mark(run) {
   const row = at(`run-${run.id}`);
   row?.scrollIntoView({ block: "center" });
   row?.querySelector("th button").focus({ preventScroll: true });
-  showTrend();
+  moveRing();
 }
 
 // Lists, and what happens when something is chosen
@@ -241,10 +241,14 @@ function listen() {
   at("size").addEventListener("change", () => { size = Number(at("size").value); page = 0; showTable(); });
   at("previous").addEventListener("click", () => { page -= 1; showTable(); });
   at("next").addEventListener("click", () => { page += 1; showTable(); });
-  at("quantity").addEventListener("change", () => { state.trend = at("quantity").value; writeAddress(); showTrend({ again: true }); });
-  at("trend-rig").addEventListener("change", () => { state.of = at("trend-rig").value; writeAddress(); showTrend({ again: true }); });
-  at("point").addEventListener("input", () => { sayPoint(); showTrend(); });
-  at("point").addEventListener("keydown", (event) => event.key === "Enter" && at("mark").click());
+  at("quantity").addEventListener("change", () => { state.trend = at("quantity").value; writeAddress(); showTrend(); });
+  at("trend-rig").addEventListener("change", () => { state.of = at("trend-rig").value; writeAddress(); showTrend(); });
+  at("point").addEventListener("input", () => { sayPoint(); moveRing(); });
+  at("point").addEventListener("keydown", (event) => {
+    if (event.key !== "Enter") return;
+    event.preventDefault(); // or it would press the button that gets the focus
+    at("mark").click();
+  });
   at("mark").addEventListener("click", () => mark(walk[Number(at("point").value)].run));
   for (const name of ["probe", "direction"]) at(name).addEventListener("change", () => drawBode(chosen()));
   document.querySelectorAll("form").forEach((form) => form.addEventListener("submit", (event) => event.preventDefault()));
@@ -265,7 +269,7 @@ function begin() {
   const place = shown.findIndex((run) => run.id === state.run);
   page = place < 0 ? 0 : Math.floor(place / (size || shown.length));
   showTable();
-  showTrend({ again: true });
+  showTrend();
   showBode();
 }
 

@@ -36,7 +36,8 @@ def page(
             force=force,
             progress=lambda done: bars.update(task, completed=done),
         )
-    words = f"{written.index}: {written.runs} runs, {written.curves} with Bode plots; open in any browser"
+    runs = f"{written.runs} run{'s' if written.runs != 1 else ''}"
+    words = f"{written.index}: {runs}, {written.curves} with Bode plots; open in any browser"
     facts = {"file": str(written.index), "runs": written.runs, "bode_plots": written.curves, "unread": written.unread}
     tell(words, facts, as_json=as_json)
     for sentence in [] if as_json else written.unread[:SHOWN_FAULTS]:
