@@ -35,6 +35,7 @@ COSTLY: Mapping[str, str] = {
     "chea-table7-f3.svg": "python -m docs.make_chea_table7",
     "demo.png": "python -m docs.make_pictures demo",
     "discovery.png": "python -m docs.make_discovery",
+    "lab-page.png": "python -m docs.make_pictures demo",
     "live.png": "python -m docs.make_pictures demo",
     "measured-run-up.svg": "python -m docs.make_measured_run_up",
     "tutorial-balance.png": "python -m docs.make_tutorial",

@@ -1,6 +1,7 @@
 """The pictures of the documents, made from what `rotor demo` wrote: `make pictures`, or this with the demo's folder.
 
 docs/img/demo.png: a Bode plot and the orbit at the critical speed, as in the report, drawn by Chromium.
+docs/img/lab-page.png: the pages of a lab that is made up but for its newest runs, which are the demo's.
 docs/img/live.png: the live view during the coast-down, played from the recording into Rerun's viewer without a window.
 """
 
@@ -10,6 +11,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from datetime import timedelta
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -23,6 +25,7 @@ from docs.browser import screenshot
 from docs.origin import origin, save_png
 from rotorrig.acquisition import RawRecording
 from rotorrig.acquisition.files import read_recording
+from rotorrig.app.lab.page import write_lab_page
 from rotorrig.app.plot_data import representative_rows, sweeps, vectors
 from rotorrig.app.report.drawings import orbit_pictures
 from rotorrig.app.report.figures import bode as bode_figure
@@ -32,10 +35,13 @@ from rotorrig.identify import read_identification
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import read_response
 from rotorrig.rig import RigError
+from tests.app.browser import browser
+from tests.app.lab.page.catalogue_maker import DAYS, FIRST_DAY, add_real_run, make_lab
 
 COMMAND = "python -m docs.make_pictures demo"
 IMAGES = Path(__file__).parent / "img"
 PAGE = (1200, 520)  # CSS pixels; the picture has two of its own for each
+LAB = (1280, 2700)  # of the window: all of it is seen, and drawn
 WINDOW = (1500, 987)  # of the viewer
 MENU = 37  # pixels at its top: the viewer's own menu, with remarks on the machine it runs on
 FAST = 15.0  # recorded seconds per second, up to the last moments
@@ -44,15 +50,16 @@ BEYOND = 0.94  # of the critical speed: where the coast-down is caught
 
 
 def main() -> None:
-    """Make both pictures; a missing folder or program ends in one sentence."""
+    """Make the pictures; a missing folder or program ends in one sentence."""
     demo = Path(sys.argv[1] if len(sys.argv) > 1 else "demo")
     try:
-        for name in ("run.mcap", "response.mcap", "fit.json"):
+        for name in ("run.mcap", "response.mcap", "fit.json", "diagnosis.json", "bowed/diagnosis.json"):
             if not (demo / name).is_file():
                 raise RigError(f"{demo / name}: there is no such file, want what `rotor demo --out {demo}` writes")
         IMAGES.mkdir(exist_ok=True)
         response = read_response(demo / "response.mcap")
         picture_result(response, demo / "fit.json", IMAGES / "demo.png")
+        picture_lab(demo, response.rig.hash, IMAGES / "lab-page.png")
         picture_live(read_recording(demo / "run.mcap"), _moment(response), IMAGES / "live.png")
     except RigError as error:
         sys.exit(f"error: {error}")
@@ -94,6 +101,29 @@ const figure = {bode};
 Plotly.newPlot("bode", figure.data, figure.layout, {{ displayModeBar: false, responsive: true }});
 </script>
 </body></html>"""
+
+
+def picture_lab(demo: Path, config_hash: str, out: Path) -> None:
+    """Draw the pages of a lab of a thousand runs, two of the demo over one another as Bode plots. Raises RigError."""
+    with tempfile.TemporaryDirectory(prefix="rotor-picture-") as folder:
+        lab = Path(folder, "bearing lab")
+        make_lab(lab)
+        (lab / "lab/results").mkdir()
+        newest = []
+        for name, results in {"healthy": demo, "bowed": demo / "bowed"}.items():
+            place = lab / "lab/results" / name
+            place.symlink_to(results.resolve())
+            when = FIRST_DAY + timedelta(days=DAYS + len(newest))
+            newest.append(add_real_run(lab, place, when=when, name=f"{when:%Y-%m}/{name}/run.mcap"))
+        index = write_lab_page(lab, lab / "lab/page").index
+        shot = Path(folder, "lab.png")
+        with browser(Path(folder, "profile")) as tab:
+            tab.look(width=LAB[0], height=LAB[1])
+            tab.open(index, fragment=f"size=10&bode={'+'.join(newest)}", wait="rotorLab.shown")
+            time.sleep(3.0)  # until both plots are drawn
+            tab.picture(shot, scale=2)
+        with Image.open(shot) as picture:
+            save_png(picture, out, origin=origin(COMMAND, config_hash))
 
 
 def _moment(response: OrderTrackedResponse) -> float:

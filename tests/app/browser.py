@@ -60,18 +60,27 @@ class Tab:
         features = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
         self.call("Emulation.setEmulatedMedia", media="", features=features)
 
-    def open(self, path: Path, *, scripts: bool = True, wait: str = "rotorReport.drawn") -> None:
-        """Open a report and wait until it is loaded and, with scripts, its promise `wait` is kept: plots are drawn."""
-        self._loaded = False
+    def open(self, path: Path, *, fragment: str = "", scripts: bool = True, wait: str = "rotorReport.drawn") -> None:
+        """Open a page anew and wait until it is loaded and, with scripts, its promise `wait` is kept: plots are drawn.
+
+        `fragment` is what stands behind # in its address.
+        """
+        self.call("Emulation.setScriptExecutionDisabled", value=not scripts)
+        if fragment:
+            self._go("about:blank")  # a change behind # alone opens nothing
         self.requests.clear()
         self.complaints.clear()
-        self.call("Emulation.setScriptExecutionDisabled", value=not scripts)
-        self.call("Page.navigate", url=path.as_uri())
-        while not self._loaded:
-            self._line.listen()
+        self._go(path.as_uri() + (f"#{fragment}" if fragment else ""))
         self.shows = path if scripts else None
         if scripts:
             self.run(wait)
+
+    def _go(self, address: str) -> None:
+        """Open an address and wait until it is loaded."""
+        self._loaded = False
+        self.call("Page.navigate", url=address)
+        while not self._loaded:
+            self._line.listen()
 
     def run(self, script: str) -> Any:
         """Return the value of an expression in the page, a promise's once it is kept."""
@@ -86,11 +95,11 @@ class Tab:
         for kind in ("keyDown" if text else "rawKeyDown", "keyUp"):
             self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=number, **text)
 
-    def picture(self, path: Path, selector: str = "body") -> None:
-        """Write the first element that a CSS selector finds as a PNG."""
+    def picture(self, path: Path, selector: str = "body", *, scale: float = 1.0) -> None:
+        """Write the first element that a CSS selector finds as a PNG, of so many pixels for one of CSS."""
         script = f"JSON.stringify(document.querySelector({json.dumps(selector)}).getBoundingClientRect())"
         box = json.loads(self.run(script))
-        clip = {key: box[key] for key in ("x", "y", "width", "height")} | {"scale": 1}
+        clip = {key: box[key] for key in ("x", "y", "width", "height")} | {"scale": scale}
         shot = self.call("Page.captureScreenshot", clip=clip, captureBeyondViewport=True)
         path.write_bytes(base64.b64decode(shot["data"]))
 

@@ -25,9 +25,10 @@ const mostFrequent = (values) => {
   for (const value of values) counts.set(value, (counts.get(value) ?? 0) + 1);
   return [...counts].reduce((one, other) => (other[1] > one[1] ? other : one), ["", 0])[0];
 };
-const USUAL = { text: "", verdict: "", rig: "", sort: "-t", trend: trends[0]?.name ?? "", of: mostFrequent(runs.map((run) => run.rig)), bode: "", run: "" };
+const USUAL = { text: "", verdict: "", rig: "", sort: "-t", trend: trends[0]?.name ?? "", of: mostFrequent(runs.map((run) => run.rig)), bode: "", run: "", size: "25" };
 let state = { ...USUAL };
-let page = 0, size = 25, shown = []; // of the table; all runs that pass the filter, in its order
+let page = 0, shown = []; // of the table; all runs that pass the filter, in its order
+const perPage = () => Number(state.size) || Math.max(shown.length, 1); // "all" has no number
 
 const chosen = () => state.bode.split(" ").map((id) => byId.get(id)).filter((run) => run?.bode);
 
@@ -75,16 +76,17 @@ const COLUMNS = [
   { name: "t", label: "recorded", kind: "time", value: (run) => run.t, cell: (run) => [timeText(run.t)] },
   { name: "rig", label: "rig", kind: "rig-name", value: (run) => run.rig, cell: (run) => [run.rig] },
   { name: "verdict", label: "verdict", value: outcome, cell: (run) => [make("span", { className: TONES[outcome(run)] ?? "unsure" }, outcome(run))] },
+  { name: "status", label: "status", kind: "status", value: (run) => `${run.status} ${run.step ?? ""}`, cell: statusCell },
   estimate("kxx", "kxx, kN/m"), estimate("cxx", "cxx, N s/m"), estimate("u", "u, g mm"),
   { name: "critical", label: "critical speed, rpm", kind: "number", value: (run) => run.critical, cell: (run) => [digits(run.critical, 4), run.where && make("small", {}, run.where)] },
   { name: "q", label: "Q", kind: "number", value: (run) => run.q, cell: (run) => [digits(run.q, 3)] },
   { name: "residual", label: "residual, µm", kind: "number", value: (run) => run.residual, cell: (run) => [digits(run.residual, 3)] },
-  { name: "status", label: "status", kind: "status", value: (run) => `${run.status} ${run.step ?? ""}`, cell: statusCell },
 ];
 
 function statusCell(run) {
-  if (run.status !== "failed") return [`${run.status}${run.step ? ": " + run.step : ""}`];
-  return [`failed${run.step ? " after " + run.step : ""}`, run.sentence && make("small", {}, run.sentence)];
+  if (run.status === "failed") return [`failed${run.step ? " after " + run.step : ""}`, run.sentence && make("small", {}, run.sentence)];
+  const link = run.report && make("a", { href: run.report, ariaLabel: `report of ${run.file}` }, "report");
+  return [run.status, (link || run.step) && ": ", link || run.step];
 }
 
 const collator = new Intl.Collator(undefined, { numeric: true });
@@ -110,8 +112,7 @@ function showHead() {
     head.dataset.column = name;
     return head;
   });
-  const plain = (label) => make("th", { scope: "col" }, label);
-  at("head").replaceChildren(plain("Bode"), heads[0], plain("report"), ...heads.slice(1));
+  at("head").replaceChildren(make("th", { scope: "col" }, "Bode"), ...heads);
 }
 
 function sortBy(name) {
@@ -124,7 +125,7 @@ function sortBy(name) {
 function showTable() {
   choose();
   showHead();
-  const step = size || shown.length || 1, pages = Math.max(Math.ceil(shown.length / step), 1);
+  const step = perPage(), pages = Math.max(Math.ceil(shown.length / step), 1);
   page = Math.min(page, pages - 1);
   at("rows").replaceChildren(...shown.slice(page * step, (page + 1) * step).flatMap(rowsOf));
   at("count").textContent = `${shown.length} of ${runs.length} runs`;
@@ -136,12 +137,13 @@ function showTable() {
 
 function rowsOf(run) {
   const open = run.id === state.run;
-  const button = make("button", { type: "button", ariaExpanded: String(open), onclick: () => toggle(run) }, run.file);
+  const button = make("button", { type: "button", ariaExpanded: String(open), onclick: () => toggle(run) }, ...brokenAtSlashes(run.file));
   const cells = COLUMNS.slice(1).map((column) => make("td", { className: column.kind ?? "" }, ...column.cell(run)));
-  const link = run.report && make("a", { href: run.report, ariaLabel: `report of ${run.file}` }, "report");
-  const row = make("tr", { className: open ? "open" : "", id: `run-${run.id}` }, make("td", {}, run.bode && checkbox(run)), make("th", { scope: "row" }, button), make("td", {}, link), ...cells);
-  return open ? [row, make("tr", { className: "more" }, make("td", { colSpan: COLUMNS.length + 2 }, allOf(run)))] : [row];
+  const row = make("tr", { className: open ? "open" : "", id: `run-${run.id}` }, make("td", {}, run.bode && checkbox(run)), make("th", { scope: "row" }, button), ...cells);
+  return open ? [row, make("tr", { className: "more" }, make("td", { colSpan: COLUMNS.length + 1 }, allOf(run)))] : [row];
 }
+
+const brokenAtSlashes = (path) => path.split(/(?<=\/)/).flatMap((part, i) => (i ? [make("wbr"), part] : [part]));
 
 function checkbox(run) {
   const checked = chosen().includes(run);
@@ -195,7 +197,7 @@ function allOf(run) {
 function mark(run) {
   state.run = run.id;
   const place = shown.indexOf(run);
-  if (size && place >= 0) page = Math.floor(place / size);
+  if (place >= 0) page = Math.floor(place / perPage());
   showTable();
   const row = at(`run-${run.id}`);
   row?.scrollIntoView({ block: "center" });
@@ -218,6 +220,7 @@ function counted(values, all) {
 
 function fillLists() {
   at("text").value = state.text;
+  at("size").value = state.size;
   fill(at("verdict"), counted(runs.map(outcome), "all"), state.verdict);
   fill(at("rig"), counted(runs.map((run) => run.rig), "all"), state.rig);
   const rigs = counted(runs.map((run) => run.rig));
@@ -238,7 +241,7 @@ function refilter() {
 function listen() {
   for (const name of ["text", "verdict", "rig"]) at(name).addEventListener("input", () => { state[name] = at(name).value; if (name === "rig" && state.rig) at("trend-rig").value = state.of = state.rig; refilter(); });
   at("clear").addEventListener("click", () => { Object.assign(state, { text: "", verdict: "", rig: "" }); fillLists(); refilter(); });
-  at("size").addEventListener("change", () => { size = Number(at("size").value); page = 0; showTable(); });
+  at("size").addEventListener("change", () => { state.size = at("size").value; page = 0; showTable(); });
   at("previous").addEventListener("click", () => { page -= 1; showTable(); });
   at("next").addEventListener("click", () => { page += 1; showTable(); });
   at("quantity").addEventListener("change", () => { state.trend = at("quantity").value; writeAddress(); showTrend(); });
@@ -267,7 +270,7 @@ function begin() {
   fillLists();
   choose();
   const place = shown.findIndex((run) => run.id === state.run);
-  page = place < 0 ? 0 : Math.floor(place / (size || shown.length));
+  page = place < 0 ? 0 : Math.floor(place / perPage());
   showTable();
   showTrend();
   showBode();

@@ -147,10 +147,10 @@ def _write_finished_run(
     )
 
 
-def add_real_run(lab: Path, results: Path, *, when: datetime, name: str) -> None:
+def add_real_run(lab: Path, results: Path, *, when: datetime, name: str) -> str:
     """Put a run among them from the response.mcap, fit.json, diagnosis.json and report.html that stand in `results`.
 
-    Their paths in the catalogue are relative to the lab, as far as they are in it.
+    Their paths in the catalogue are relative to the lab, which `results` is a folder of. Returns the run_id.
     """
     response = read_response(results / "response.mcap")
     fit = read_identification(results / "fit.json").fits[0]
@@ -179,7 +179,7 @@ def add_real_run(lab: Path, results: Path, *, when: datetime, name: str) -> None
         for p, probe in enumerate(response.probes)
         for curve in curves(response, p)
     ]
-    write_run(lab, name, made_at=when, runs={**run, **files}, estimates=estimates, causes=causes, peaks=peaks)
+    return write_run(lab, name, made_at=when, runs={**run, **files}, estimates=estimates, causes=causes, peaks=peaks)
 
 
 _FILES = {"response": "response.mcap", "fit": "fit.json", "diagnosis": "diagnosis.json", "report": "report.html"}

@@ -52,7 +52,7 @@ def add_response(lab: Path, name: str, response: OrderTrackedResponse, *, key: s
     return write_run(lab, name, key=key, runs={"status": "done", "response_file": written})
 
 
-def test_pages_of_a_thousand_runs_are_few_small_files(tmp_path: Path) -> None:
+def test_pages_of_many_runs_are_few_small_files(tmp_path: Path) -> None:
     make_lab(tmp_path, runs=200)
     written = write_lab_page(tmp_path, tmp_path / "page")
     assert (written.runs, written.curves, written.unread) == (200, 0, ())
