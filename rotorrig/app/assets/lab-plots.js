@@ -162,7 +162,7 @@ async function drawBode(its) {
 
 function bodeTraces({ run, curve, colour }, start) {
   const wrapped = curve.lag.map((lag) => (known(lag) ? start + ((((lag - start) % 360) + 360) % 360) : null));
-  const lag = wrapped.map((value, i) => (i && Math.abs(value - wrapped[i - 1]) > 180 ? null : value)); // no line across the plot
+  const lag = wrapped.map((value, i) => (known(wrapped[i - 1]) && Math.abs(value - wrapped[i - 1]) > 180 ? null : value)); // no line across the plot
   const name = plotText(`${run.file}, ${curve.run}`);
   const look = { mode: "lines", line: { color: colour, width: 1.6, dash: curve.direction < 0 ? "dash" : "solid" }, x: curve.rpm, name };
   return [

@@ -20,11 +20,8 @@ function make(tag, properties = {}, ...inside) {
 }
 
 // What the address remembers: a link to the page shows what was seen.
-const mostFrequent = (values) => {
-  const counts = new Map();
-  for (const value of values) counts.set(value, (counts.get(value) ?? 0) + 1);
-  return [...counts].reduce((one, other) => (other[1] > one[1] ? other : one), ["", 0])[0];
-};
+const count = (values) => values.reduce((counts, value) => counts.set(value, (counts.get(value) ?? 0) + 1), new Map());
+const mostFrequent = (values) => [...count(values)].reduce((one, other) => (other[1] > one[1] ? other : one), ["", 0])[0];
 const USUAL = { text: "", verdict: "", rig: "", sort: "-t", trend: trends[0]?.name ?? "", of: mostFrequent(runs.map((run) => run.rig)), bode: "", run: "", size: "25" };
 let state = { ...USUAL };
 let page = 0, shown = []; // of the table; all runs that pass the filter, in its order
@@ -39,10 +36,16 @@ function readAddress() {
   state.bode = chosen().slice(0, MOST).map((run) => run.id).join(" ");
 }
 
-function writeAddress() {
+// Runs an action once nothing more has come for a moment: a letter typed wants neither a new address nor a new plot at once.
+function settle(action) {
+  let waiting;
+  return () => { clearTimeout(waiting); waiting = setTimeout(action, 150); };
+}
+
+const writeAddress = settle(() => {
   const told = Object.entries(state).filter(([name, value]) => value !== USUAL[name]);
   history.replaceState(null, "", "#" + new URLSearchParams(told));
-}
+});
 
 // Numbers and times as text
 function plusMinus([value, sigma] = []) {
@@ -212,9 +215,7 @@ function fill(select, options, value) {
 }
 
 function counted(values, all) {
-  const counts = new Map();
-  for (const value of values) counts.set(value, (counts.get(value) ?? 0) + 1);
-  const sorted = [...counts].sort(([one], [other]) => collator.compare(one, other));
+  const sorted = [...count(values)].sort(([one], [other]) => collator.compare(one, other));
   return [...(all ? [["", all]] : []), ...sorted.map(([value, count]) => [value, `${value} (${count})`])];
 }
 
@@ -232,10 +233,12 @@ function fillLists() {
   at("quantity").value = state.trend;
 }
 
+const showTrendSoon = settle(() => showTrend());
+
 function refilter() {
   page = 0;
   showTable();
-  showTrend();
+  showTrendSoon();
 }
 
 function listen() {

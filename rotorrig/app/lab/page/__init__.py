@@ -5,10 +5,9 @@ run, `curve_files` those of all, `pages` puts all of it into a folder. What the 
 draws in assets/lab-plots.js.
 """
 
-from rotorrig.app.lab.page.pages import LabPage, check_page_folder, write_lab_page
+from rotorrig.app.lab.page.pages import LabPage, write_lab_page
 
 __all__ = [
     "LabPage",
-    "check_page_folder",
     "write_lab_page",
 ]

@@ -18,7 +18,7 @@ from rotorrig.app.lab.page.catalogue import Row
 from rotorrig.processing.files import read_response
 from rotorrig.rig import DataError
 
-FOLDER = "bode"
+CURVES = "bode"  # folder beside the page
 FEW = 50  # files, for which starting processes would take longer than it saves
 _HASH = re.compile(r"[0-9a-f]{16}")
 _FILE = re.compile(r"[0-9a-f]{16}-[0-9a-f]{16}\.js")
@@ -35,7 +35,7 @@ class CurveFile:
     @property
     def address(self) -> str:
         """Its address as seen from the page."""
-        return f"{FOLDER}/{self.path.name}"
+        return f"{CURVES}/{self.path.name}"
 
 
 def write_curve_files(
@@ -53,7 +53,7 @@ def write_curve_files(
         if fault:
             faults[file] = fault
     addresses = {file.run_id: file.address for file in wanted if file not in faults}
-    _remove_others(folder / FOLDER, {file.path.name for file in wanted})
+    _remove_others(folder / CURVES, {file.path.name for file in wanted})
     return addresses, [faults[file] for file in missing if file in faults]
 
 
@@ -64,7 +64,7 @@ def _file_of(lab: Path, folder: Path, run: Row) -> CurveFile | None:
     for name in ("run_id", "key"):
         if not _HASH.fullmatch(run[name]):
             raise DataError(f"{lab}: its catalogue has {name} {run[name]!r}, want 16 hexadecimal digits")
-    path = folder / FOLDER / f"{run['run_id']}-{run['key']}.js"
+    path = folder / CURVES / f"{run['run_id']}-{run['key']}.js"
     return CurveFile(path=path, run_id=run["run_id"], response=lab / run["response_file"])
 
 

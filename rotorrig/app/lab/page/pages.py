@@ -13,8 +13,7 @@ from plotly.offline import get_plotlyjs
 
 from rotorrig.app.lab.page.bode_data import as_script
 from rotorrig.app.lab.page.catalogue import Catalogue, Row, read_catalogue
-from rotorrig.app.lab.page.curve_files import FOLDER as CURVES
-from rotorrig.app.lab.page.curve_files import write_curve_files
+from rotorrig.app.lab.page.curve_files import CURVES, write_curve_files
 from rotorrig.app.lab.page.runs import row_of_run
 from rotorrig.app.lab.page.trends import collect_trends
 from rotorrig.app.report import read_asset

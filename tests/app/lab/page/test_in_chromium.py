@@ -67,6 +67,12 @@ def wait_for(tab: Tab, condition: str) -> None:
         time.sleep(0.05)
 
 
+def address_of(tab: Tab) -> str:
+    """What stands behind # once nothing more has come for a moment."""
+    fragment: str = tab.run("new Promise((done) => setTimeout(() => done(location.hash.slice(1)), 400))")
+    return fragment
+
+
 def column(tab: Tab, selector: str) -> list[str]:
     found: list[str] = tab.run(f"[...document.querySelectorAll({json.dumps(selector)})].map((e) => e.innerText)")
     return found
@@ -137,8 +143,8 @@ def test_text_verdict_and_rig_filter_and_the_address_keeps_them(tab: Tab, page: 
     verdicts, rigs = column(tab, "#rows td:nth-of-type(4)"), column(tab, "#rows .rig-name")
     assert set(verdicts) == {"named"}
     assert set(rigs) == {RIGS[0]}
-    told, address = column(tab, "#count"), tab.run("location.hash")
-    opened(tab, page, address.removeprefix("#"))
+    told, address = column(tab, "#count"), address_of(tab)
+    opened(tab, page, address)
     assert column(tab, "#count") == told
     assert tab.run("['text', 'verdict', 'rig'].map((id) => document.getElementById(id).value)") == [
         "WINDOW bowed",
@@ -167,6 +173,24 @@ def test_headings_sort_by_number_with_what_is_not_known_last(tab: Tab, page: Pat
         assert known == sorted(known, reverse=order == "descending")
         assert tab.run("document.querySelector('#head [data-column=kxx]').ariaSort") == order
         assert tab.run(f"document.activeElement === {button}")
+
+
+def test_values_are_rounded_to_their_uncertainty(tab: Tab, page: Path) -> None:
+    opened(tab, page)
+    for value, words in (
+        ([34.2337, 0.5892], "34.23 ± 0.59"),
+        ([2.80139, 0.029], "2.801 ± 0.029"),
+        ([3012.0, 250.0], "3010 ± 250"),
+        ([31.0, None], "31"),
+    ):
+        assert tab.run(f"plusMinus({json.dumps(value)})") == words
+    assert tab.run("[digits(12, 3), digits(0.17, 3), digits(2250.6, 4), digits(undefined, 3), withUnit('4', '°')]") == [
+        "12.0",
+        "0.170",
+        "2251",
+        "–",
+        "4°",
+    ]
 
 
 def test_pages_of_the_table_lead_through_all_runs(tab: Tab, page: Path) -> None:
@@ -231,7 +255,7 @@ def test_the_arrow_keys_walk_along_a_trend_and_enter_marks_the_run(tab: Tab, pag
     assert words.endswith(marked[0])  # 60 points before the newest: on another page of the table
     assert tab.run("document.activeElement.innerText") == marked[0]
     assert column(tab, "#pages") != ["page 1 of 13"]
-    assert "run=" in tab.run("location.hash")
+    assert "run=" in address_of(tab)
 
 
 def test_a_click_on_a_point_marks_its_run(tab: Tab, page: Path) -> None:
@@ -267,7 +291,7 @@ def test_up_to_six_runs_are_overlaid_each_by_a_file_of_its_own(tab: Tab, page: P
     wait_for(tab, "document.getElementById('bode-plot').data.length === 12")
     tab.run("document.querySelector('#chosen button').click()")
     wait_for(tab, "document.getElementById('bode-plot').data.length === 10")
-    address = tab.run("location.hash").removeprefix("#")
+    address = address_of(tab)
     opened(tab, page, address, height=5000)
     wait_for(tab, "document.getElementById('bode-plot').data?.length === 20")
     assert tab.complaints == []
@@ -332,7 +356,7 @@ def test_links_within_the_page_leave_the_filter_in_the_address(tab: Tab, page: P
     opened(tab, page, "verdict=named")
     tab.run("document.querySelector('.contents a[href=\"#trends\"]').click()")
     assert tab.run("document.activeElement.id") == "trends"
-    assert "verdict=named" in tab.run("location.hash")
+    assert "verdict=named" in address_of(tab)
 
 
 def test_without_javascript_the_page_says_what_prints_the_runs(tab: Tab, page: Path) -> None:
