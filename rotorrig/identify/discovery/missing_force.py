@@ -11,7 +11,7 @@ from rotorrig.identify.adequacy import Adequacy
 from rotorrig.identify.causes import SELECTION, Candidate, plausible
 from rotorrig.identify.discovery.force_over_speed import ForceOverSpeed, reconstruct_force
 from rotorrig.identify.discovery.force_search import grid
-from rotorrig.identify.discovery.place_probability import place_probability
+from rotorrig.identify.discovery.place_probability import PlaceProfile, place_probability, profile_place
 from rotorrig.identify.discovery.settings import DISCOVERY
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution
@@ -53,12 +53,17 @@ class MissingForce:
         return not self.shortfall
 
 
-def missing_force(problem: ExtendedProblem, tried: Sequence[Candidate], fit: Solution) -> MissingForce:
-    """Return what was found, the first of `tried` in its final fit; `problem` is that without it."""
+def missing_force(
+    problem: ExtendedProblem, tried: Sequence[Candidate], fit: Solution, profile: PlaceProfile | None
+) -> MissingForce:
+    """Return what was found, the first of `tried` in its final fit; `problem` is that without it.
+
+    `profile` is that of its place; None of a reading.
+    """
     best, effect = replace(tried[0], polished=fit), tried[0].effect
     rivals = [c for c in tried[1:] if plausible(c) and best.evidence - c.evidence < VERDICT.nameable]
     told = tuple(Rival(words=_words_of(c), evidence=best.evidence - c.evidence) for c in rivals)
-    if not isinstance(effect, FoundForce):
+    if not isinstance(effect, FoundForce) or profile is None:
         return MissingForce(
             kind="reading",
             words=_words_of(best),
@@ -74,7 +79,7 @@ def missing_force(problem: ExtendedProblem, tried: Sequence[Candidate], fit: Sol
         )
     rig, laws = problem.recordings[0].rig, [LAWS[name] for name in effect.laws]
     theta = _theta(best)
-    place, sigma = effect.place(theta), _place_sigma(best)
+    place, sigma = effect.place(theta), _place_sigma(best, profile)
     how = " and ".join(f"{law.words(theta)} (± {_relative_sigma(law, best):.0f} %)" for law in laws)
     return MissingForce(
         kind="moment" if all(law.tilts for law in laws) else "force",
@@ -84,7 +89,7 @@ def missing_force(problem: ExtendedProblem, tried: Sequence[Candidate], fit: Sol
         place=place,
         place_sigma=sigma,
         places=grid(rig),
-        probability=place_probability([best, *rivals], grid(rig)),
+        probability=place_probability(profile, _profiles(rivals, best), grid(rig)),
         rivals=told,
         over_speed=reconstruct_force(problem, best),
         shortfall="",
@@ -125,9 +130,16 @@ def _spread(missing: MissingForce) -> float:
     return max(float(np.sqrt((missing.places - mean) ** 2 @ missing.probability)), missing.place_sigma)
 
 
-def _place_sigma(found: Candidate) -> float:
-    sigma = found.problem.parameters.of_effect(found.polished.sigma, len(found.problem.effects) - 1)
-    return min(sigma["place"], found.problem.recordings[0].rig.shaft.length)
+def _place_sigma(found: Candidate, profile: PlaceProfile) -> float:
+    """Return one standard deviation of a place, for the law it was found with."""
+    return min(profile.sigma * profile.scale**0.5, found.problem.recordings[0].rig.shaft.length)
+
+
+def _profiles(rivals: Sequence[Candidate], best: Candidate) -> list[tuple[float, PlaceProfile]]:
+    """Return the profiles of other forces that explain nearly as much, with how far each is behind in evidence."""
+    rig = best.problem.recordings[0].rig
+    forces = [each for each in rivals if isinstance(each.effect, FoundForce)]
+    return [(best.evidence - each.evidence, profile_place(each, grid(rig))) for each in forces]
 
 
 def _relative_sigma(law: Law, found: Candidate) -> float:

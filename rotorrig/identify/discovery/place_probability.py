@@ -4,42 +4,78 @@ Source: any text on profile likelihood; Venzon, Moolgavkar, Applied Statistics 3
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.causes import Candidate
+from rotorrig.identify.causes import Candidate, refit
+from rotorrig.identify.discovery.robust_sigma import robust_sigma
 from rotorrig.identify.discovery.settings import DISCOVERY
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import FoundForce
 
 
-def place_probability(found: Sequence[Candidate], places: Reals) -> Reals:
-    """Return the probability (place,) over the laws that were found, each by its evidence; fits of readings have none.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaceProfile:
+    """Fits of one force with its place held, and the one with its place free."""
+
+    chi2: dict[float, float]  # place [m] -> chi2
+    p: dict[float, Reals]  # place [m] -> unknowns
+    sigma: float  # m, one standard deviation at the free fit, by its curvature
+    scale: float  # of chi2: what a difference counts less than in a fit that only noise is left of
+
+    @property
+    def best(self) -> float:
+        """The place of least chi2."""
+        return min(self.chi2, key=self.chi2.__getitem__)
+
+
+def move_to_best_place(found: Candidate, places: Reals) -> tuple[Candidate, PlaceProfile | None]:
+    """Return a fit at the best place of its profile, and the profile; None for a reading.
+
+    Law and place bend each other, and a fit may end beside the best place. Raises LinAlgError.
+    """
+    if not isinstance(found.effect, FoundForce):
+        return found, None
+    profile = profile_place(found, places)
+    for _ in range(DISCOVERY.moves):
+        if found.polished.chi2 - profile.chi2[profile.best] < DISCOVERY.within:
+            break
+        fit = refit(found.problem, profile.p[profile.best])
+        if not fit.chi2 < found.polished.chi2:
+            break
+        found = replace(found, polished=fit)
+        profile = profile_place(found, places)
+    return found, profile
+
+
+def place_probability(best: PlaceProfile, rivals: Sequence[tuple[float, PlaceProfile]], places: Reals) -> Reals:
+    """Return the probability (place,) over the laws that were found; `rivals` are (evidence below the best's, profile).
 
     A fit that is worse than the noise knows the place less well.
     """
-    scale = max(1.0, found[0].polished.chi2 / found[0].polished.dof)
     total = np.zeros(len(places))
-    for each in found:
-        if isinstance(each.effect, FoundForce):
-            weight = np.exp(-_chi2_above_best(each, places, scale) / (2 * scale))
-            total += np.exp((each.evidence - found[0].evidence) / (2 * scale)) * weight / weight.sum()
+    for behind, profile in ((0.0, best), *rivals):
+        weight = np.exp(-_interpolate(profile, places) / (2 * profile.scale))
+        total += np.exp(-behind / (2 * best.scale)) * weight / weight.sum()
     return total / total.sum()
 
 
-def _chi2_above_best(found: Candidate, places: Reals, scale: float) -> Reals:
-    """Return by how much chi2 is above that of the fit at each place: fitted at some, between them interpolated."""
+def profile_place(found: Candidate, places: Reals) -> PlaceProfile:
+    """Fit at places on both sides of that of a fit, until none further on is likely. Raises LinAlgError."""
     effect, names = found.effect, found.problem.parameters
     assert isinstance(effect, FoundForce)
     index = names.theta[-1].start
     size = effect.parameters[0].size
-    best = effect.place(names.of_effect(found.polished.p, len(names.effects) - 1))
+    spread = robust_sigma(found.problem, found.polished, index) / float(found.polished.sigma[index])
+    scale = max(found.polished.chi2 / found.polished.dof, spread**2, 1.0)
+    free = effect.place(names.of_effect(found.polished.p, len(names.effects) - 1))
     sigma = float(found.polished.sigma[index]) * size
     step = float(np.clip(sigma, DISCOVERY.step / 2, (places[-1] - places[0]) / (DISCOVERY.fits - 2)))
-    known = {best: 0.0}
+    chi2, at = {free: found.polished.chi2}, {free: found.polished.p}
     for way in (-1, 1):
-        p, z = found.polished.p.copy(), best
+        p, z = found.polished.p.copy(), free
         for _ in range(DISCOVERY.fits // 2):
             z = float(np.clip(z + way * step, places[0], places[-1]))
             p[index] = z / size
@@ -51,16 +87,17 @@ def _chi2_above_best(found: Candidate, places: Reals, scale: float) -> Reals:
                 break  # no motion is found there
             if not np.isfinite(fit.chi2):
                 break
-            p, known[z] = fit.p.copy(), fit.chi2 - found.polished.chi2
-            if known[z] > DISCOVERY.unlikely * scale or z in (places[0], places[-1]):
+            p, chi2[z], at[z] = fit.p.copy(), fit.chi2, fit.p
+            if chi2[z] - min(chi2.values()) > DISCOVERY.unlikely * scale or z in (places[0], places[-1]):
                 break
-    return _interpolate(known, places, curvature=1 / max(sigma, DISCOVERY.step / 2) ** 2)
+    return PlaceProfile(chi2=chi2, p=at, sigma=sigma, scale=scale)
 
 
-def _interpolate(known: dict[float, float], places: Reals, *, curvature: float) -> Reals:
-    """Return chi2 between the places known by straight lines of its root, and beyond them as a parabola goes on."""
-    z = np.array(sorted(known))
-    root = np.sqrt(np.maximum([known[each] - min(known.values()) for each in z], 0.0))
+def _interpolate(profile: PlaceProfile, places: Reals) -> Reals:
+    """Return chi2 above the least: between places known by straight lines of its root, beyond them by a parabola."""
+    z = np.array(sorted(profile.chi2))
+    chi2 = np.array([profile.chi2[each] for each in z])
+    root = np.sqrt(chi2 - chi2.min())
     inside = np.interp(places, z, root)
     beyond = np.maximum(np.maximum(z[0] - places, places - z[-1]), 0.0)
-    return (inside + beyond * np.sqrt(curvature)) ** 2
+    return (inside + beyond / max(profile.sigma, DISCOVERY.step / 2)) ** 2

@@ -30,8 +30,10 @@ class DiscoverySettings:
     # place
     fits: int = 14  # at places beside the best one, at most, to tell how probable they are
     unlikely: float = 16.0  # of chi2 above the best: a place further behind is not looked beyond
-    steps: int = 4  # of such a fit, which begins where the one next to it ended
+    moves: int = 3  # of a fit whose profile is lower at another place, at most
     within: float = 0.3  # of chi2, where such a fit ends
+
+    stretches: int = 12  # of a recording and order, what each of which says of the place by itself
 
     # force over speed
     knots: int = 40  # at most, between which it is a straight line
