@@ -77,7 +77,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "proof",
     ),
     "processing": (
-        "probe_planes response waveform windows",
+        "probe_planes resonance response waveform windows",
         "settings shaft_angle",
         "rows",
         "tracking",

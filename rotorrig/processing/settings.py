@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple, Self, get_args
 
 from rotorrig.processing.response import Method
 from rotorrig.rig import ConfigError
-from rotorrig.rig.config import to_si
+from rotorrig.rig.config import read_quantity, to_si
 
 ORDERS = (0.0, 0.5, 1.0, 2.0, 3.0)  # the gap, half and whole multiples of the speed that faults are known by
 #: separation of neighbouring orders, whole ones included, times turns, that a method needs: Blackman's window is zero
@@ -36,6 +36,14 @@ class SpeedWindow(NamedTuple):
         if not 0 <= low < high:
             raise ConfigError(f"{where}: got '{text}', want a lower speed and a higher one such as '200 to 400 rpm'")
         return cls(low, high)
+
+    @classmethod
+    def read_one_or_two(cls, text: str, *, where: str) -> Self:
+        """Return the window of "200 to 400 rpm", or that of the one speed "3000 rpm". Raises ConfigError."""
+        if " to " in text:
+            return cls.read(text, where=where)
+        speed = read_quantity(text, "speed", where=where, positive=True)
+        return cls(speed, speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

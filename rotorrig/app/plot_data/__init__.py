@@ -1,6 +1,6 @@
 """Numbers for plots, shared by report, viewer and documents.
 
-Curves over speed, orbits, spectra, centrelines, thinning.
+Curves over speed, critical speeds, orbits, spectra, centrelines, thinning.
 """
 
 from rotorrig.app.plot_data.centreline_paths import (
@@ -27,12 +27,14 @@ from rotorrig.app.plot_data.diagnosis_of_response import Vectors, check_balance_
 from rotorrig.app.plot_data.nice_numbers import nice
 from rotorrig.app.plot_data.orbits import Plane, orbit, representative_rows
 from rotorrig.app.plot_data.order_spectrum import OrderSpectrum, order_spectra
+from rotorrig.app.plot_data.resonances import CriticalSpeed, critical_speeds
 from rotorrig.app.plot_data.thinning import thin_curve, thin_indices
 
 __all__ = [
     "REFERENCE",
     "CentrelinePath",
     "ClearanceCircle",
+    "CriticalSpeed",
     "Curve",
     "OrderSpectrum",
     "Plane",
@@ -41,6 +43,7 @@ __all__ = [
     "centreline_words",
     "check_balance_of",
     "clearance_circle",
+    "critical_speeds",
     "curves",
     "fits_of",
     "lag_degrees",

@@ -30,7 +30,7 @@ from rotorrig.app.report.sections import (
 from rotorrig.balancing import Balance
 from rotorrig.identify import Diagnosis, Identification
 from rotorrig.investigation import Journal
-from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse, SpeedWindow
 
 
 def write_report(
@@ -42,10 +42,12 @@ def write_report(
     truth: Mapping[str, float] | None = None,
     journal: Journal | None = None,
     balance: Balance | None = None,
+    operating: SpeedWindow | None = None,
 ) -> None:
     """Write the report of a response, with what is given: fit, diagnosis, investigation that led to it, balance.
 
-    `truth` maps names of estimates to the simulated rig's own values in SI, for a column beside the estimates.
+    `truth` maps names of estimates to the simulated rig's own values in SI, for a column beside the estimates;
+    `operating` are the speeds whose margins to the critical speeds are told.
     Raises DataError if fit, diagnosis or balance belong to another run, or the file cannot be written.
     """
     identification = fits_of(identification, response) if identification else None
@@ -57,7 +59,7 @@ def write_report(
         investigation_section(journal),
         missing_section(diagnosis, response.rig),
         residuals_section(response, diagnosis),
-        synchronous_section(response, identification, diagnosis),
+        synchronous_section(response, identification, diagnosis, operating=operating),
         causes_section(diagnosis),
         nameplate_section(identification, diagnosis),
         identified_section(identification, diagnosis, truth=truth),

@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from rich import box
 from rich.table import Table
 
+from rotorrig.app.plot_data import critical_speeds, fits_of
 from rotorrig.app.text import (
     CAUSES_TITLE,
+    NO_RESONANCE,
     SHOWN,
     cause_evidence,
     cause_prediction_error,
@@ -15,10 +17,12 @@ from rotorrig.app.text import (
     cause_status,
     causes_to_list,
     change_text,
+    critical_speed_cells,
     interval_text,
     pull_rows,
 )
 from rotorrig.identify import Diagnosis, Estimate, Fit, Identification, NameplateCheck
+from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import RPM
 
 MINIMA = 4  # columns that fit a terminal
@@ -60,6 +64,22 @@ def search_table(fit: Fit) -> Table:
         unit, factor = SHOWN.get(fit.estimate(name).unit, (fit.estimate(name).unit, 1.0))
         cells = [f"{optimum.theta[i] * factor:.5g}" for optimum in minima]
         table.add_row(f"{name} [{unit}]", *cells, f"{fit.estimate(name).value * factor:.5g}")
+    return table
+
+
+def critical_speeds_table(response: OrderTrackedResponse, identification: Identification) -> Table | str:
+    """Return the critical speeds of a response, measured and by the fit's model; a sentence where there is none."""
+    found = critical_speeds(response, fits_of(identification, response).fits[0].prediction)
+    if not found:
+        return NO_RESONANCE
+    table = Table(
+        title="Critical speeds, ± 1 sigma; AF: amplification factor", box=box.SIMPLE_HEAD, title_justify="left"
+    )
+    for heading in ("", "\nrpm", "\nAF", "damping\nratio, %", "model\nrpm", "\nAF"):
+        table.add_column(heading, justify="right" if heading else "left", no_wrap=True)
+    for each in found:
+        cells = [*critical_speed_cells(each.measured), *critical_speed_cells(each.model)[:2]]  # what fits a terminal
+        table.add_row(f"{each.probe} {each.run}", *cells)
     return table
 
 

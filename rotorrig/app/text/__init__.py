@@ -1,4 +1,4 @@
-"""Results as text, shared by terminal, report and viewer: quantities, causes, pulls, tracking, search, proof test."""
+"""Results as text, shared by terminal, report and viewer: quantities, causes, pulls, critical speeds, tracking."""
 
 import lazy_loader
 

@@ -42,6 +42,11 @@ from .quantities import long_name as long_name
 from .quantities import p_value_text as p_value_text
 from .quantities import quantity_text as quantity_text
 from .quantities import quantity_with_sigma as quantity_with_sigma
+from .resonances import NO_RESONANCE as NO_RESONANCE
+from .resonances import critical_speed_cells as critical_speed_cells
+from .resonances import half_power_text as half_power_text
+from .resonances import margin_text as margin_text
+from .resonances import resonance_text as resonance_text
 from .search import search_line as search_line
 from .search import stages_text as stages_text
 from .tracking import quality_lines as quality_lines
@@ -53,6 +58,7 @@ __all__ = [
     "CAUSES_TITLE",
     "CONVENTION",
     "NOTHING_PULLED",
+    "NO_RESONANCE",
     "SHOWN",
     "UNDETERMINED",
     "Highest",
@@ -69,10 +75,12 @@ __all__ = [
     "comparison_rows",
     "comparison_sentence",
     "correction_rows",
+    "critical_speed_cells",
     "estimate_text",
     "finding_sentences",
     "gain_sentence",
     "grade_sentence",
+    "half_power_text",
     "hidden_effect_lines",
     "hidden_effects_sentence",
     "highest_rows",
@@ -81,6 +89,7 @@ __all__ = [
     "is_determined",
     "known_sentences",
     "long_name",
+    "margin_text",
     "mass_text",
     "misfit_sentence",
     "missing_lines",
@@ -93,6 +102,7 @@ __all__ = [
     "quality_lines",
     "quantity_text",
     "quantity_with_sigma",
+    "resonance_text",
     "run_text",
     "search_line",
     "spacing_remark",

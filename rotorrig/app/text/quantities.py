@@ -3,7 +3,7 @@
 import math
 
 from rotorrig.identify import Estimate
-from rotorrig.rig.config import Bearing, OverSpeed
+from rotorrig.rig.config import RPM, Bearing, OverSpeed
 
 #: SI unit -> (unit shown, factor)
 SHOWN = {
@@ -11,6 +11,7 @@ SHOWN = {
     "N s/m": ("N s/m", 1.0),
     "kg m": ("g mm", 1e6),
     "rad": ("°", 180.0 / math.pi),
+    "rad/s": ("rpm", RPM),
     "m": ("µm", 1e6),
     "Pa": ("GPa", 1e-9),
     "kg/m^3": ("kg/m³", 1.0),

@@ -57,6 +57,7 @@ def identify(
         out.print(part, highlight=False)
     out.print(stages_text(identification.fits[0]), highlight=False)
     out.print(misfit_sentence(identification.fits[0]), highlight=False)
+    out.print(tables.critical_speeds_table(measured[0], identification), highlight=False)
     diagnose.show_nameplate(identification.fits[0].nameplate)
     for words in identification.fits[0].words:
         out.print(words, highlight=False)
@@ -114,14 +115,20 @@ def report(
     fit: Annotated[Path | None, typer.Option(help="fit.json to include")] = None,
     diagnosis: Annotated[Path | None, typer.Option(help="diagnosis.json to include")] = None,
     balance: Annotated[Path | None, typer.Option(help="balance.json to include")] = None,
+    operating_speed: Annotated[
+        str | None,
+        typer.Option(help="'3000 rpm' or '2800 to 3200 rpm': tells the separation margins", show_default=False),
+    ] = None,
     force: Force = False,
 ) -> None:
     """Write one self-contained HTML file: verdict, Bode plots, values, provenance."""
     from rotorrig.app.report import write_report
     from rotorrig.balancing import read_balance
     from rotorrig.identify import read_diagnosis, read_identification
+    from rotorrig.processing import SpeedWindow
     from rotorrig.processing.files import read_response
 
+    operating = SpeedWindow.read_one_or_two(operating_speed, where="--operating-speed") if operating_speed else None
     with working(f"writing {out_file.name}"):
         write_report(
             out_file,
@@ -129,6 +136,7 @@ def report(
             identification=read_identification(fit) if fit else None,
             diagnosis=read_diagnosis(diagnosis) if diagnosis else None,
             balance=read_balance(balance) if balance else None,
+            operating=operating,
         )
     out.print(f"{out_file}: open in any browser")
 

@@ -18,6 +18,7 @@ from rotorrig.identify.verdict.gain import Shift
 from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
 from rotorrig.processing.response import OrderTrackedResponse, Run
+from rotorrig.processing.settings import SpeedWindow
 from rotorrig.rig.errors import DataError
 from tests.app.conftest import WRONG_CONFIG, make_cause, make_gain, make_missing
 
@@ -297,6 +298,14 @@ def test_an_undetermined_parameter_is_said_to_be_and_its_bound_and_its_limit_are
     assert "cyy, damping, vertical not determined by this data above 62 N s/m 15 N s/m" in page.said()
     assert "at its upper bound of 1000 N s/m" in page.said()
     assert "inf" not in [words for _, words in page.words]
+
+
+def test_critical_speeds_are_listed_with_their_margins(path: Path, response: OrderTrackedResponse) -> None:
+    operating = SpeedWindow(3000 * np.pi / 30, 3200 * np.pi / 30)
+    write_report(path, response=response, operating=operating)
+    said = Page(path.read_text()).said()
+    assert "Critical speeds" in said and "margin to 3000 to 3200 rpm" in said
+    assert "25.5 %, wanted 15.4 %" in said  # 1 - 2234 / 3000; AF 12.4: 17 (1 - 1 / 10.9)
 
 
 def test_what_the_data_cannot_tell_is_quoted(page: Page, identification: Identification) -> None:

@@ -1,5 +1,6 @@
 """Amplitude over phase lag against speed, measured and modelled, of one probe."""
 
+from collections.abc import Sequence
 from html import escape
 from typing import Any
 
@@ -8,11 +9,15 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from rotorrig.app.plot_data import Curve, curves, thin_curve
-from rotorrig.app.report.figures.look import apply_look, base_line, dots, line
+from rotorrig.app.plot_data import CriticalSpeed, Curve, curves, thin_curve
+from rotorrig.app.report.figures.look import COLOURS, apply_look, base_line, dots, line
+from rotorrig.app.text import resonance_text
 from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig.config import RPM
 
 HEIGHT = 430  # px
+APART = 1.04  # of one another: critical speeds further apart are labelled by themselves
+MARKED = 2  # of a group: more runs would fill the plot
 DOTS = 160  # of a run: more would hide the line of the model
 
 
@@ -22,11 +27,12 @@ def bode(
     *,
     prediction: NDArray[np.complex128] | None = None,
     before: NDArray[np.complex128] | None = None,
+    resonances: Sequence[CriticalSpeed] = (),
 ) -> go.Figure:
     """Return amplitude over phase lag against speed at 1X, measured (dots) and model (lines), a colour per direction.
 
     `prediction` is (speed, probe) [m] as `Fit.prediction`; None draws the measurement alone. `before` is that of the
-    base model where `prediction` is an extended one's, a thin grey line.
+    base model where `prediction` is an extended one's, a thin grey line; `resonances` are those of the probe to mark.
     """
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.06, row_heights=[0.62, 0.38])
     for i, curve in enumerate(curves(response, probe, prediction=before) if before is not None else ()):
@@ -40,7 +46,41 @@ def bode(
     quarters = np.arange(-360, 811, 90)  # an axis may begin anywhere; its labels stay within 0 .. 360
     figure.update_yaxes(title="lag, °", tickvals=quarters, ticktext=quarters % 360, row=2, col=1)
     figure.update_xaxes(title="speed, rpm", row=2, col=1)
-    return apply_look(figure, height=HEIGHT)
+    apply_look(figure, height=HEIGHT)
+    _mark(figure, resonances)
+    return figure
+
+
+def _mark(figure: go.Figure, resonances: Sequence[CriticalSpeed]) -> None:
+    """Draw a line at every critical speed; those of several runs are labelled together, on the side with more room."""
+    rpm = np.concatenate([np.asarray(trace.x, dtype=float) for trace in figure.data])
+    groups: list[list[CriticalSpeed]] = []
+    for each in sorted(resonances, key=lambda each: each.measured.omega.value):
+        speed = each.measured.omega.value * RPM
+        look = {"width": 1, "color": COLOURS[each.direction], "dash": "dot"}
+        figure.add_vline(speed, line=look, layer="below", row="all", col=1)
+        if groups and speed < APART * groups[-1][-1].measured.omega.value * RPM:
+            groups[-1].append(each)
+        else:
+            groups.append([each])
+    for group in groups:
+        first, last = (each.measured.omega.value * RPM for each in (group[0], group[-1]))
+        rightwards = np.nanmax(rpm) - last > first - np.nanmin(rpm)
+        figure.add_annotation(
+            x=last if rightwards else first,
+            y=1,
+            yref="y domain",
+            xanchor="left" if rightwards else "right",
+            yanchor="top",
+            align="left" if rightwards else "right",
+            text="<br>".join(_mark_text(each) for each in group[:MARKED]),
+            showarrow=False,
+            font={"size": 11},
+        )
+
+
+def _mark_text(found: CriticalSpeed) -> str:
+    return f"{escape(found.run)} {resonance_text(found.measured).replace(', ', '<br>', 1)}"
 
 
 def _draw_model(figure: go.Figure, curve: Curve, *, name: str, legend: bool, look: dict[str, Any]) -> None:

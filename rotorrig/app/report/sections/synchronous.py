@@ -1,16 +1,29 @@
 """Synchronous response (1X): Bode plot, polar plot and values per probe; table of peaks."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from rotorrig.app.plot_data import Curve, Vectors, curves, model_vectors, predictions, slow_roll_known, sweeps, vectors
+from rotorrig.app.plot_data import (
+    CriticalSpeed,
+    Curve,
+    Vectors,
+    critical_speeds,
+    curves,
+    model_vectors,
+    predictions,
+    slow_roll_known,
+    sweeps,
+    vectors,
+)
 from rotorrig.app.report.figures import bode, polar
 from rotorrig.app.report.html import Section, details, paragraph, plot, section, table
+from rotorrig.app.report.sections.critical_speeds import critical_speeds_table
+from rotorrig.app.text import resonance_text
 from rotorrig.identify import Diagnosis, Fit, Identification
-from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse, SpeedWindow
 from rotorrig.rig.config import RPM, UM
 
 NUMBERS = 24  # speeds of a run in the table beside a plot
@@ -36,18 +49,24 @@ class Models:
 
 
 def synchronous_section(
-    response: OrderTrackedResponse, identification: Identification | None, diagnosis: Diagnosis | None
+    response: OrderTrackedResponse,
+    identification: Identification | None,
+    diagnosis: Diagnosis | None,
+    *,
+    operating: SpeedWindow | None = None,
 ) -> Section:
-    """Return the section; `diagnosis` is the part for `response`."""
+    """Return the section; `diagnosis` is the part for `response`, `operating` the speeds to keep clear of."""
     fit = identification.fits[0] if identification and identification.fits else None
     base, extended = predictions(response, fit, diagnosis)
     models = Models(fit=fit, base=base, extended=extended)
+    found = critical_speeds(response, models.best)
     return section(
         "bode",
         "Synchronous response (1X) against speed",
         paragraph(compensation(response), _plot_key(models), _COLOURS),
         '<label class="toggle"><input type="checkbox" id="log-amplitude" disabled> logarithmic amplitude</label>',
-        *(_probe(response, p, models) for p in range(len(response.probes))),
+        *(_probe(response, p, models, found) for p in range(len(response.probes))),
+        critical_speeds_table(found, operating),
         _peaks(response, models),
     )
 
@@ -71,14 +90,15 @@ def _plot_key(models: Models) -> str:
     return f"Dots: measured; lines: model fitted{f' to the {models.fit.name}' if models.fit else ''}."
 
 
-def _probe(response: OrderTrackedResponse, probe: int, models: Models) -> str:
+def _probe(response: OrderTrackedResponse, probe: int, models: Models, found: Sequence[CriticalSpeed]) -> str:
     """Return the plots of one probe and, collapsed, their values."""
     name = response.probes[probe]
     drawn = {"prediction": models.best, "before": models.before}
-    peaks = peak_words(response, probe, models)
+    mine = [each for each in found if each.probe == name]
+    peaks = " ".join([peak_words(response, probe, models), *map(_critical_words, mine)])
     left = plot(
         f"bode-{probe}",
-        bode(response, probe, **drawn),
+        bode(response, probe, **drawn, resonances=mine),
         caption=f"Probe {name}",
         label=f"Bode plot of probe {name}, 1X amplitude and phase lag against speed. {peaks}",
         share=0.57,
@@ -91,6 +111,10 @@ def _probe(response: OrderTrackedResponse, probe: int, models: Models) -> str:
         share=0.43,
     )
     return f'<div class="probe">{left}{right}{_numbers(response, probe, models)}</div>'
+
+
+def _critical_words(found: CriticalSpeed) -> str:
+    return f"Critical speed of run {found.run}: {resonance_text(found.measured)}."
 
 
 def _numbers(response: OrderTrackedResponse, probe: int, models: Models) -> str:

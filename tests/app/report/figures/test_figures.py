@@ -11,6 +11,7 @@ from rotorrig.app.plot_data.centreline_paths import CentrelinePath, ClearanceCir
 from rotorrig.app.plot_data.curves import curves
 from rotorrig.app.plot_data.diagnosis_of_response import predictions
 from rotorrig.app.plot_data.order_spectrum import order_spectra
+from rotorrig.app.plot_data.resonances import critical_speeds
 from rotorrig.app.report.figures.amplitudes import order_amplitudes
 from rotorrig.app.report.figures.bode import bode
 from rotorrig.app.report.figures.centreline import centreline
@@ -33,6 +34,17 @@ def test_the_extended_model_is_drawn_over_the_base_model(
     }
     assert peak["up, model"] == pytest.approx(187.5, rel=0.01)  # e / (2 zeta)
     assert peak["base model"] == pytest.approx(187.5 * 0.04 / 0.055, rel=0.01)
+
+
+def test_critical_speeds_are_marked_and_labelled_together(response: OrderTrackedResponse) -> None:
+    mine = [each for each in critical_speeds(response) if each.probe == response.probes[0]]
+    figure = bode(response, 0, resonances=mine)
+    speeds = [each.measured.omega.value * 30 / np.pi for each in mine]
+    assert sorted({line.x0 for line in figure.layout.shapes}) == pytest.approx(sorted(speeds))
+    (label,) = figure.layout.annotations
+    first, *_ = label.text.split("<br>")
+    assert first.split()[1] in ("2233", "2234")  # 2230 / sqrt(1 - 2 * 0.04^2) = 2233.6
+    assert label.text.count("AF 12.") == 2  # about 1 / (2 * 0.04)
 
 
 def test_second_order_peaks_at_half_the_critical_speed(response: OrderTrackedResponse) -> None:
