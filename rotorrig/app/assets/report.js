@@ -2,7 +2,9 @@
 "use strict";
 // the buttons are listed one by one: the default set has one that would send the figure to a server
 const buttons = [["zoom2d", "pan2d", "resetScale2d"], ["toImage"]];
-const config = { responsive: true, displaylogo: false, displayModeBar: "hover", modeBarButtons: buttons };
+// on a telephone they would lie over titles and legends, and fingers need none
+const shown = innerWidth < 600 ? false : "hover";
+const config = { responsive: true, displaylogo: false, displayModeBar: shown, modeBarButtons: buttons };
 // CSS pixels within the margins of A4 (182 mm) and Letter (188 mm); plots are lower than on the screen by these factors
 const PAPER = document.body.classList.contains("sheet")
   ? { width: 715, whole: 0.72, beside: 0.84, lowest: 110 } // all of it on one page, which has narrower margins

@@ -3,6 +3,7 @@
 Curves over speed, critical speeds, orbits, spectra, centrelines, thinning.
 """
 
+from rotorrig.app.plot_data.cause_places import cause_places
 from rotorrig.app.plot_data.centreline_paths import (
     REFERENCE,
     CentrelinePath,
@@ -24,6 +25,7 @@ from rotorrig.app.plot_data.curves import (
     whirl_grid,
 )
 from rotorrig.app.plot_data.diagnosis_of_response import Vectors, check_balance_of, fits_of, part_of, predictions
+from rotorrig.app.plot_data.model_path import model_path
 from rotorrig.app.plot_data.nice_numbers import nice
 from rotorrig.app.plot_data.orbits import Plane, orbit, representative_rows
 from rotorrig.app.plot_data.order_spectrum import OrderSpectrum, order_spectra
@@ -39,6 +41,7 @@ __all__ = [
     "OrderSpectrum",
     "Plane",
     "Vectors",
+    "cause_places",
     "centreline_paths",
     "centreline_words",
     "check_balance_of",
@@ -47,6 +50,7 @@ __all__ = [
     "curves",
     "fits_of",
     "lag_degrees",
+    "model_path",
     "model_vectors",
     "nice",
     "orbit",

@@ -5,7 +5,10 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
+import numpy as np
 import plotly.graph_objects as go
+
+STACKED = 4  # columns: a table of as many is wider than a telephone
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,18 +53,20 @@ def table(
     marked: Iterable[int] = (),
     mark: str = "marked",
 ) -> str:
-    """Return a table; the first cell of a row heads it.
+    """Return a table; the first cell of a row heads it. On a narrow screen, rows of many cells are stacked.
 
     Rows whose index is in `marked` stand out in the way of the class `mark` of report.css.
     """
     marks = set(marked)
     head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in header)
+    stacked = len(header) >= STACKED
     body = ""
     for i, (first, *rest) in enumerate(rows):
-        cells = "".join(f"<td>{escape(cell)}</td>" for cell in rest)
+        names = [f' data-name="{escape(name)}"' if stacked else "" for name in header[1:]]
+        cells = "".join(f"<td{name}>{escape(cell)}</td>" for name, cell in zip(names, rest, strict=True))
         body += f'<tr{f" class={mark}" if i in marks else ""}><th scope="row">{escape(first)}</th>{cells}</tr>'
     inside = f"{_caption(caption)}<thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
-    return _scrolling(caption, f"<table>{inside}</table>")
+    return scrolling(caption, f"<table{' class=stacked' if stacked else ''}>{inside}</table>")
 
 
 def pairs(caption: str, values: Mapping[str, Any]) -> str:
@@ -70,7 +75,7 @@ def pairs(caption: str, values: Mapping[str, Any]) -> str:
         f'<tr><th scope="row">{escape(name)}</th><td>{escape(str(value))}</td></tr>' for name, value in values.items()
     )
     inside = f"{_caption(caption)}<tbody>{rows}</tbody>"
-    return _scrolling(caption, f'<table class="pairs">{inside}</table>')
+    return scrolling(caption, f'<table class="pairs">{inside}</table>')
 
 
 def plot(name: str, figure: go.Figure, *, caption: str, label: str, share: float = 1.0) -> str:
@@ -78,7 +83,7 @@ def plot(name: str, figure: go.Figure, *, caption: str, label: str, share: float
 
     `label` is for screen readers and for pages without JavaScript. `share` is its share of the paper width in print.
     """
-    data = figure.to_json().replace("<", "\\u003c")  # so that no text in the data can end the script element
+    data = _lighten(figure).to_json().replace("<", "\\u003c")  # so that no text in the data can end the script element
     return (
         f'<figure class="plot" aria-labelledby="{name}-caption"><figcaption id="{name}-caption">{escape(caption)}'
         f'</figcaption><p class="heard">{escape(label)}</p>'
@@ -87,13 +92,22 @@ def plot(name: str, figure: go.Figure, *, caption: str, label: str, share: float
     )
 
 
+def _lighten(figure: go.Figure) -> go.Figure:
+    """Halve the size of a figure's numbers: seven digits are more than a plot shows."""
+    for trace in figure.data:
+        for name, values in trace.to_plotly_json().items():
+            if isinstance(values, np.ndarray) and values.dtype == np.float64:
+                trace[name] = values.astype(np.float32)
+    return figure
+
+
 def _caption(words: str) -> str:
     return f"<caption><span>{escape(words)}</span></caption>"  # the span keeps it in view where the table scrolls
 
 
-def _scrolling(caption: str, inside: str) -> str:
-    """Return a table in a box that scrolls sideways where the page is narrow, with the arrow keys too."""
-    return f'<div class="scroll" tabindex="0" role="group" aria-label="{escape(caption)}">{inside}</div>'
+def scrolling(name: str, inside: str) -> str:
+    """Return a table or drawing in a box that scrolls sideways where the page is narrow, with the arrow keys too."""
+    return f'<div class="scroll" tabindex="0" role="group" aria-label="{escape(name)}">{inside}</div>'
 
 
 def name_of_order(order: float) -> str:

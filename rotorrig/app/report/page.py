@@ -1,10 +1,11 @@
-"""The report page: verdict first, then the evidence."""
+"""The report page: verdict, plots and values on the first screen, then the evidence."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 
 from rotorrig.app.plot_data import check_balance_of, fits_of, part_of
+from rotorrig.app.report.first_screen import first_screen
 from rotorrig.app.report.frame import write_page
 from rotorrig.app.report.html import Section
 from rotorrig.app.report.sections import (
@@ -79,14 +80,14 @@ def write_report(
         kind="Rotor report",
         heading=response.rig.name,
         source=response.source.source,
-        body=_body(verdict, [part for part in parts if part]),
+        body=_body((verdict, first_screen(response, identification, diagnosis)), [part for part in parts if part]),
         unscripted="All text, tables and drawings are here; “values” expands the data of a Bode plot.",
         conventions='Amplitudes are 0-peak, phases lag, ± is one standard deviation: see <a href="#conventions">'
         "Conventions</a>.",
     )
 
 
-def _body(verdict: Section, sections: Sequence[Section]) -> str:
+def _body(first: Sequence[Section], sections: Sequence[Section]) -> str:
     links = "".join(f'<li><a href="#{part.name}">{escape(part.heading)}</a></li>' for part in sections)
     contents = f'<nav class="contents" aria-label="Contents"><ul>{links}</ul></nav>'
-    return "\n".join([verdict.html, contents, *(part.html for part in sections)])
+    return "\n".join([*(part.html for part in first), contents, *(part.html for part in sections)])

@@ -21,6 +21,8 @@ from .causes import hidden_effects_sentence as hidden_effects_sentence
 from .causes import next_run_sentence as next_run_sentence
 from .causes import parameter_shifts as parameter_shifts
 from .causes import tie_sentences as tie_sentences
+from .headline import cause_name as cause_name
+from .headline import headline as headline
 from .investigation import belief_text as belief_text
 from .investigation import run_text as run_text
 from .missing import missing_lines as missing_lines
@@ -44,6 +46,7 @@ from .quantities import quantity_text as quantity_text
 from .quantities import quantity_with_sigma as quantity_with_sigma
 from .resonances import NO_RESONANCE as NO_RESONANCE
 from .resonances import critical_speed_cells as critical_speed_cells
+from .resonances import critical_words as critical_words
 from .resonances import half_power_text as half_power_text
 from .resonances import margin_text as margin_text
 from .resonances import resonance_text as resonance_text
@@ -66,6 +69,7 @@ __all__ = [
     "belief_text",
     "bound_text",
     "cause_evidence",
+    "cause_name",
     "cause_prediction_error",
     "cause_size",
     "cause_status",
@@ -76,11 +80,13 @@ __all__ = [
     "comparison_sentence",
     "correction_rows",
     "critical_speed_cells",
+    "critical_words",
     "estimate_text",
     "finding_sentences",
     "gain_sentence",
     "grade_sentence",
     "half_power_text",
+    "headline",
     "hidden_effect_lines",
     "hidden_effects_sentence",
     "highest_rows",

@@ -1,12 +1,13 @@
 """Causes, cross-validation, ties and hidden effects of a diagnosis as text, for terminal, report and viewer."""
 
 import math
+import re
 from collections.abc import Iterator
 
 from rotorrig.app.text.nameplate import off_text
 from rotorrig.app.text.quantities import quantity_text, quantity_with_sigma, unit_of
 from rotorrig.identify import Diagnosis
-from rotorrig.identify.verdict import VERDICT, Cause, HiddenEffect
+from rotorrig.identify.verdict import VERDICT, Cause, HiddenEffect, ParameterValue
 from rotorrig.rig.config import UM
 
 LISTED = 8  # causes in a table
@@ -19,19 +20,34 @@ def causes_to_list(diagnosis: Diagnosis) -> tuple[Cause, ...]:
     return tuple(cause for i, cause in enumerate(diagnosis.causes) if cause.chosen or cause.label in tied or i < LISTED)
 
 
-def cause_size(cause: Cause) -> str:
+def cause_size(cause: Cause, *, coarse: bool = False) -> str:
     """Return the estimated parameters of a cause: "18.0 ± 0.3 µm at 110 ± 2°", named where there are several.
 
-    A size that no rig has is that of a misfit, not of the cause: "–".
+    A size that no rig has is that of a misfit, not of the cause: "–". A `coarse` one is without its sigma and
+    has no digit beyond the first of that; ratios are in percent.
     """
     if not cause.plausible:
         return "–"
+    found = cause.parameters.items()
     if cause.nameplate:
         return ", ".join(off_text(f.value, f.sigma, f.unit) for f in cause.parameters.values())
-    values = {name: quantity_with_sigma(f.value, f.sigma, f.unit) for name, f in cause.parameters.items()}
+    values = {name: _coarse(f) if coarse else quantity_with_sigma(f.value, f.sigma, f.unit) for name, f in found}
     angles = {name: values.pop(f"{name} angle") for name in cause.parameters if f"{name} angle" in values}
     phasors = {name: f"{value} at {angles[name]}" if name in angles else value for name, value in values.items()}
     return ", ".join(f"{name} {value}" if len(phasors) > 1 else value for name, value in phasors.items())
+
+
+def _coarse(value: ParameterValue) -> str:
+    """Return a parameter for a headline.
+
+    >>> _coarse(ParameterValue(value=1.65e-5, unit="m", sigma=2.2e-6))
+    '16 µm'
+    >>> _coarse(ParameterValue(value=0.0312, unit="", sigma=0.002))
+    '3.1 %'
+    """
+    factor, unit = (1.0, value.unit) if value.unit else (100.0, "%")
+    text = quantity_with_sigma(factor * value.value, factor * 10 * value.sigma, unit)
+    return re.sub(r" ± [\d.]+", "", text)
 
 
 def cause_evidence(cause: Cause) -> str:

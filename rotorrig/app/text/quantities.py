@@ -187,9 +187,11 @@ def bound_text(estimate: Estimate) -> str:
 def p_value_text(p: float) -> str:
     """Return a p-value as text.
 
-    >>> p_value_text(0.0312), p_value_text(1e-20)
-    ('p = 0.031', 'p < 0.0001')
+    >>> p_value_text(0.0312), p_value_text(1e-20), p_value_text(0.998)
+    ('p = 0.031', 'p < 0.0001', 'p > 0.99')
     """
+    if p > 0.99:
+        return "p > 0.99"
     return "p < 0.0001" if p < 1e-4 else f"p = {p:.2g}"
 
 

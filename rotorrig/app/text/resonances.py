@@ -35,6 +35,11 @@ def resonance_text(resonance: Resonance) -> str:
     return f"{speed}, AF {resonance.amplification.value:.3g}, ζ {100 * resonance.damping.value:.3g} %"
 
 
+def critical_words(run: str, resonance: Resonance) -> str:
+    """Return the resonance of a run as a sentence."""
+    return f"Critical speed of run {run}: {resonance_text(resonance)}."
+
+
 def margin_text(resonance: Resonance, operating: SpeedWindow) -> str:
     """Return the separation margin to the operating speeds and the one that API wants: "23.1 %, wanted 16.0 %"."""
     speed = resonance.omega.value

@@ -13,6 +13,7 @@ from rotorrig.identify.verdict.nameplate import (
 )
 from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.planned_runs import higher_tops
+from rotorrig.identify.verdict.sentences import NOT_YET_ALL
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.sweep_lag import moving_speed
 from rotorrig.identify.verdict.verdict import (
@@ -27,6 +28,7 @@ from rotorrig.identify.verdict.verdict import (
 )
 
 __all__ = [
+    "NOT_YET_ALL",
     "VERDICT",
     "Cause",
     "Gain",

@@ -11,7 +11,8 @@ from rotorrig.identify.verdict.gain import Predictions
 from rotorrig.identify.verdict.verdict import Verdict
 from rotorrig.rig.config import micrometres
 
-_LEAST_P = 1e-6  # that is told
+NOT_YET_ALL = "That is not yet all"  # of a verdict whose causes leave a misfit
+_LEAST_P, _MOST_P = 1e-6, 0.99  # that are told
 
 
 def sentence(
@@ -39,7 +40,7 @@ def sentence(
     words = "; ".join(cause.words for cause in causes if cause.chosen)
     bought = _say_gain(predictions)
     if not after.adequate:
-        bought += f" That is not yet all: {_figures(after)}."
+        bought += f" {NOT_YET_ALL}: {_figures(after)}."
     if verdict is Verdict.TIED:
         others = " or ".join(", ".join(group[1:]) for group in tied)
         return f"The model is wrong here: {words} - or as likely, for all this data can tell: {others}. {bought}"
@@ -143,6 +144,7 @@ def centreline(adequacy: Adequacy) -> str:
 
 def _figures(adequacy: Adequacy) -> str:
     p = f"p = {adequacy.p:.2g}" if adequacy.p >= _LEAST_P else f"p < {_LEAST_P:g}"
+    p = f"p > {_MOST_P:g}" if adequacy.p > _MOST_P else p
     return (
         f"1X residuals at {adequacy.scatter_ratio:.3g} times their scatter from row to row, the worst stretch of "
         f"speeds at {adequacy.worst_sigma:.1f} sigma (limit {adequacy.limit:.1f}), {p}"

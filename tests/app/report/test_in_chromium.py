@@ -38,7 +38,9 @@ LOOKS: dict[str, dict[str, Any]] = {
     "dark": {"width": 1200, "dark": True},
     "phone": {"width": 390},
 }
-PLOTS = 19  # residuals of 1X and 2X before and after, whirl; 4 Bode, 4 polar; search; 2 full spectra; 2X; 2 centrelines
+#: Bode and polar first; then residuals of 1X and 2X before and after, whirl; 4 Bode, 4 polar; search;
+#: 2 full spectra; 2X; 2 centrelines
+PLOTS = 21
 
 
 @pytest.fixture(scope="module")
@@ -178,7 +180,7 @@ def test_it_prints_within_the_margins_with_all_that_was_folded(
     (tmp_path / "report.pdf").write_bytes(tab.paper(width=width, height=height))
     pages = words_of(tmp_path / "report.pdf")
     assert 5 < len(pages) < 20
-    assert "a cause is named" in pages[0][0]
+    assert "Bent shaft: 18.0 µm at 110°" in pages[0][0]
     everything = " ".join(text for text, _ in pages)
     for words in ("disk 280.5 0.809 kg,", "speed, rpm", f"1 / {len(pages)}"):
         assert words in everything
@@ -251,7 +253,7 @@ def test_a_checker_of_accessibility_finds_nothing(tab: Tab, report: Path) -> Non
     tab.run("document.querySelectorAll('details').forEach((details) => (details.open = true))")
     tab.run(Path(AXE.origin).with_name("axe.min.js").read_text(encoding="utf-8") + "; 0")
     found = {"structure": judged(tab, "document", "rules: { 'color-contrast': { enabled: false } }")}
-    places = "[['header'], ['#verdict'], ['.contents'], ['#causes'], ['#identified'], ['footer']]"
+    places = "[['header'], ['#verdict'], ['#glance'], ['.contents'], ['#causes'], ['#identified'], ['footer']]"
     for name, look in LOOKS.items():
         tab.look(**look)
         found[name] = judged(
@@ -270,10 +272,14 @@ def test_without_javascript_words_tables_and_drawings_are_there(tab: Tab, report
     tab.look(width=1200)
     tab.open(report, scripts=False)
     seen = tab.run("document.body.innerText")
-    for words in ("a cause is named", "Without JavaScript the plots are missing", "1X peaks, measured and model"):
+    for words in (
+        "Bent shaft: 18.0 µm at 110°",
+        "Without JavaScript the plots are missing",
+        "1X peaks, measured and model",
+    ):
         assert words in seen
     assert "Bode plot of probe 1x, 1X amplitude" in seen  # in the plot's place
-    assert tab.run("document.querySelectorAll('svg.drawing').length") == 2
+    assert tab.run("document.querySelectorAll('svg.drawing').length") == 3
 
 
 @pytest.mark.campaign

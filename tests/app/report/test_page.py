@@ -83,8 +83,9 @@ def test_what_is_missing_is_told_after_the_verdict_with_its_place_and_its_force(
     described = dataclasses.replace(named, verdict=Verdict.DESCRIBED, missing=make_missing())
     write_report(path, response=response, diagnosis=described)
     page = Page(path.read_text())
-    assert [words for where, words in page.words if where == "h2"][:2] == [
-        "The base model does NOT describe this run; what it lacks was found, without a name",
+    assert [words for where, words in page.words if where == "h2"][:3] == [
+        "A force that the model lacks acts at 485 mm from the coupling; no known cause is like it.",
+        "At a glance",
         "What is missing",
     ]
     said = page.said()
@@ -130,7 +131,7 @@ def page(full: Path) -> Page:
 
 
 def test_the_verdict_comes_first(page: Page) -> None:
-    assert page.first("h2") == "The model describes this run"
+    assert page.first("h2") == "The model describes this run."
 
 
 def test_the_evidence_comes_in_order(
@@ -138,7 +139,8 @@ def test_the_evidence_comes_in_order(
 ) -> None:
     write_report(path, response=response, identification=poorly_fitted, diagnosis=named)
     assert [words for where, words in Page(path.read_text()).words if where == "h2"] == [
-        "The base model does NOT describe this run; a cause is named",
+        "Bent shaft: 18.0 µm at 110°. It explains what the model got wrong.",
+        "At a glance",
         "Misfit between model and measurement",
         "Synchronous response (1X) against speed",
         "Causes",
@@ -153,6 +155,28 @@ def test_the_evidence_comes_in_order(
         "Provenance",
         "Conventions",
     ]
+
+
+def test_the_first_screen_has_the_loudest_probe_and_what_was_identified(
+    path: Path, response: OrderTrackedResponse, poorly_fitted: Identification, named: Diagnosis
+) -> None:
+    write_report(path, response=response, identification=poorly_fitted, diagnosis=named)
+    text = path.read_text()
+    first = Page(text[text.index('<section id="glance"') : text.index("<nav")])
+    assert first.ids[:3] == ["glance", "h-glance", "first-bode-caption"]
+    loudest = response.probes[int(np.nanargmax(np.nanmax(np.abs(response.compensated()), axis=0)))]
+    said = first.said()
+    assert f"Probe {loudest}, the loudest" in said
+    assert "Critical speed of run up: 22" in said
+    assert "kxx 33.90 ± 0.12 kN/m 33.9 kN/m" in said, "the extended model's, not the biased 31.2 of the base model"
+
+
+def test_a_cause_with_a_place_is_pointed_at_in_the_drawing(
+    path: Path, response: OrderTrackedResponse, named: Diagnosis
+) -> None:
+    gain = make_cause("probe_gain, probe 2x", "probe gain", chosen=True, evidence=90.0, after=4.1e-7)
+    write_report(path, response=response, diagnosis=dataclasses.replace(named, causes=(gain,), tied=()))
+    assert "probe gain, probe 2x at 380.5 mm." in path.read_text()
 
 
 def test_every_section_is_in_the_contents(page: Page) -> None:
@@ -172,6 +196,22 @@ def test_a_poor_fit_says_so_with_its_misfit_in_micrometres_and_sigma(
     assert f"largest misfit {poor.worst[0].residual * 1e6:.3g} µm, {poor.worst[0].sigma:.3g} σ" in page.said()
     assert poor.worst[0].sentence in page.said()
     assert "a model that does not describe the run" in page.said()  # beside the values it gave
+
+
+def test_no_figure_stands_twice_in_the_verdict(
+    path: Path, response: OrderTrackedResponse, identification: Identification, good: Diagnosis
+) -> None:
+    fit = dataclasses.replace(identification.fits[0], p=1e-9, scatter_ratio=1.8, adequate=False)
+    write_report(path, response=response, identification=dataclasses.replace(identification, fits=(fit,)))
+    assert banner_of(path).count("chi2") + banner_of(path).count("χ²") == 1
+    told = dataclasses.replace(good, sentence="The model is adequate: p = 0.3.")
+    write_report(path, response=response, diagnosis=told)
+    assert banner_of(path).count("p = ") == 1
+
+
+def banner_of(path: Path) -> str:
+    text = path.read_text()
+    return Page(text[text.index('<section id="verdict"') : text.index('<section id="glance"')]).said()
 
 
 def test_a_poor_fit_nobody_diagnosed_is_still_called_poor(
@@ -228,10 +268,10 @@ def test_an_unexplained_run_claims_no_more_than_was_tried(
     assert "causes tried" not in Page(path.read_text()).first("h2")
     tried = dataclasses.replace(poor, causes=(make_cause("bow", "residual bow", evidence=-3.0, after=5e-6),))
     write_report(path, response=response, identification=poorly_fitted, diagnosis=tried)
-    assert Page(path.read_text()).first("h2").endswith("none of the causes tried explains it")
+    assert Page(path.read_text()).first("h2").endswith("none of the causes tried explains it.")
     cut_short = dataclasses.replace(tried, cut_short=True)
     write_report(path, response=response, identification=poorly_fitted, diagnosis=cut_short)
-    assert Page(path.read_text()).first("h2").endswith("the search for causes was cut short")
+    assert Page(path.read_text()).first("h2").endswith("The search for causes was cut short.")
 
 
 def test_why_there_is_no_next_run_is_said(
@@ -252,7 +292,7 @@ def test_a_named_cause_comes_with_its_size_its_evidence_and_what_it_explains(
 ) -> None:
     write_report(path, response=response, identification=poorly_fitted, diagnosis=named)
     page = Page(path.read_text())
-    assert "a cause is named" in page.first("h2")
+    assert page.first("h2") == "Bent shaft: 18.0 µm at 110°. It explains what the model got wrong."
     said = page.said()
     assert named.causes[0].words in said
     assert "bow 18.00 ± 0.30 µm at 110.0 ± 1.0° 812 827 5.20 → 0.410 µm in the model, tied" in said
@@ -363,7 +403,7 @@ def test_quoted_text_cannot_become_markup(
 def test_nothing_is_fetched_and_every_picture_has_words(page: Page) -> None:
     assert [link for link in page.links if not link.startswith(("#", "data:,"))] == []
     assert page.unlabelled == []
-    heard = [words for where, words in page.words if where == "p" and words.startswith("Bode plot of probe 1x")]
+    heard = [words for where, words in page.words if where == "p" and words.startswith("Bode plot of probe 1x, ")]
     assert "Run up: peak 18" in heard[0]  # 187.5 um, noise 0.3, no row just at the peak
     assert len(page.ids) == len(set(page.ids))
 

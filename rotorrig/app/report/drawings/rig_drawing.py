@@ -1,6 +1,7 @@
 """The rig as SVG: side view to scale, end view with axes, probe angles and sense of rotation."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,15 +16,19 @@ LANE = 12.0  # mm between lines of labels
 LETTER = 0.56  # of the height: the width a letter takes on average
 
 
-def side_view(rig: RigConfig, *, likely: tuple[Reals, Reals] | None = None) -> str:
+def side_view(
+    rig: RigConfig, *, likely: tuple[Reals, Reals] | None = None, marked: Sequence[tuple[float, str]] = ()
+) -> str:
     """Return shaft, disks, bearings and probes as an SVG, to scale, in millimetres from the coupling.
 
-    `likely` are places [m] and the probability of each, which are shaded.
+    `likely` are places [m] and the probability of each, which are shaded; `marked` are places [m] to point at, with
+    what is there.
     """
     length, tallest = rig.shaft.length * 1e3, max([d.diameter for d in rig.disks] + [rig.shaft.diameter]) * 1e3
     above = [(p, _names(names, p), "probe") for p, names in _by_position(rig.probes)]
     above += [(d.position * 1e3, f"{d.name}, {d.position * 1e3:g}", "disk") for d in rig.disks]
     below = [(b.position * 1e3, f"{b.name}, {b.position * 1e3:g}", "bearing") for b in rig.bearings]
+    above += [(place * 1e3, words, "found") for place, words in marked]
     top, upper = _labels(above, start=-tallest / 2 - 16, step=-LANE)
     bottom, lower = _labels(below, start=rig.shaft.diameter * 500 + 34, step=LANE)
     floor = max(lower, tallest / 2 + 6)
@@ -33,12 +38,14 @@ def side_view(rig: RigConfig, *, likely: tuple[Reals, Reals] | None = None) -> s
         *(_tube(t.start * 1e3, t.length * 1e3, t.diameter * 1e3) for t in rig.shaft.tubes),
         *(_bearing(b.position * 1e3, rig.shaft.diameter * 500) for b in rig.bearings),
         *(_probe(p, rig.shaft.diameter * 500) for p, _ in _by_position(rig.probes)),
+        *(_ring(place * 1e3, tallest) for place, _ in marked),
         *top,
         *bottom,
         _ruler(length, floor + 8),
     ]
     box = (-MARGIN, upper - LETTERS, length + 2 * MARGIN, floor + 34 - upper + LETTERS)
-    return svg(box, parts, _description(rig))
+    found = [f"{words} at {place * 1e3:g} mm" for place, words in marked]
+    return svg(box, parts, _description(rig, found))
 
 
 def end_view(rig: RigConfig) -> str:
@@ -106,6 +113,11 @@ def _region(places: Reals, probability: Reals, *, height: float) -> list[str]:
     return [f'<polygon class="region" points="{points}"/>']
 
 
+def _ring(x: float, tallest: float) -> str:
+    """Draw a ring about a place of the shaft."""
+    return f'<ellipse class="found" cx="{x:.2f}" cy="0" rx="13" ry="{tallest / 2 + 5:.2f}"/>'
+
+
 def _bearing(x: float, radius: float) -> str:
     """Draw a spring to ground below the shaft."""
     y = radius
@@ -140,10 +152,10 @@ def _ruler(length: float, y: float) -> str:
     return f"{line}{marks}{text(length, y + 24, 'mm from the coupling', anchor='end')}"
 
 
-def _description(rig: RigConfig) -> str:
+def _description(rig: RigConfig, found: Sequence[str]) -> str:
     across = "diameter" if len(rig.shaft.tubes) == 1 else "its largest diameter"
     shaft = f"Shaft {rig.shaft.length * 1e3:g} mm long, {rig.shaft.diameter * 1e3:g} mm in {across}"
     parts = [f"disk {d.name} at {d.position * 1e3:g} mm" for d in rig.disks]
     parts += [f"bearing {b.name} at {b.position * 1e3:g} mm" for b in rig.bearings]
     parts += [f"probe {p.name} at {p.position * 1e3:g} mm" for p in rig.probes]
-    return "; ".join([shaft, *parts]) + "."
+    return "; ".join([shaft, *parts, *found]) + "."

@@ -28,6 +28,7 @@ def bode(
     prediction: NDArray[np.complex128] | None = None,
     before: NDArray[np.complex128] | None = None,
     resonances: Sequence[CriticalSpeed] = (),
+    height: int = HEIGHT,
 ) -> go.Figure:
     """Return amplitude over phase lag against speed at 1X, measured (dots) and model (lines), a colour per direction.
 
@@ -46,7 +47,7 @@ def bode(
     quarters = np.arange(-360, 811, 90)  # an axis may begin anywhere; its labels stay within 0 .. 360
     figure.update_yaxes(title="lag, °", tickvals=quarters, ticktext=quarters % 360, row=2, col=1)
     figure.update_xaxes(title="speed, rpm", row=2, col=1)
-    apply_look(figure, height=HEIGHT)
+    apply_look(figure, height=height)
     _mark(figure, resonances)
     return figure
 

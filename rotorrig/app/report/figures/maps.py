@@ -25,6 +25,7 @@ SIGMA_COLOURS: Scale = [
     [1.0, "#b3123b"],
 ]
 MICROMETRE_COLOURS: Scale = [[0.0, "rgba(128,136,144,0.10)"], [0.5, "#6aaed6"], [1.0, "#08306b"]]
+ROW, LEAST_SCALE = 26, 104  # px: of a row; of a map of few, so that the numbers of its colour scale stay apart
 DECADES = 3  # of the full spectrum's colours, below the largest amplitude
 
 
@@ -96,6 +97,6 @@ def _map(
     figure = go.Figure(heat)
     figure.update_xaxes(title="speed, rpm", showgrid=False)
     figure.update_yaxes(autorange="reversed", showgrid=False, type="category")
-    apply_look(figure, height=110 + 26 * len(labels))
+    apply_look(figure, height=110 + max(ROW * len(labels), LEAST_SCALE))
     figure.update_layout(modebar_orientation="h")  # above the map, not across its scale
     return figure

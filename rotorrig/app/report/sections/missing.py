@@ -4,7 +4,7 @@ from html import escape
 
 from rotorrig.app.report.drawings import side_view
 from rotorrig.app.report.figures import force_over_motion, force_over_speed
-from rotorrig.app.report.html import Section, items, paragraph, plot, section
+from rotorrig.app.report.html import Section, items, paragraph, plot, scrolling, section
 from rotorrig.app.text import missing_lines
 from rotorrig.identify import Diagnosis
 from rotorrig.identify.discovery import MissingForce
@@ -30,7 +30,7 @@ def _place(missing: MissingForce, rig: RigConfig) -> str:
     if not missing.places.size:
         return ""
     drawing = side_view(rig, likely=(missing.places, missing.probability))
-    return f'<figure class="wide">{drawing}<figcaption>{escape(PLACES)}</figcaption></figure>'
+    return f'<figure class="wide">{scrolling("Side view", drawing)}<figcaption>{escape(PLACES)}</figcaption></figure>'
 
 
 def _force(missing: MissingForce) -> str:

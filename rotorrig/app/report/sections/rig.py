@@ -3,14 +3,15 @@
 import math
 
 from rotorrig.app.report.drawings import end_view, side_view
-from rotorrig.app.report.html import Section, details, paragraph, section, table
+from rotorrig.app.report.html import Section, details, paragraph, scrolling, section, table
 from rotorrig.app.text import bearing_coefficients
 from rotorrig.rig.config import RigConfig
 
 
 def rig_section(config: RigConfig) -> Section:
     """Return the drawings and the nameplate of a rig."""
-    side = f'<figure class="wide">{side_view(config)}<figcaption>Side view, to scale</figcaption></figure>'
+    drawn = scrolling("Side view", side_view(config))
+    side = f'<figure class="wide">{drawn}<figcaption>Side view, to scale</figcaption></figure>'
     end = f'<figure class="end">{end_view(config)}<figcaption>End view, axes and probes</figcaption></figure>'
     drawing = f'<div class="rig">{side}{end}</div>'
     return section("rig", "The rig", paragraph(config.notes), drawing, _nameplate(config))

@@ -1,4 +1,4 @@
-"""Synchronous response (1X): Bode plot, polar plot and values per probe; table of peaks."""
+"""Synchronous response (1X): Bode plot, polar plot and values per probe; tables of critical speeds and peaks."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -20,8 +20,7 @@ from rotorrig.app.plot_data import (
 )
 from rotorrig.app.report.figures import bode, polar
 from rotorrig.app.report.html import Section, details, paragraph, plot, section, table
-from rotorrig.app.report.sections.critical_speeds import critical_speeds_table
-from rotorrig.app.text import resonance_text
+from rotorrig.app.text import NO_RESONANCE, critical_speed_cells, critical_words, half_power_text, margin_text
 from rotorrig.identify import Diagnosis, Fit, Identification
 from rotorrig.processing import OrderTrackedResponse, SpeedWindow
 from rotorrig.rig.config import RPM, UM
@@ -66,7 +65,7 @@ def synchronous_section(
         paragraph(compensation(response), _plot_key(models), _COLOURS),
         '<label class="toggle"><input type="checkbox" id="log-amplitude" disabled> logarithmic amplitude</label>',
         *(_probe(response, p, models, found) for p in range(len(response.probes))),
-        critical_speeds_table(found, operating),
+        _critical_speeds(found, operating),
         _peaks(response, models),
     )
 
@@ -95,7 +94,7 @@ def _probe(response: OrderTrackedResponse, probe: int, models: Models, found: Se
     name = response.probes[probe]
     drawn = {"prediction": models.best, "before": models.before}
     mine = [each for each in found if each.probe == name]
-    peaks = " ".join([peak_words(response, probe, models), *map(_critical_words, mine)])
+    peaks = " ".join([peak_words(response, probe, models), *(critical_words(c.run, c.measured) for c in mine)])
     left = plot(
         f"bode-{probe}",
         bode(response, probe, **drawn, resonances=mine),
@@ -111,10 +110,6 @@ def _probe(response: OrderTrackedResponse, probe: int, models: Models, found: Se
         share=0.43,
     )
     return f'<div class="probe">{left}{right}{_numbers(response, probe, models)}</div>'
-
-
-def _critical_words(found: CriticalSpeed) -> str:
-    return f"Critical speed of run {found.run}: {resonance_text(found.measured)}."
 
 
 def _numbers(response: OrderTrackedResponse, probe: int, models: Models) -> str:
@@ -148,6 +143,28 @@ def _spread(curve: Curve) -> list[int]:
     rows = {int(usable[np.argmin(np.abs(curve.rpm[usable] - speed))]) for speed in wanted}
     rows.add(int(usable[np.argmax(curve.amplitude[usable])]))
     return sorted(rows, key=lambda row: float(curve.rpm[row]))
+
+
+def _critical_speeds(found: Sequence[CriticalSpeed], operating: SpeedWindow | None) -> str:
+    """Return the table; with the separation margins where operating speeds are given."""
+    if not found:
+        return paragraph(NO_RESONANCE)
+    modelled = any(each.model for each in found)
+    header = ["probe, run", "critical speed, rpm", "AF", "ζ, %", "half-power speeds, rpm"]
+    header += ["model, rpm", "model AF", "model ζ, %"] if modelled else []
+    header += [_margin_heading(operating)] if operating else []
+    rows = []
+    for each in found:
+        cells = [f"{each.probe}, {each.run}", *critical_speed_cells(each.measured), half_power_text(each.measured)]
+        cells += critical_speed_cells(each.model) if modelled else []
+        cells += [margin_text(each.measured, operating)] if operating else []
+        rows.append(cells)
+    return table("Critical speeds", header, rows) + paragraph(_DEFINITIONS)
+
+
+def _margin_heading(operating: SpeedWindow) -> str:
+    low, high = operating.low * RPM, operating.high * RPM
+    return f"margin to {low:.0f} rpm" if low == high else f"margin to {low:.0f} to {high:.0f} rpm"
 
 
 def _peaks(response: OrderTrackedResponse, models: Models) -> str:
@@ -194,4 +211,10 @@ def peak_words(response: OrderTrackedResponse, probe: int, models: Models) -> st
 _COLOURS = (
     "Blue: run-up; orange: run-down. Long runs are thinned to the extremes of each stretch. Polar plots: µm 0-peak, 0° "
     "of phase lag at the probe, lag against rotation, speeds in rpm along the path."
+)
+_DEFINITIONS = (
+    "Critical speed: where the 1X amplitude of the run peaks. AF, amplification factor: critical speed over the "
+    "distance of the half-power speeds, at 0.707 of the peak; damping ratio ζ = 1 / (2 AF). All as API RP 684 defines "
+    "them, on the curve as drawn: a run of changing speed shifts and flattens its peak. ± is the noise of the vectors "
+    "alone; the model's values are read off its curve."
 )

@@ -1,62 +1,56 @@
 """Verdict banner: whether the model describes this run, and where it does not."""
 
 import math
+import re
 from collections.abc import Sequence
 from html import escape
 
-from rotorrig.app.report.html import Section, items, paragraph
-from rotorrig.app.text import misfit_sentence, next_run_sentence, p_value_text
+from rotorrig.app.report.html import Section, details, items, paragraph
+from rotorrig.app.text import headline, misfit_sentence, next_run_sentence, p_value_text
 from rotorrig.identify import Diagnosis, Identification, Verdict
 from rotorrig.identify.adequacy import Misfit
 from rotorrig.rig.config import UM
 
 POOR = 2.0  # chi2 per degree of freedom above which a fit without a diagnosis is called poor
 SHOWN_MISFITS = 3
-HEADLINES = {
-    Verdict.ADEQUATE: ("good", "The model describes this run"),
-    Verdict.NAMED: ("bad", "The base model does NOT describe this run; a cause is named"),
-    Verdict.TIED: ("bad", "The base model does NOT describe this run; several causes fit equally well"),
-    Verdict.DESCRIBED: (
-        "bad",
-        "The base model does NOT describe this run; what it lacks was found, without a name",
-    ),
-    Verdict.UNEXPLAINED: ("bad", "The model does NOT describe this run"),
-    Verdict.CANNOT_TELL: ("unsure", "This data cannot decide whether the model is right"),
-}
-CONFIG_WRONG = "The config is wrong about this rig; with what it should say, the model describes this run"
+TONES = {Verdict.ADEQUATE: "good", Verdict.CANNOT_TELL: "unsure"}  # of all others: bad
 
 
 def banner(identification: Identification | None, diagnosis: Diagnosis | None) -> Section:
     """Return the verdict as HTML: a headline, a sentence, and the values behind them."""
     if diagnosis is not None:
-        tone, headline = HEADLINES[diagnosis.verdict]
-        if diagnosis.verdict in (Verdict.NAMED, Verdict.TIED) and all(
-            c.nameplate for c in diagnosis.causes if c.chosen
-        ):
-            headline = CONFIG_WRONG
-        if diagnosis.cut_short:
-            headline += "; the search for causes was cut short"
-        elif diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.causes:
-            headline += ", and none of the causes tried explains it"
-        words = [*_worst(diagnosis), *_next(diagnosis)]
-        return _banner(tone, headline, diagnosis.sentence, _evidence(diagnosis), words)
+        tone = TONES.get(diagnosis.verdict, "bad")
+        return _banner(
+            tone, headline(diagnosis), diagnosis.sentence, _evidence(diagnosis), _worst(diagnosis), _next(diagnosis)
+        )
     if identification is not None and identification.fits:
         fit = identification.fits[0]
         ratio = fit.chi2 / fit.dof if fit.dof > 0 else float("nan")
         values = f"χ² per degree of freedom {ratio:.3g} ({fit.chi2:.4g} over {fit.dof})"
         if ratio > POOR or not fit.adequate:
-            sentence = f"Its RMS residual is {ratio**0.5:.1f} times the noise; 1 is expected."
+            title = "Poor fit: the model does NOT describe this run"
             if math.isfinite(fit.p):
-                sentence = misfit_sentence(fit)
-            return _banner("bad", "Poor fit: the model does NOT describe this run", sentence, [values], [])
+                return _banner("bad", title, misfit_sentence(fit))  # which has chi2
+            return _banner(
+                "bad", title, f"Its RMS residual is {ratio**0.5:.1f} times the noise; 1 is expected.", [values]
+            )
         sentence = "There is a fit but no diagnosis of where it fails: run rotor diagnose."
-        return _banner("unsure", "Fitted, not diagnosed", sentence, [values], [])
-    return _banner("plain", "Measurement only", "No model was fitted to this run.", [], [])
+        return _banner("unsure", "Fitted, not diagnosed", sentence, [values])
+    return _banner("plain", "Measurement only", "No model was fitted to this run.")
 
 
-def _banner(tone: str, headline: str, sentence: str, values: list[str], words: list[str]) -> Section:
-    lines = [paragraph(sentence), items(words), paragraph(" · ".join(values), kind="figures")]
-    head = f'<h2 id="h-verdict">{escape(headline)}</h2>'
+def _banner(
+    tone: str,
+    title: str,
+    sentence: str,
+    values: Sequence[str] = (),
+    misfits: Sequence[str] = (),
+    following: Sequence[str] = (),
+) -> Section:
+    figures = paragraph(" · ".join(values), kind="figures")
+    evidence = details("Misfits and figures", items(misfits), figures) if misfits else figures
+    lines = [paragraph(sentence), *map(paragraph, following), evidence]
+    head = f'<h2 id="h-verdict">{escape(title)}</h2>'
     html = f'<section id="verdict" class="banner {tone}" aria-labelledby="h-verdict">{head}{"".join(lines)}</section>'
     return Section("verdict", "Verdict", html)
 
@@ -67,7 +61,7 @@ def _evidence(diagnosis: Diagnosis) -> list[str]:
         evidence.append(f"largest misfit {size(diagnosis.worst)}")
     if diagnosis.dof > 0:
         evidence.append(f"χ² per degree of freedom {diagnosis.chi2 / diagnosis.dof:.3g}")
-    if math.isfinite(diagnosis.p):
+    if math.isfinite(diagnosis.p) and not re.search(r"\bp [=<>]", diagnosis.sentence):
         evidence.append(p_value_text(diagnosis.p))
     if math.isfinite(diagnosis.noise_floor):
         evidence.append(f"noise floor {diagnosis.noise_floor * UM:.2g} µm")

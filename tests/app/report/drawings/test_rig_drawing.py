@@ -15,6 +15,14 @@ def test_the_rig_is_drawn_to_scale(rig: RigConfig) -> None:
         assert label in words
 
 
+def test_a_found_place_is_ringed_and_named(rig: RigConfig) -> None:
+    drawing = ElementTree.fromstring(side_view(rig, marked=[(0.481, "friction")]))
+    (ring,) = [e for e in drawing.iter("ellipse") if e.get("class") == "found"]
+    assert float(ring.get("cx", "")) == 481.0
+    assert "friction" in [e.text for e in drawing.iter("text")]
+    assert drawing.get("aria-label", "").endswith("friction at 481 mm.")
+
+
 def test_the_end_view_turns_as_the_config_says(rig: RigConfig) -> None:
     def sweep_flag(drawing: str) -> str:
         (arc,) = [e for e in ElementTree.fromstring(drawing).iter() if "A27 " in e.get("d", "")]

@@ -15,7 +15,8 @@ from rotorrig.app.plot_data.resonances import critical_speeds
 from rotorrig.app.report.figures.amplitudes import order_amplitudes
 from rotorrig.app.report.figures.bode import bode
 from rotorrig.app.report.figures.centreline import centreline
-from rotorrig.app.report.figures.maps import full_spectrum_map
+from rotorrig.app.report.figures.look import COLOURS
+from rotorrig.app.report.figures.maps import full_spectrum_map, residual_map
 from rotorrig.app.report.figures.polar import polar, rows_to_label
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
@@ -87,6 +88,28 @@ def test_the_full_spectrum_is_drawn_forward_above_backward(response: OrderTracke
     assert list(figure.data[0].y) == ["+2X", "+1X", "-1X", "-2X"]
     colours = np.asarray(figure.data[0].z)
     assert np.nanmax(colours[1]) == pytest.approx(np.log10(187.5), abs=0.02)
+
+
+def test_a_map_of_one_row_is_high_enough_for_the_numbers_of_its_scale(response: OrderTrackedResponse) -> None:
+    few = dataclasses.replace(response, probes=response.probes[:1], usable=response.usable[:, :1])
+    one = dataclasses.replace(few, runs=(few.runs[0], few.runs[1], dataclasses.replace(few.runs[2], direction=0)))
+    figure = residual_map(one, np.ones((len(one.omega), 1, len(one.orders))))
+    assert len(figure.data[0].y) == 1
+    margin = figure.layout.margin
+    per_sigma = (figure.layout.height - margin.t - margin.b) / 8  # px: 2 and 3 sigma stand next to each other
+    assert per_sigma > 12  # px, a line of letters
+
+
+def test_a_cross_has_the_colour_of_its_run(response: OrderTrackedResponse) -> None:
+    marks = polar(response, 0).data[-1].marker
+    assert marks.symbol == "x-thin"
+    assert marks.line.color == COLOURS[1]  # its lines are all there is of it: without, they are black on black
+
+
+def test_no_label_stands_at_the_centre_where_paths_begin_and_end(response: OrderTrackedResponse) -> None:
+    figure = polar(response, 0)
+    assert min(figure.data[-1].r) > 0.2 * max(figure.data[-1].r)
+    assert min(figure.layout.polar.radialaxis.tickvals) > 0
 
 
 def path_of(reach: float) -> CentrelinePath:

@@ -1,0 +1,85 @@
+"""What is seen first, below the verdict: the loudest probe's Bode and polar plot, the rig, the identified values."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rotorrig.app.plot_data import cause_places, critical_speeds, predictions, vectors
+from rotorrig.app.report.drawings import side_view
+from rotorrig.app.report.figures import bode, polar
+from rotorrig.app.report.html import Section, paragraph, plot, scrolling, table
+from rotorrig.app.text import cause_name, critical_words, estimate_text, parameter_shifts, quantity_text
+from rotorrig.identify import Diagnosis, Identification
+from rotorrig.processing import OrderTrackedResponse
+from rotorrig.rig.config import RigConfig
+
+HEIGHT = 330  # px, of the plots: with verdict, drawing and values they fill a screen
+
+
+def first_screen(
+    response: OrderTrackedResponse, identification: Identification | None, diagnosis: Diagnosis | None
+) -> Section:
+    """Return the section; `diagnosis` is the part for `response`."""
+    plots, values = _plots(response, identification, diagnosis), _values(identification, diagnosis)
+    rig = f'<figure class="wide">{scrolling("The rig", _drawing(response.rig, diagnosis))}</figure>'
+    html = (
+        '<section id="glance" aria-labelledby="h-glance"><h2 id="h-glance" class="heard">At a glance</h2>'
+        f'<div class="probe">{plots}</div><div class="facing">{rig}<div>{values}</div></div></section>'
+    )
+    return Section("glance", "At a glance", html)
+
+
+def _plots(response: OrderTrackedResponse, identification: Identification | None, diagnosis: Diagnosis | None) -> str:
+    """Return Bode and polar plot of the probe with the largest 1X vector."""
+    fit = identification.fits[0] if identification and identification.fits else None
+    base, extended = predictions(response, fit, diagnosis)
+    size = np.where(response.usable & np.isfinite(vectors(response)), np.abs(vectors(response)), -1.0)
+    probe = int(np.argmax(size.max(axis=0, initial=-1.0)))
+    name = response.probes[probe]
+    best = base if extended is None else extended
+    found = [each for each in critical_speeds(response, best) if each.probe == name]
+    drawn = {"prediction": best, "before": None if extended is None else base, "height": HEIGHT}
+    words = " ".join(critical_words(each.run, each.measured) for each in found)
+    left = plot(
+        "first-bode",
+        bode(response, probe, **drawn, resonances=found),
+        caption=f"Probe {name}, the loudest, 1X: measured (dots) and model (lines)",
+        label=f"Bode plot of probe {name}. {words} Its values are in the section on the synchronous response.",
+        share=0.57,
+    )
+    right = plot(
+        "first-polar",
+        polar(response, probe, **drawn),
+        caption=f"Probe {name}, polar",
+        label=f"Polar plot of probe {name}, 1X vectors over speed.",
+        share=0.43,
+    )
+    return left + right
+
+
+def _drawing(rig: RigConfig, diagnosis: Diagnosis | None) -> str:
+    """Return the side view, with the places where what the diagnosis found acts."""
+    if diagnosis is None:
+        return side_view(rig)
+    missing = diagnosis.missing
+    likely = (missing.places, missing.probability) if missing and missing.places.size else None
+    chosen = [cause for cause in diagnosis.causes if cause.chosen]
+    marked = [(place, cause_name(cause)) for cause in chosen for place in cause_places(cause, rig)]
+    return side_view(rig, likely=likely, marked=marked)
+
+
+def _values(identification: Identification | None, diagnosis: Diagnosis | None) -> str:
+    rows = list(_rows(identification, diagnosis))
+    if not rows:
+        return paragraph("No model was fitted: rotor identify.")
+    beside = "with the cause in the model" if diagnosis and diagnosis.gain else "± 1 σ"
+    return table(f"Identified, {beside}", ["", "identified", "nameplate"], rows)
+
+
+def _rows(identification: Identification | None, diagnosis: Diagnosis | None) -> Iterator[list[str]]:
+    """Yield name, identified value and nameplate: of the extended model, where the base model was wrong."""
+    extended = {name: after for name, _, after, _ in parameter_shifts(diagnosis)} if diagnosis else {}
+    estimates = identification.fits[0].estimates if identification and identification.fits else ()
+    for each in estimates:
+        identified = extended.get(each.name) or estimate_text(each)
+        yield [each.name, identified, quantity_text(each.nameplate, each.unit)]
