@@ -63,3 +63,11 @@ def test_orders_are_read_as_people_write_them() -> None:
     assert read_orders("0, 0.5,1X, -1", where="--orders") == (0.0, 0.5, 1.0, -1.0)
     with pytest.raises(ConfigError, match="--orders: got '1;2', want numbers such as"):
         read_orders("1;2", where="--orders")
+
+
+def test_operating_speeds_are_one_or_two() -> None:
+    assert SpeedWindow.read_one_or_two("30 rad/s", where="--operating-speed") == (30.0, 30.0)
+    assert SpeedWindow.read_one_or_two("20 to 30 rad/s", where="--operating-speed") == (20.0, 30.0)
+    for wrong in ("3000", "fast", "-10 rpm", "0 rpm", "30 to 20 rad/s"):
+        with pytest.raises(ConfigError, match="--operating-speed: got"):
+            SpeedWindow.read_one_or_two(wrong, where="--operating-speed")

@@ -18,7 +18,9 @@ def cause_places(cause: Cause, rig: RigConfig) -> tuple[float, ...]:
         return (0.0,)
     if found := AT.search(cause.where):
         return (float(found[1]) * 1e-3,)
-    parts = {part.name: part.position for part in (*rig.disks, *rig.planes, *rig.bearings, *rig.probes)}
+    named = [(p.name, p.position) for p in rig.disks] + [(p.name, p.position) for p in rig.planes]
+    named += [(p.name, p.position) for p in rig.bearings] + [(p.name, p.position) for p in rig.probes]
+    parts = dict(named)
     effect = next((e for e in catalogue(rig) if e.label == cause.label), None)
     names = _names(effect) if effect else [name for name in parts if re.search(rf"\b{re.escape(name)}\b", cause.where)]
     return tuple(sorted({parts[name] for name in names if name in parts}))

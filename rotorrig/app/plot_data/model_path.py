@@ -18,14 +18,15 @@ def model_path(curve: Curve) -> tuple[NDArray[np.float64], NDArray[np.complex128
     needs none.
     """
     assert curve.model_amplitude is not None and curve.model_lag is not None
-    z = curve.model_amplitude * np.exp(-1j * np.radians(curve.model_lag))
+    z = np.asarray(curve.model_amplitude * np.exp(-1j * np.radians(curve.model_lag)), dtype=np.complex128)
     known = np.flatnonzero(np.isfinite(z) & np.isfinite(curve.rpm))
     rpm, first = np.unique(curve.rpm[known], return_index=True)
     z = z[known][first]
     if not FEWEST <= len(rpm) <= MOST:
         return rpm, z
-    parts = np.ceil(np.abs(np.diff(z)) / (STEP * np.abs(z).max())).astype(int).clip(1, MOST)
-    between = [a + (b - a) * np.arange(n) / n for a, b, n in zip(rpm[:-1], rpm[1:], parts, strict=True)]
+    step = STEP * float(np.abs(z).max()) or 1.0
+    pieces = np.ceil(np.abs(np.diff(z)) / step).astype(int).clip(1, MOST)
+    between = [a + (b - a) * np.arange(n) / n for a, b, n in zip(rpm[:-1], rpm[1:], pieces, strict=True)]
     fine = np.append(np.concatenate(between), rpm[-1])
-    x, y = Akima1DInterpolator(rpm, np.stack([z.real, z.imag], axis=1))(fine).T
-    return fine, x + 1j * y
+    xy = Akima1DInterpolator(rpm, np.stack([z.real, z.imag], axis=1))(fine)
+    return fine, np.asarray(xy @ [1, 1j], dtype=np.complex128)

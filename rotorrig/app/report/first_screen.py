@@ -38,18 +38,18 @@ def _plots(response: OrderTrackedResponse, identification: Identification | None
     name = response.probes[probe]
     best = base if extended is None else extended
     found = [each for each in critical_speeds(response, best) if each.probe == name]
-    drawn = {"prediction": best, "before": None if extended is None else base, "height": HEIGHT}
+    before = None if extended is None else base
     words = " ".join(critical_words(each.run, each.measured) for each in found)
     left = plot(
         "first-bode",
-        bode(response, probe, **drawn, resonances=found),
-        caption=f"Probe {name}, the loudest, 1X: measured (dots) and model (lines)",
+        bode(response, probe, prediction=best, before=before, resonances=found, height=HEIGHT),
+        caption=f"Probe {name}, the loudest, 1X: measured (dots)" + (" and model (lines)" if best is not None else ""),
         label=f"Bode plot of probe {name}. {words} Its values are in the section on the synchronous response.",
         share=0.57,
     )
     right = plot(
         "first-polar",
-        polar(response, probe, **drawn),
+        polar(response, probe, prediction=best, before=before, height=HEIGHT),
         caption=f"Probe {name}, polar",
         label=f"Polar plot of probe {name}, 1X vectors over speed.",
         share=0.43,
@@ -71,7 +71,7 @@ def _drawing(rig: RigConfig, diagnosis: Diagnosis | None) -> str:
 def _values(identification: Identification | None, diagnosis: Diagnosis | None) -> str:
     rows = list(_rows(identification, diagnosis))
     if not rows:
-        return paragraph("No model was fitted: rotor identify.")
+        return paragraph("rotor identify fits bearings and unbalance to this run.")
     beside = "with the cause in the model" if diagnosis and diagnosis.gain else "± 1 σ"
     return table(f"Identified, {beside}", ["", "identified", "nameplate"], rows)
 

@@ -38,7 +38,7 @@ def side_view(
         *(_tube(t.start * 1e3, t.length * 1e3, t.diameter * 1e3) for t in rig.shaft.tubes),
         *(_bearing(b.position * 1e3, rig.shaft.diameter * 500) for b in rig.bearings),
         *(_probe(p, rig.shaft.diameter * 500) for p, _ in _by_position(rig.probes)),
-        *(_ring(place * 1e3, tallest) for place, _ in marked),
+        *(_ring(place, rig) for place, _ in marked),
         *top,
         *bottom,
         _ruler(length, floor + 8),
@@ -113,9 +113,11 @@ def _region(places: Reals, probability: Reals, *, height: float) -> list[str]:
     return [f'<polygon class="region" points="{points}"/>']
 
 
-def _ring(x: float, tallest: float) -> str:
-    """Draw a ring about a place of the shaft."""
-    return f'<ellipse class="found" cx="{x:.2f}" cy="0" rx="13" ry="{tallest / 2 + 5:.2f}"/>'
+def _ring(place: float, rig: RigConfig) -> str:
+    """Draw a ring about a place [m], with the disk that is there, else with a bearing's spring but not its name."""
+    disks = [disk.diameter * 500 + 5 for disk in rig.disks if abs(disk.position - place) < disk.width / 2]
+    height = max(disks, default=rig.shaft.diameter * 500 + 22)
+    return f'<ellipse class="found" cx="{place * 1e3:.2f}" cy="0" rx="15" ry="{height:.2f}"/>'
 
 
 def _bearing(x: float, radius: float) -> str:

@@ -92,19 +92,18 @@ def _plot_key(models: Models) -> str:
 def _probe(response: OrderTrackedResponse, probe: int, models: Models, found: Sequence[CriticalSpeed]) -> str:
     """Return the plots of one probe and, collapsed, their values."""
     name = response.probes[probe]
-    drawn = {"prediction": models.best, "before": models.before}
     mine = [each for each in found if each.probe == name]
     peaks = " ".join([peak_words(response, probe, models), *(critical_words(c.run, c.measured) for c in mine)])
     left = plot(
         f"bode-{probe}",
-        bode(response, probe, **drawn, resonances=mine),
+        bode(response, probe, prediction=models.best, before=models.before, resonances=mine),
         caption=f"Probe {name}",
         label=f"Bode plot of probe {name}, 1X amplitude and phase lag against speed. {peaks}",
         share=0.57,
     )
     right = plot(
         f"polar-{probe}",
-        polar(response, probe, **drawn),
+        polar(response, probe, prediction=models.best, before=models.before),
         caption=f"Probe {name}, polar",
         label=f"Polar plot of probe {name}, 1X vectors over speed. {peaks}",
         share=0.43,
