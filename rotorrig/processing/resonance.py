@@ -110,15 +110,15 @@ def _resonance(omega: Reals, amplitude: Reals, peak: int, sigma: Reals | None, c
     `common` (row, step) are steps of all rows at once.
     """
     rows = _Rows.choose(omega, amplitude, peak, np.ones(len(omega)) if sigma is None else sigma)
-    values = rows.read(amplitude)
+    used, curve = rows.used(), amplitude[:, None]
+    values = rows.read(curve[used])[:, 0]
     if not np.isfinite(values[:2]).all():
         return None
     spread = np.full(len(values), math.nan)
     if sigma is not None:
-        used = rows.used()
-        steps = np.concatenate([np.eye(len(omega))[:, used] * sigma[used], common], axis=1)  # (row, step)
-        change = [(rows.read(amplitude + s) - rows.read(amplitude - s)) / 2 for s in steps.T]
-        spread = np.sqrt(np.sum(np.square(change), axis=0))
+        steps = np.concatenate([np.diag(sigma[used]), common[used]], axis=1)  # (row, step)
+        change = (rows.read(curve[used] + steps) - rows.read(curve[used] - steps)) / 2
+        spread = np.sqrt(np.sum(np.square(change), axis=1))
     top, height, *rest = (
         Uncertain(value=float(v), sigma=float(s)) if math.isfinite(v) else None
         for v, s in zip(values, spread, strict=True)
@@ -150,18 +150,21 @@ class _Rows:
         near = np.flatnonzero(np.abs(s - 1) <= NEAR_PEAK * width)
         flanks = [_flank(s, way, each) for way, each in zip(ways, widths, strict=True)]
         rows = cls(s, float(omega[peak]), weight / weight.max(), near, flanks)
-        if len(near) < 3 or not s[near].min() <= rows._top(amplitude)[0] <= s[near].max():
+        if len(near) < 3 or not s[near].min() <= rows._vertex(amplitude)[0] <= s[near].max():
             rows = replace(rows, near=np.arange(peak - 1, peak + 2))  # of which the middle one is the largest
         if np.sum(amplitude[max(peak - 2, 0) : peak + 3] > HALF_POWER * top) < FEWEST:
             return replace(rows, flanks=[way[:0] for way in ways])
-        _, y = rows._top(amplitude)
-        return replace(rows, flanks=[f if rows._crosses(amplitude, y, f) else f[:0] for f in flanks])
+        return replace(rows, flanks=[f if rows._crosses(amplitude, f) else f[:0] for f in flanks])
 
     def used(self) -> NDArray[np.intp]:
+        """Return the rows of the curve that say something."""
         return np.unique(np.concatenate([self.near, *self.flanks]))
 
     def read(self, amplitude: Reals) -> Reals:
-        """Return critical speed, amplitude, both half-power speeds, amplification factor and damping ratio."""
+        """Return critical speed, amplitude, half-power speeds, amplification factor, damping ratio: (value, curve).
+
+        `amplitude` (used row, curve) are variants of the curve.
+        """
         s, y = self._top(amplitude)
         ends = [self._half_power(amplitude, y, flank) for flank in self.flanks]
         with np.errstate(invalid="ignore", divide="ignore"):  # NaN where a step of noise leaves no peak
@@ -169,29 +172,40 @@ class _Rows:
             amplification = critical / (upper - lower)
             return np.array([critical, y**-0.5, lower, upper, amplification, 0.5 / amplification])
 
-    def _top(self, amplitude: Reals) -> tuple[float, float]:
-        """Return s and 1 / amplitude^2 at the vertex of a parabola through the rows near the peak."""
-        least = float(amplitude[self.near].max()) ** -2
-        c, b, a = np.polyfit(self.s[self.near] - 1, amplitude[self.near] ** -2 / least, 2, w=self.weight[self.near])
-        top = float(a - b * b / (4 * c)) if c > 0 else 0.0
-        return (float(1 - b / (2 * c)), top * least) if top > 0 else (math.nan, math.nan)
+    def _top(self, amplitude: Reals) -> tuple[Reals, Reals]:
+        """Return s and 1 / amplitude^2 (curve,) at the vertex of a parabola through the rows near the peak."""
+        values = amplitude[np.searchsorted(self.used(), self.near)] ** -2
+        least = float(values.min())
+        c, b, a = np.polyfit(self.s[self.near] - 1, values / least, 2, w=self.weight[self.near])
+        with np.errstate(invalid="ignore", divide="ignore"):
+            s, y = 1 - b / (2 * c), a - b * b / (4 * c)
+        peaks = (c > 0) & (y > 0)
+        return np.where(peaks, s, math.nan), np.where(peaks, y * least, math.nan)
 
-    def _half_power(self, amplitude: Reals, y: float, flank: NDArray[np.intp]) -> float:
-        """Return s where 1 / amplitude^2 is twice `y`, that of the peak; NaN without a flank.
+    def _half_power(self, amplitude: Reals, y: Reals, flank: NDArray[np.intp]) -> Reals:
+        """Return s (curve,) where 1 / amplitude^2 is twice `y`, that of the peak; NaN without a flank.
 
         x = sqrt(y(s) / y(peak) - 1) is a straight line over s for a single degree of freedom, and 1 at half power.
         """
         if not flank.size:
-            return math.nan
-        x = np.sqrt(np.maximum(amplitude[flank] ** -2 / y - 1, 0.0))
-        slope, start = np.polyfit(self.s[flank] - 1, x, 1, w=self.weight[flank] * np.maximum(x, 0.1))
-        return float(1 + (1 - start) / slope) if slope else math.nan
+            return np.full(len(y), math.nan)
+        x = np.sqrt(np.maximum(amplitude[np.searchsorted(self.used(), flank)] ** -2 / y - 1, 0.0))
+        weight = self.weight[flank] * np.maximum(x.mean(axis=1), 0.1)  # of x, whose change is that of y over 2 x
+        slope, start = np.polyfit(self.s[flank] - 1, x, 1, w=weight)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray(1 + (1 - start) / slope)
 
-    def _crosses(self, amplitude: Reals, y: float, flank: NDArray[np.intp]) -> bool:
+    def _vertex(self, amplitude: Reals) -> tuple[float, Reals]:
+        """Return s of the peak of a whole curve (row,), and 1 / amplitude^2 there."""
+        s, y = self._top(amplitude[self.used(), None])
+        return float(s[0]), y
+
+    def _crosses(self, amplitude: Reals, flank: NDArray[np.intp]) -> bool:
         """Return whether half power is reached within the curve, near the rows of a flank and on their side."""
         if not flank.size:
             return False
-        s, side = self._half_power(amplitude, y, flank), self.s[flank[-1]] - 1
+        s = float(self._half_power(amplitude[self.used(), None], self._vertex(amplitude)[1], flank)[0])
+        side = self.s[flank[-1]] - 1
         return bool(0 < (s - 1) / side < FLANK[1] and self.s.min() <= s <= self.s.max())
 
 

@@ -1,7 +1,5 @@
 """What is seen first, below the verdict: the loudest probe's Bode and polar plot, the rig, the identified values."""
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from rotorrig.app.plot_data import cause_places, critical_speeds, predictions, vectors
@@ -9,10 +7,11 @@ from rotorrig.app.report.drawings import side_view
 from rotorrig.app.report.figures import bode, polar
 from rotorrig.app.report.html import Section, paragraph, plot, scrolling, table
 from rotorrig.app.text import cause_name, critical_words, estimate_text, parameter_shifts, quantity_text
-from rotorrig.identify import Diagnosis, Identification
+from rotorrig.identify import Diagnosis, Identification, Verdict
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import RigConfig
 
+FOUND = (Verdict.NAMED, Verdict.TIED, Verdict.DESCRIBED)
 HEIGHT = 330  # px, of the plots: with verdict, drawing and values they fill a screen
 
 
@@ -58,28 +57,31 @@ def _plots(response: OrderTrackedResponse, identification: Identification | None
 
 
 def _drawing(rig: RigConfig, diagnosis: Diagnosis | None) -> str:
-    """Return the side view, with the places where what the diagnosis found acts."""
-    if diagnosis is None:
+    """Return the side view, with the places of what was found; what was tried in vain is not pointed at."""
+    if diagnosis is None or diagnosis.verdict not in FOUND:
         return side_view(rig)
     missing = diagnosis.missing
-    likely = (missing.places, missing.probability) if missing and missing.places.size else None
+    likely = (missing.places, missing.probability) if missing and missing.is_described and missing.places.size else None
     chosen = [cause for cause in diagnosis.causes if cause.chosen]
     marked = [(place, cause_name(cause)) for cause in chosen for place in cause_places(cause, rig)]
     return side_view(rig, likely=likely, marked=marked)
 
 
 def _values(identification: Identification | None, diagnosis: Diagnosis | None) -> str:
-    rows = list(_rows(identification, diagnosis))
-    if not rows:
+    """Return the identified values beside the nameplate: of the extended model, where that explains the run."""
+    if identification is None or not identification.fits:
         return paragraph("rotor identify fits bearings and unbalance to this run.")
-    beside = "with the cause in the model" if diagnosis and diagnosis.gain else "± 1 σ"
-    return table(f"Identified, {beside}", ["", "identified", "nameplate"], rows)
-
-
-def _rows(identification: Identification | None, diagnosis: Diagnosis | None) -> Iterator[list[str]]:
-    """Yield name, identified value and nameplate: of the extended model, where the base model was wrong."""
-    extended = {name: after for name, _, after, _ in parameter_shifts(diagnosis)} if diagnosis else {}
-    estimates = identification.fits[0].estimates if identification and identification.fits else ()
-    for each in estimates:
-        identified = extended.get(each.name) or estimate_text(each)
-        yield [each.name, identified, quantity_text(each.nameplate, each.unit)]
+    fit = identification.fits[0]
+    found = diagnosis is not None and diagnosis.verdict in FOUND
+    extended = {name: after for name, _, after, _ in parameter_shifts(diagnosis)} if diagnosis and found else {}
+    describes = diagnosis.verdict in (Verdict.ADEQUATE, Verdict.CANNOT_TELL) if diagnosis else fit.adequate
+    model = "by a model that does NOT describe the run" if not describes else "± 1 σ"
+    rows = [
+        [each.name, extended.get(each.name) or estimate_text(each), quantity_text(each.nameplate, each.unit)]
+        for each in fit.estimates
+    ]
+    return table(
+        f"Identified, {'with what was found in the model' if extended else model}",
+        ["", "identified", "nameplate"],
+        rows,
+    )

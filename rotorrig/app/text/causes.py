@@ -1,11 +1,10 @@
 """Causes, cross-validation, ties and hidden effects of a diagnosis as text, for terminal, report and viewer."""
 
 import math
-import re
 from collections.abc import Iterator
 
 from rotorrig.app.text.nameplate import off_text
-from rotorrig.app.text.quantities import quantity_text, quantity_with_sigma, unit_of
+from rotorrig.app.text.quantities import quantity_text, quantity_with_sigma, unit_of, without_sigma
 from rotorrig.identify import Diagnosis
 from rotorrig.identify.verdict import VERDICT, Cause, HiddenEffect, ParameterValue
 from rotorrig.rig.config import UM
@@ -46,8 +45,7 @@ def _coarse(value: ParameterValue) -> str:
     '3.1 %'
     """
     factor, unit = (1.0, value.unit) if value.unit else (100.0, "%")
-    text = quantity_with_sigma(factor * value.value, factor * 10 * value.sigma, unit)
-    return re.sub(r" ± [\d.]+", "", text)
+    return without_sigma(quantity_with_sigma(factor * value.value, factor * 10 * value.sigma, unit))
 
 
 def cause_evidence(cause: Cause) -> str:

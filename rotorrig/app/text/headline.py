@@ -1,13 +1,10 @@
 """A diagnosis in a headline: what is wrong, how large and where, as one would say it across the bench."""
 
-import re
-
 from rotorrig.app.text.causes import cause_size
-from rotorrig.app.text.quantities import quantity_text
+from rotorrig.app.text.quantities import quantity_text, without_sigma
 from rotorrig.identify import Diagnosis, Verdict
 from rotorrig.identify.verdict import NOT_YET_ALL, Cause
 
-SIGMA = re.compile(r" ± [\d.]+")
 #: an effect's name in a workshop, where its title is another
 SAID = {"bow": "bent shaft", "unbalance_plane": "unbalance", "line_hum": "mains hum in the readings"}
 PLACELESS = ("even", "odd")  # shapes of a bow: no place
@@ -60,8 +57,8 @@ def _cause(cause: Cause) -> str:
 
 
 def _wrong_config(diagnosis: Diagnosis) -> str:
-    findings = [finding.deviation.words for finding in diagnosis.nameplate.findings] if diagnosis.nameplate else []
-    told = f": {SIGMA.sub('', '; '.join(findings))}" if findings else ""
+    findings = [finding.deviation.words for finding in diagnosis.nameplate.findings]
+    told = f": {without_sigma('; '.join(findings))}" if findings else ""
     return f"The config is wrong about this rig{told}. With what it should say, the model describes this run."
 
 

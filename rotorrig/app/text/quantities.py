@@ -1,6 +1,7 @@
 """SI values in display units (kN/m, g mm, degrees), rounded to their uncertainty."""
 
 import math
+import re
 
 from rotorrig.identify import Estimate
 from rotorrig.rig.config import RPM, Bearing, OverSpeed
@@ -85,6 +86,15 @@ def quantity_with_sigma(value: float, sigma: float, unit: str) -> str:
     name, factor = _display_unit(unit, max(abs(value), sigma))
     gap = "" if name == "°" else " "
     return f"{_round(value * factor, sigma * factor)} ± {_round(sigma * factor, sigma * factor)}{gap}{name}".rstrip()
+
+
+def without_sigma(text: str) -> str:
+    """Return a text of values without their uncertainties.
+
+    >>> without_sigma("sits 2.10 ± 0.20 mm further")
+    'sits 2.10 mm further'
+    """
+    return re.sub(r" ± [\d.]+", "", text)
 
 
 def _display_unit(unit: str, size: float) -> tuple[str, float]:

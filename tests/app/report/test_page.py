@@ -171,6 +171,19 @@ def test_the_first_screen_has_the_loudest_probe_and_what_was_identified(
     assert "kxx 33.90 ± 0.12 kN/m 33.9 kN/m" in said, "the extended model's, not the biased 31.2 of the base model"
 
 
+def test_what_explains_nothing_is_neither_pointed_at_nor_in_the_values(
+    path: Path, response: OrderTrackedResponse, poorly_fitted: Identification, named: Diagnosis
+) -> None:
+    gain = make_cause("probe_gain, probe 2x", "probe gain", chosen=True, evidence=90.0, after=4.1e-6)
+    vain = dataclasses.replace(named, verdict=Verdict.UNEXPLAINED, causes=(gain,), tied=())
+    write_report(path, response=response, identification=poorly_fitted, diagnosis=vain)
+    text = path.read_text()
+    first = text[text.index('<section id="glance"') : text.index("<nav")]
+    assert 'class="found"' not in first
+    assert "Identified, by a model that does NOT describe the run" in Page(first).said()
+    assert "33.90 ± 0.12" not in Page(first).said()
+
+
 def test_a_cause_with_a_place_is_pointed_at_in_the_drawing(
     path: Path, response: OrderTrackedResponse, named: Diagnosis
 ) -> None:
