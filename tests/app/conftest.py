@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rotorrig.acquisition.recording import RawRecording
 from rotorrig.balancing import Balance, Holes, Task, balance
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
@@ -29,9 +30,10 @@ from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
 from rotorrig.identify.verdict.next_run import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
+from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.rig.config.description import RigConfig, load, parse
-from rotorrig.rig.probes.base import DaqInfo
+from rotorrig.rig.probes.base import Block, DaqInfo
 from rotorrig.rig.provenance import Provenance
 
 ROOT = Path(__file__).parents[2]
@@ -358,6 +360,20 @@ def closed_form() -> Callable[[NDArray[np.float64]], NDArray[np.complex128]]:
 def swept(rig: RigConfig) -> tuple[NDArray[np.int32], DaqInfo]:
     """Counts (sample, channel) of a run-up and a coast-down."""
     return swept_counts(rig)
+
+
+@pytest.fixture(scope="session")
+def recording(rig: RigConfig, swept: tuple[NDArray[np.int32], DaqInfo], response: OrderTrackedResponse) -> RawRecording:
+    """A forward circular whirl from 480 to 3000 rpm and back to 1500, without runout."""
+    counts, info = swept
+    block = Block(counts=counts, first_sample=0, t_ns=0)
+    return RawRecording(rig=rig, daq=info, blocks=(block,), events=(), motor=(), source=response.source, complete=True)
+
+
+@pytest.fixture(scope="session")
+def tracked(recording: RawRecording) -> OrderTrackedResponse:
+    """The response tracked from `recording`."""
+    return track(recording)
 
 
 def make_missing(**changes: Any) -> MissingForce:

@@ -133,10 +133,15 @@ def _sweep(rig: RigConfig, folder: Path, case: Case, rate: float, bars: Progress
 def _report(rig: RigConfig, folder: Path, identification: Identification, diagnosis: Diagnosis, truth: Truth) -> None:
     response: OrderTrackedResponse = read_response(folder / "response.mcap")
     actual = expected_estimates(rig, truth)
-    write_report(
-        folder / "report.html", response=response, identification=identification, diagnosis=diagnosis, truth=actual
-    )
     recording = read_recording(folder / "run.mcap")
+    write_report(
+        folder / "report.html",
+        response=response,
+        identification=identification,
+        diagnosis=diagnosis,
+        truth=actual,
+        recording=recording,
+    )
     write_result_rrd(folder / "demo.rrd", response, identification, diagnosis, recording=recording)
     console.print(tables.identification_table(identification, actual))
     diagnose.show(diagnosis)

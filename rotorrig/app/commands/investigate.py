@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from rotorrig.acquisition.files import part_path, read_recording
+from rotorrig.acquisition.files import open_recording, part_path, read_recording
 from rotorrig.acquisition.sweep import plan_timeline
 from rotorrig.app.commands import diagnose, sweep
 from rotorrig.app.commands.simulate import SimulatedRig, truth_of
@@ -284,8 +284,10 @@ def _end(setup: Setup, journal: Journal, diagnosis: Diagnosis | None, ending: En
     if diagnosis is None:
         raise ConfigError(f"--budget: leaves no time for a first run of plan '{setup.menu.base}', want more")
     journal = _keep(setup, replace(journal, ending=ending.why))
-    first = read_response(setup.file("response.mcap", journal.judged[0].number))
-    write_report(setup.file(REPORT), response=first, diagnosis=diagnosis, journal=journal)
+    number = journal.judged[0].number
+    first = read_response(setup.file("response.mcap", number))
+    with open_recording(setup.file("run.mcap", number)) as recording:
+        write_report(setup.file(REPORT), response=first, diagnosis=diagnosis, journal=journal, recording=recording)
     if diagnosis.verdict is Verdict.NAMED and diagnose.extend_rig(setup.rig, diagnosis) is not None:
         diagnose.write_extended(setup.file(EXTENDED), setup.rig, diagnosis)
     return journal, diagnosis

@@ -1,15 +1,20 @@
 """Shaft centreline paths over a sweep, per probe plane, and bearing clearance circles, in micrometres."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data.curves import sweeps
+from rotorrig.app.plot_data.nice_numbers import nice
 from rotorrig.processing import OrderTrackedResponse, measured_planes
 from rotorrig.rig.config import RPM, UM, RigConfig, micrometres
 
 REFERENCE = 8  # rows, the slowest of a run: where its path begins
+SMALLEST_PATH = 5.0  # µm, half width of the axes where there is no circle: noise of less is no motion to look into
+SEEN = 0.02  # of the circle's radius: a shorter path would be a dot in it, and is drawn without it
+BEYOND = 1.12  # of the circle's radius: half width of the axes around it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,6 +85,22 @@ def clearance_circle(rig: RigConfig, position: float) -> ClearanceCircle | None:
     radius = bearing.clearance / 2 * UM
     x, y = {"-y": (0.0, radius), "-x": (radius, 0.0), "none": (0.0, 0.0)}[rig.gravity]
     return ClearanceCircle(bearing=bearing.name, radius=radius, x=x, y=y)
+
+
+def is_seen_in(paths: Sequence[CentrelinePath], circle: ClearanceCircle | None) -> bool:
+    """Return whether the paths are large enough to be seen in the circle, if there is one."""
+    return circle is not None and any(np.hypot(path.x, path.y).max() > SEEN * circle.radius for path in paths)
+
+
+def half_width(paths: Sequence[CentrelinePath], circle: ClearanceCircle | None) -> float:
+    """Return half the width [µm] of square axes that hold the paths: about the circle if they are seen in it, else 0.
+
+    >>> half_width([], None)
+    5.0
+    """
+    x, y, radius = (circle.x, circle.y, circle.radius) if circle and is_seen_in(paths, circle) else (0.0, 0.0, 0.0)
+    reach = max((float(np.abs([path.x - x, path.y - y]).max()) for path in paths), default=0.0)
+    return nice(max(1.05 * reach, BEYOND * radius, SMALLEST_PATH))
 
 
 def centreline_words(paths: tuple[CentrelinePath, ...]) -> str:

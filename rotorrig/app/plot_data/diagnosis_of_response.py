@@ -1,4 +1,4 @@
-"""The part of a diagnosis, or of an identification, that is about one response; whether a balance is of it."""
+"""The part of a diagnosis, or of an identification, that is about one response; whether a balance or a run is of it."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.acquisition import WaveformSource
 from rotorrig.balancing import Balance
 from rotorrig.identify import Diagnosis, Fit, Identification
 from rotorrig.processing import OrderTrackedResponse
@@ -66,6 +67,15 @@ def check_balance_of(balance: Balance, response: OrderTrackedResponse) -> None:
         raise DataError(
             f"balance: is of {balance.source.source_hash} ({balance.source.source}), the response is of "
             f"{response.source.source_hash} ({response.source.source}); want the first response it was made of"
+        )
+
+
+def check_run_of(recording: WaveformSource, response: OrderTrackedResponse) -> None:
+    """Raise DataError if `response` was tracked from another recording."""
+    if recording.source.source_hash != response.source.source_hash:
+        raise DataError(
+            f"run: is of {recording.source.source_hash} ({recording.source.source}), the response is of "
+            f"{response.source.source_hash} ({response.source.source}); want the run of this very response"
         )
 
 

@@ -4,13 +4,15 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 
-from rotorrig.app.plot_data import check_balance_of, fits_of, part_of
+from rotorrig.acquisition import WaveformSource
+from rotorrig.app.plot_data import check_balance_of, check_run_of, fits_of, part_of
 from rotorrig.app.report.first_screen import first_screen
 from rotorrig.app.report.frame import write_page
 from rotorrig.app.report.html import Section
 from rotorrig.app.report.sections import (
     balance_section,
     banner,
+    cascade_section,
     causes_section,
     centreline_section,
     conventions_section,
@@ -25,13 +27,14 @@ from rotorrig.app.report.sections import (
     residuals_section,
     rig_section,
     synchronous_section,
+    time_base_section,
     tracking_section,
     undetectable_section,
 )
 from rotorrig.balancing import Balance
 from rotorrig.identify import Diagnosis, Identification
 from rotorrig.investigation import Journal
-from rotorrig.processing import OrderTrackedResponse, SpeedWindow
+from rotorrig.processing import OrderTrackedResponse, SpeedWindow, Waveforms
 
 
 def write_report(
@@ -44,17 +47,21 @@ def write_report(
     journal: Journal | None = None,
     balance: Balance | None = None,
     operating: SpeedWindow | None = None,
+    recording: WaveformSource | None = None,
 ) -> None:
-    """Write the report of a response, with what is given: fit, diagnosis, investigation that led to it, balance.
+    """Write the report of a response, with what is given: fit, diagnosis, investigation that led to it, balance, run.
 
     `truth` maps names of estimates to the simulated rig's own values in SI, for a column beside the estimates;
     `operating` are the speeds whose margins to the critical speeds are told.
-    Raises DataError if fit, diagnosis or balance belong to another run, or the file cannot be written.
+    Raises DataError if fit, diagnosis, balance or recording belong to another run, or the file cannot be written.
     """
     identification = fits_of(identification, response) if identification else None
     diagnosis = part_of(diagnosis, response) if diagnosis else None
     if balance:
         check_balance_of(balance, response)
+    if recording:
+        check_run_of(recording, response)
+    waveforms = Waveforms(recording) if recording else None
     verdict = banner(identification, diagnosis)
     parts = (
         investigation_section(journal),
@@ -65,9 +72,11 @@ def write_report(
         nameplate_section(identification, diagnosis),
         identified_section(identification, diagnosis, truth=truth),
         balance_section(balance, response.rig),
+        cascade_section(response, waveforms),
         full_spectrum_section(response),
         other_orders_section(response),
         orbits_section(response),
+        time_base_section(response, waveforms),
         centreline_section(response),
         undetectable_section(identification, diagnosis),
         tracking_section(response),

@@ -1,6 +1,7 @@
 """Verbs that fit a model to a response and show the result: identify, diagnose, report, view."""
 
 import json
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -119,9 +120,13 @@ def report(
         str | None,
         typer.Option(help="'3000 rpm' or '2800 to 3200 rpm': tells the separation margins", show_default=False),
     ] = None,
+    run: Annotated[
+        Path | None, typer.Option(help="run.mcap the response was tracked from: adds its cascade and time bases")
+    ] = None,
     force: Force = False,
 ) -> None:
     """Write one self-contained HTML file: verdict, Bode plots, values, provenance."""
+    from rotorrig.acquisition.files import open_recording
     from rotorrig.app.report import write_report
     from rotorrig.balancing import read_balance
     from rotorrig.identify import read_diagnosis, read_identification
@@ -129,7 +134,7 @@ def report(
     from rotorrig.processing.files import read_response
 
     operating = SpeedWindow.read_one_or_two(operating_speed, where="--operating-speed") if operating_speed else None
-    with working(f"writing {out_file.name}"):
+    with working(f"writing {out_file.name}"), open_recording(run) if run else nullcontext() as recording:
         write_report(
             out_file,
             response=read_response(response),
@@ -137,6 +142,7 @@ def report(
             diagnosis=read_diagnosis(diagnosis) if diagnosis else None,
             balance=read_balance(balance) if balance else None,
             operating=operating,
+            recording=recording,
         )
     out.print(f"{out_file}: open in any browser")
 

@@ -1,16 +1,17 @@
 """Rerun views: a sweep as it runs, a file opened afterwards, and the result of a run as an .rrd file."""
 
 import tempfile
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
 from rotorrig.acquisition import RawRecording
-from rotorrig.acquisition.files import read_recording
+from rotorrig.acquisition.files import open_recording, read_recording
 from rotorrig.app.terminal import working
 from rotorrig.app.viewer.live import LiveView, open_stream
 from rotorrig.app.viewer.live.data import history_of, split_into_steps
 from rotorrig.app.viewer.live.parts import LiveScene
-from rotorrig.app.viewer.result import write_result_rrd
+from rotorrig.app.viewer.result import TIMELINE, read_opening, write_result_rrd
 from rotorrig.app.viewer.sinks import Sink, serve, show_files, to_file
 from rotorrig.balancing import read_balance
 from rotorrig.identify import read_diagnosis, read_identification
@@ -42,12 +43,15 @@ ALONE = Evidence()
 def view_file(path: Path, evidence: Evidence = ALONE, *, headless: bool | None = None) -> None:
     """Open run.mcap, response.mcap or an .rrd in the Rerun viewer; returns when that is closed.
 
+    A window opens a result at its largest misfit; in a web page nothing can move the cursor, and it plays on.
+
     Raises DataError for a file of another kind, or evidence that is not of it; RigError if the viewer does not start.
     """
     with tempfile.TemporaryDirectory(prefix="rotor-view-") as folder:
         with working(f"drawing {path.name}"):
             made = as_rrd(path, Path(folder), evidence)
-        with show_files([made], headless=headless) as viewer:
+        rpm = read_opening(made)
+        with show_files([made], cursor=None if rpm is None else (TIMELINE, rpm), headless=headless) as viewer:
             viewer.wait()
 
 
@@ -85,14 +89,11 @@ def as_rrd(path: Path, folder: Path, evidence: Evidence = ALONE) -> Path:
 
 
 def _write_result(out: Path, response: OrderTrackedResponse, evidence: Evidence) -> None:
-    write_result_rrd(
-        out,
-        response,
-        read_identification(evidence.fit) if evidence.fit else None,
-        read_diagnosis(evidence.diagnosis) if evidence.diagnosis else None,
-        read_recording(evidence.run) if evidence.run else None,
-        read_balance(evidence.balance) if evidence.balance else None,
-    )
+    identification = read_identification(evidence.fit) if evidence.fit else None
+    diagnosis = read_diagnosis(evidence.diagnosis) if evidence.diagnosis else None
+    balance = read_balance(evidence.balance) if evidence.balance else None
+    with open_recording(evidence.run) if evidence.run else nullcontext() as recording:
+        write_result_rrd(out, response, identification, diagnosis, recording, balance)
 
 
 def write_recording_rrd(path: Path, recording: RawRecording) -> None:

@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, Self
@@ -86,13 +86,36 @@ def serve(*, save: Path | None = None, headless: bool | None = None) -> Sink:
     return Sink(targets=(proxy(port), *file), address=address, viewer=process)
 
 
-def show_files(paths: Sequence[Path], *, headless: bool | None = None) -> Sink:
-    """Open .rrd files in a viewer on this machine; `Sink.wait` returns when it is closed. Raises RigError."""
+def show_files(paths: Sequence[Path], *, cursor: tuple[str, int] | None = None, headless: bool | None = None) -> Sink:
+    """Open .rrd files in a viewer on this machine; `Sink.wait` returns when it is closed. Raises RigError.
+
+    `cursor` is a timeline and the place on it a window opens at; without it, and in a web page, it plays to its end.
+    """
     dark = not has_display() if headless is None else headless
-    process, _, address = _start(headless=dark, files=paths)
+    process, port, address = _start(headless=dark, files=paths)
+    if cursor and not dark:
+        move_cursor(port, *cursor, alive=lambda: process.poll() is None)
     if address:
         err.print(f"no display here; open {address} in a browser, Ctrl-C ends it", highlight=False, soft_wrap=True)
     return Sink(targets=(), address=address, viewer=process)
+
+
+def move_cursor(port: int, timeline: str, place: int, *, alive: Callable[[], bool] = lambda: True) -> bool:
+    """Move the cursor of the viewer at `port` once it has that timeline; return whether it could, while it is `alive`.
+
+    What goes wrong is let go: the picture is there, at the end of its timeline.
+    """
+    from rerun.experimental import ViewerClient
+
+    deadline = time.monotonic() + START_SECONDS
+    while alive() and time.monotonic() < deadline:
+        with contextlib.suppress(Exception):  # the viewer is still starting, has been closed, or is of another version
+            viewer = ViewerClient.connect(proxy(port))
+            if any(line.name == timeline for shown in viewer.get_state().recordings for line in shown.timelines):
+                viewer.set_time(timeline, sequence=place, play_state="paused")
+                return True
+        time.sleep(0.1)
+    return False
 
 
 def has_display() -> bool:

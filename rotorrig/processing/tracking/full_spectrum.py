@@ -5,12 +5,11 @@ that is run through forward, in the rotor's own sense, for n > 0 and backward fo
 0-peak; a line of amplitude r is r/2 at +n and r/2 at -n. Whichever way the rotor turns, forward is positive.
 
 Two kinds: the order vectors of a response as forward and backward vectors with their covariance (`whirl_vectors`), and
-the amplitudes over all orders between -N and N, row by row, for a cascade (`full_spectra`).
+the amplitudes over all orders between -N and N of some turns (`full_spectrum`).
 
 Goldman and Muszynska, Application of full spectrum to rotating machinery diagnostics, Orbit 20 (1999), first quarter.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,15 +17,10 @@ from numpy.typing import NDArray
 
 from rotorrig.processing.probe_planes import Plane, measured_planes, whirl
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows import Rows
-from rotorrig.processing.shaft_angle import TURN, ShaftAngle
-from rotorrig.processing.tracking.synchronous_waveform import row_waveform
-from rotorrig.processing.waveform import Waveforms
+from rotorrig.processing.shaft_angle import TURN
 from rotorrig.processing.windows import hann
-from rotorrig.rig.config import RigConfig
 
 HIGHEST = 4.0  # order of a cascade on either side
-_FEWEST_POINTS = 16  # per turn
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,15 +39,6 @@ class WhirlVectors:
         """One standard deviation of the real or imaginary part, (row, 2) [m]: forward, backward."""
         variance = np.diagonal(self.covariance, axis1=1, axis2=2)
         return np.sqrt((variance[:, 0::2] + variance[:, 1::2]) / 2)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FullSpectra:
-    """Full spectrum of one plane in every row: a cascade."""
-
-    plane: Plane
-    order: NDArray[np.float64]  # (bin,) from -N to N, 1 / turns apart
-    amplitude: NDArray[np.float64]  # (row, bin) m 0-peak, radius of the circle; NaN where samples are missing
 
 
 def whirl_vectors(
@@ -84,29 +69,6 @@ def whirl_vectors(
     return tuple(vectors)
 
 
-def full_spectra(
-    waveforms: Waveforms,
-    shaft: ShaftAngle,
-    rows: Rows,
-    *,
-    rig: RigConfig,
-    progress: Callable[[float], None] | None = None,
-) -> tuple[FullSpectra, ...]:
-    """Return the full spectrum of every row and plane up to order HIGHEST; `progress` gets the fraction done."""
-    planes = list(measured_planes(rig, tuple(probe.name for probe in rig.probes)))
-    points = points_per_turn(HIGHEST)
-    order = _orders(rows.turns, HIGHEST)
-    amplitude = np.full((len(planes), len(rows.t), len(order)), np.nan)
-    for row in range(len(rows.t)):
-        x = row_waveform(waveforms, shaft, rows, row, points=points)
-        if x is not None:
-            for n, (plane, places) in enumerate(planes):
-                _, amplitude[n, row] = full_spectrum(x[:, places], plane=plane, rotation=rig.rotation, turns=rows.turns)
-        if progress:
-            progress((row + 1) / len(rows.t))
-    return tuple(FullSpectra(plane=plane, order=order, amplitude=amplitude[n]) for n, (plane, _) in enumerate(planes))
-
-
 def full_spectrum(
     x: NDArray[np.float64], *, plane: Plane, rotation: str, turns: int, highest: float = HIGHEST
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -123,11 +85,6 @@ def full_spectrum(
     spectrum = np.fft.fft(weight * (orbit - weight @ orbit))
     order = _orders(turns, highest)
     return order, np.abs(spectrum[np.round(order * turns).astype(int)])
-
-
-def points_per_turn(highest: float) -> int:
-    """Return the points per turn that hold the orders up to `highest`: resampling is exact to 0.35 of them."""
-    return max(_FEWEST_POINTS, 2 ** int(np.ceil(np.log2(highest / 0.35))))
 
 
 def _orders(turns: int, highest: float) -> NDArray[np.float64]:

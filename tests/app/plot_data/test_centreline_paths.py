@@ -5,7 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rotorrig.app.plot_data.centreline_paths import centreline_paths, clearance_circle
+from rotorrig.app.plot_data.centreline_paths import (
+    CentrelinePath,
+    ClearanceCircle,
+    centreline_paths,
+    clearance_circle,
+    half_width,
+    is_seen_in,
+)
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 
@@ -46,3 +53,16 @@ def test_the_circle_follows_gravity(rig: RigConfig) -> None:
 
 def test_there_is_no_circle_where_the_clearance_is_not_known(rig: RigConfig) -> None:
     assert clearance_circle(with_clearances(rig, 1e-4, 1e-4, None), 0.4) is None
+
+
+def test_axes_hold_the_circle_the_path_is_seen_in_else_the_path() -> None:
+    x = np.linspace(0.0, 30.0, 50)
+    path = CentrelinePath(plane="here", position=0.1, run="up", direction=1, rpm=100 * x, x=x, y=0 * x)
+    seen = ClearanceCircle(bearing="left", radius=100.0, x=0.0, y=100.0)
+    assert is_seen_in([path], seen)
+    assert half_width([path], seen) == 150.0  # 112, rounded up
+    wide = dataclasses.replace(seen, radius=2000.0, y=2000.0)
+    assert not is_seen_in([path], wide)
+    assert half_width([path], wide) == half_width([path], None) == 40.0  # 31.5, rounded up
+    still = dataclasses.replace(path, x=x / 100)
+    assert half_width([still], None) == 5.0, "noise is not blown up to the size of the picture"

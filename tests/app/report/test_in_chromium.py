@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.report.balance_sheet import write_balance_sheet
 from rotorrig.app.report.page import write_report
 from rotorrig.balancing import Balance
@@ -245,13 +246,8 @@ def test_after_printing_the_plots_are_as_wide_as_before(tab: Tab, report: Path) 
 
 @pytest.mark.skipif(AXE is None, reason="needs axe-core-python")
 def test_a_checker_of_accessibility_finds_nothing(tab: Tab, report: Path) -> None:
-    assert AXE is not None and AXE.origin is not None
     opened(tab, report)
-    tab.shows = None  # it is not left as it is
-    # what is drawn in a plot is hidden from screen readers, and the contrast of its letters is measured above
-    tab.run("document.querySelectorAll('.main-svg').forEach((svg) => svg.replaceChildren())")
-    tab.run("document.querySelectorAll('details').forEach((details) => (details.open = true))")
-    tab.run(Path(AXE.origin).with_name("axe.min.js").read_text(encoding="utf-8") + "; 0")
+    prepare_for_axe(tab)
     found = {"structure": judged(tab, "document", "rules: { 'color-contrast': { enabled: false } }")}
     places = "[['header'], ['#verdict'], ['#glance'], ['.contents'], ['#causes'], ['#identified'], ['footer']]"
     for name, look in LOOKS.items():
@@ -260,6 +256,33 @@ def test_a_checker_of_accessibility_finds_nothing(tab: Tab, report: Path) -> Non
             tab, f"{{ include: {places} }}", "runOnly: ['color-contrast', 'scrollable-region-focusable']"
         )
     assert [name for name, broken in found.items() if broken] == [], found
+
+
+@pytest.mark.skipif(AXE is None, reason="needs axe-core-python")
+def test_what_a_recording_adds_is_drawn_fits_a_telephone_and_is_accessible(
+    tab: Tab, tmp_path: Path, tracked: OrderTrackedResponse, recording: RawRecording
+) -> None:
+    write_report(tmp_path / "recorded.html", response=tracked, recording=recording)
+    opened(tab, tmp_path / "recorded.html", width=390)
+    maps = "[...document.querySelectorAll('.canvas[id^=cascade-]')].map(c => c.querySelectorAll('image').length)"
+    assert tab.run(maps) == [1] * 4
+    assert tab.run("document.querySelectorAll('#time-base svg').length") == 18  # three each of three speeds, two planes
+    assert tab.complaints == []
+    assert tab.run("document.documentElement.scrollWidth") <= 390
+    prepare_for_axe(tab)
+    assert judged(tab, "document", "rules: { 'color-contrast': { enabled: false } }") == []
+    places = "{ include: [['#cascade'], ['#time-base']] }"
+    assert judged(tab, places, "runOnly: ['color-contrast', 'scrollable-region-focusable']") == []
+
+
+def prepare_for_axe(tab: Tab) -> None:
+    """Unfold the page, take out what is drawn in its plots, and load the checker."""
+    assert AXE is not None and AXE.origin is not None
+    tab.shows = None  # it is not left as it is
+    # what is drawn in a plot is hidden from screen readers, and the contrast of its letters is measured above
+    tab.run("document.querySelectorAll('.main-svg').forEach((svg) => svg.replaceChildren())")
+    tab.run("document.querySelectorAll('details').forEach((details) => (details.open = true))")
+    tab.run(Path(AXE.origin).with_name("axe.min.js").read_text(encoding="utf-8") + "; 0")
 
 
 def judged(tab: Tab, where: str, options: str) -> list[tuple[str, list[str]]]:

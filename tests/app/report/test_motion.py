@@ -49,6 +49,19 @@ def test_the_way_is_said_as_a_share_of_the_clearance_where_that_is_known(respons
     assert ["1x, 1y at 250.5 mm, up", "20 µm", "480", "3600", "40.0% (left B)"] in Rows(section.html).rows  # of 50 µm
 
 
+def test_the_scale_and_the_clearance_are_said(response: OrderTrackedResponse) -> None:
+    section = centreline_section(raised(response))
+    assert section is not None
+    assert ">1x, 1y at 250.5 mm: axes ±30 µm, no bearing clearance in the config</figcaption>" in section.html
+    assert ">2x, 2y at 380.5 mm: axes ±30 µm, no" in section.html, "one scale, though this plane does not move"
+    for clearance, words in ((100e-6, "radius 50 µm<"), (5e-3, "radius 2500 µm, far outside<")):
+        bearings = tuple(b.model_copy(update={"clearance": clearance}) for b in response.rig.bearings)
+        known = dataclasses.replace(raised(response), rig=response.rig.model_copy(update={"bearings": bearings}))
+        section = centreline_section(known)
+        assert section is not None
+        assert f"clearance of left B: {words}/figcaption>" in section.html
+
+
 def test_single_probes_have_gaps_and_no_centreline(response: OrderTrackedResponse) -> None:
     parallel = tuple(probe.model_copy(update={"angle": 0.0}) for probe in response.rig.probes)
     section = centreline_section(

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.plot_data.curves import curves
 from rotorrig.app.plot_data.diagnosis_of_response import part_of
 from rotorrig.app.report.page import write_report
@@ -106,6 +107,27 @@ def test_what_comes_nearest_is_no_finding_and_a_reading_has_no_pictures(
     page = Page(path.read_text())
     assert "What comes nearest, which is no finding" in [words for where, words in page.words if where == "h2"]
     assert not {"missing-speed", "missing-motion"} & set(page.ids)
+
+
+def test_with_its_recording_a_report_has_a_cascade_and_time_bases(
+    path: Path, tracked: OrderTrackedResponse, recording: RawRecording
+) -> None:
+    write_report(path, response=tracked, recording=recording)
+    page = Page(path.read_text())
+    said = page.said()
+    assert {"cascade", "time-base", "cascade-0", "cascade-3"} <= set(page.ids)
+    assert page.unlabelled == []
+    assert len(page.ids) == len(set(page.ids))
+    assert "1x, 1y at 250.5 mm, up run. Largest: 18" in said, "187.5 um, the critical speed passed at 260 rpm/s"
+    assert "up 0.47 s, which resolve 3.2 Hz" in said  # 1 / sqrt(4.4 Hz/s), 1.5 / T
+    assert "3000 rpm, top speed : frames" in said
+    other = dataclasses.replace(recording, source=dataclasses.replace(recording.source, source_hash="22" * 8))
+    with pytest.raises(DataError, match="want the run of this very response"):
+        write_report(path, response=tracked, recording=other)
+
+
+def test_without_a_recording_nothing_is_said_of_it(page: Page) -> None:
+    assert not {"cascade", "time-base"} & set(page.ids)
 
 
 @pytest.fixture

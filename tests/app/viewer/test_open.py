@@ -12,7 +12,8 @@ from rotorrig.acquisition.recording import Event, RawRecording
 from rotorrig.app.viewer.live.parts.blueprint import TABS
 from rotorrig.app.viewer.open import LiveView, as_rrd, view_file, write_recording_rrd
 from rotorrig.app.viewer.plots.axes import Panel
-from rotorrig.app.viewer.sinks import serve, to_file
+from rotorrig.app.viewer.result.opening import TIMELINE, read_opening
+from rotorrig.app.viewer.sinks import free_port, move_cursor, serve, to_file
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
@@ -90,6 +91,24 @@ def test_a_served_viewer_listens_on_this_machine_alone_and_ends_with_its_sink(tm
         assert {port.laddr.ip for port in ports} == {"127.0.0.1"}
         assert sink.address.startswith("http://127.0.0.1:")
     assert sink.viewer.poll() is not None
+
+
+@pytest.mark.viewer
+@needs_vulkan
+def test_the_cursor_of_a_viewer_is_moved_where_a_file_says(tmp_path: Path, response: OrderTrackedResponse) -> None:
+    write_response(tmp_path / "response.mcap", response)
+    made = as_rrd(tmp_path / "response.mcap", tmp_path)
+    rpm, port = read_opening(made), free_port()
+    assert rpm == pytest.approx(2230, abs=30)  # no diagnosis: the largest vector
+    with headless_viewer(port=port) as viewer:
+        viewer.open(str(made))
+        assert move_cursor(port, TIMELINE, rpm)
+        (shown,) = viewer.get_state().recordings
+        assert (shown.current_timeline, shown.current_time) == (TIMELINE, rpm)
+
+
+def test_the_cursor_of_a_viewer_that_was_closed_is_let_go() -> None:
+    assert not move_cursor(free_port(), TIMELINE, 2230, alive=lambda: False)
 
 
 @pytest.mark.campaign

@@ -10,10 +10,7 @@ from rotorrig.acquisition.recording import RawRecording
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.probe_planes import planes
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.rows.rows import lay_rows
-from rotorrig.processing.shaft_angle.read_keyphasor import read_keyphasor
-from rotorrig.processing.tracking.full_spectrum import full_spectra, full_spectrum, points_per_turn, whirl_vectors
-from rotorrig.processing.waveform import Waveforms
+from rotorrig.processing.tracking.full_spectrum import full_spectrum, whirl_vectors
 from rotorrig.rig.config.description import RigConfig
 from tests.processing.synthetic import chirp
 from tests.processing.test_probe_planes import rig_with
@@ -85,21 +82,16 @@ def test_compensated_vectors_are_less_the_slow_roll(response: OrderTrackedRespon
     np.testing.assert_allclose(np.abs(second.forward), 40e-6, atol=1e-8)
 
 
-def test_a_cascade_has_every_circle_at_its_order(recording: RawRecording) -> None:
-    waveforms = Waveforms(recording)
-    shaft = read_keyphasor(waveforms)
-    rows = lay_rows(shaft, [(0.0, 20.0)], turns=8)
-    told: list[float] = []
-    first, second = full_spectra(waveforms, shaft, rows, rig=recording.rig, progress=told.append)
-    assert first.order[0] == -4 and first.order[-1] == 4 and len(first.order) == 65
-    assert told[-1] == 1.0
+def test_every_circle_stands_at_its_order(rk4: RigConfig) -> None:
+    w = orbit(2 * np.pi * np.arange(8 * 16) / 16)
+    read = np.stack([w.real, w.imag], axis=1)
+    plane = planes(rig_with(rk4, (0.0, 90.0), "x-to-y"))[0]
+    found, amplitude = full_spectrum(read, plane=plane, rotation="x-to-y", turns=8)
+    assert found[0] == -4 and found[-1] == 4 and len(found) == 65
     for order, radius in CIRCLES.items():
-        at = int(np.argmin(np.abs(first.order - order)))
-        np.testing.assert_allclose(first.amplitude[:, at], radius, atol=1e-8)
-        np.testing.assert_allclose(second.amplitude[:, at], 2 * radius, atol=2e-8)
-    near = np.min(np.abs(first.order[:, None] - [0, *CIRCLES]), axis=1) <= 1 / 8
-    assert first.amplitude[:, ~near].max() < 1e-8
-    assert first.amplitude[:, first.order == 0].max() < 1e-12
+        assert amplitude[found == order] == pytest.approx(radius)
+    near = np.min(np.abs(found[:, None] - [0, *CIRCLES]), axis=1) <= 1 / 8
+    assert amplitude[~near].max() < 1e-12
 
 
 @pytest.mark.parametrize(("rotation", "way"), [("x-to-y", 1), ("y-to-x", -1)])
@@ -114,20 +106,3 @@ def test_forward_is_positive_whichever_way_the_rotor_turns(
     order, amplitude = full_spectrum(read, plane=planes(rig)[0], rotation=rotation, turns=8, highest=2.0)
     assert amplitude[order == 1.0] == pytest.approx(2.0)
     assert amplitude[order == -1.0] == pytest.approx(1.0)
-
-
-def test_rows_without_samples_have_no_spectrum(record: Callable[..., RawRecording]) -> None:
-    t = np.arange(int(20 * RATE)) / RATE
-    theta = chirp(t, start=600 * RPM, rate=0.0, theta_0=-0.3)
-    x = np.tile(20e-6 * np.cos(theta)[:, None], 4)
-    recording = record(theta, x, rate=RATE, marks=[(0.0, "up")], blocks=[(0, 50_000), (50_500, 100_000)])
-    waveforms = Waveforms(recording)
-    shaft = read_keyphasor(waveforms)
-    first, _ = full_spectra(waveforms, shaft, lay_rows(shaft, [(0.0, 20.0)], turns=8), rig=recording.rig)
-    missing = np.isnan(first.amplitude).all(axis=1)
-    assert missing.sum() == 1 and np.isfinite(first.amplitude[~missing]).all()
-    np.testing.assert_allclose(first.amplitude[~missing][:, first.order == 1.0], 20e-6 / np.sqrt(2), rtol=1e-6)
-
-
-def test_points_per_turn_hold_the_highest_order() -> None:
-    assert [points_per_turn(highest) for highest in (1.0, 4.0, 10.0)] == [16, 16, 32]

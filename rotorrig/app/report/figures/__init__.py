@@ -2,6 +2,7 @@
 
 from rotorrig.app.report.figures.amplitudes import order_amplitudes
 from rotorrig.app.report.figures.bode import bode
+from rotorrig.app.report.figures.cascade import cascade
 from rotorrig.app.report.figures.centreline import centreline
 from rotorrig.app.report.figures.correction import correction_polar
 from rotorrig.app.report.figures.maps import full_spectrum_map, residual_map, whirl_map
@@ -12,6 +13,7 @@ from rotorrig.app.report.figures.search_map import search_map
 
 __all__ = [
     "bode",
+    "cascade",
     "centreline",
     "correction_polar",
     "force_over_motion",

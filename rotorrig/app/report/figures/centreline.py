@@ -6,28 +6,28 @@ from html import escape
 import numpy as np
 import plotly.graph_objects as go
 
-from rotorrig.app.plot_data import CentrelinePath, ClearanceCircle
+from rotorrig.app.plot_data import CentrelinePath, ClearanceCircle, is_seen_in
 from rotorrig.app.report.figures.look import COLOURS, SHEER, apply_look
 
 MOST = 250  # points of a path
-SEEN = 0.02  # of the circle's radius: a shorter path would be a dot in it, and is drawn without it
+HEIGHT = 420  # px
 
 
-def centreline(paths: Sequence[CentrelinePath], circle: ClearanceCircle | None = None) -> go.Figure:
-    """Return the centreline of every run in one plane, x right and y up at one scale."""
+def centreline(paths: Sequence[CentrelinePath], circle: ClearanceCircle | None = None, *, reach: float) -> go.Figure:
+    """Return the centreline of every run in one plane, x right and y up, on square axes of `reach` [µm] either way.
+
+    They stand about the circle, or about where the path begins if it would be a dot in it.
+    """
     figure = go.Figure()
-    if circle is not None and seen_in(paths, circle):
+    x = y = 0.0
+    if circle is not None and is_seen_in(paths, circle):
+        x, y = circle.x, circle.y
         _draw_circle(figure, circle)
     for path in paths:
         _draw(figure, path)
-    figure.update_xaxes(title="x, µm")
-    figure.update_yaxes(title="y, µm", scaleanchor="x")
-    return apply_look(figure, height=380)
-
-
-def seen_in(paths: Sequence[CentrelinePath], circle: ClearanceCircle) -> bool:
-    """Return whether the paths are large enough to be seen in the circle."""
-    return any(np.hypot(path.x, path.y).max() > SEEN * circle.radius for path in paths)
+    figure.update_xaxes(title="x, µm", range=[x - reach, x + reach], constrain="domain")
+    figure.update_yaxes(title="y, µm", range=[y - reach, y + reach], constrain="domain", scaleanchor="x")
+    return apply_look(figure, height=HEIGHT)
 
 
 def _draw_circle(figure: go.Figure, circle: ClearanceCircle) -> None:

@@ -18,6 +18,7 @@ from rotorrig.app.report.sections.investigation import investigation_section
 from rotorrig.app.report.sections.missing import missing_section
 from rotorrig.app.report.sections.motion import centreline_section, orbits_section
 from rotorrig.app.report.sections.orders import full_spectrum_section, other_orders_section
+from rotorrig.app.report.sections.recording import cascade_section, time_base_section
 from rotorrig.app.report.sections.residuals import residuals_section
 from rotorrig.app.report.sections.rig import rig_section
 from rotorrig.app.report.sections.source import conventions_section, provenance_section
@@ -30,6 +31,7 @@ __all__ = [
     "amplitude_plot",
     "balance_section",
     "banner",
+    "cascade_section",
     "causes_section",
     "centreline_section",
     "compared",
@@ -50,6 +52,7 @@ __all__ = [
     "residuals_section",
     "rig_section",
     "synchronous_section",
+    "time_base_section",
     "tracking_section",
     "undetectable_section",
     "vibration",

@@ -11,6 +11,8 @@ from rotorrig.app.plot_data import (
     centreline_paths,
     centreline_words,
     clearance_circle,
+    half_width,
+    is_seen_in,
 )
 from rotorrig.app.report.drawings import orbit_pictures
 from rotorrig.app.report.figures import centreline
@@ -40,14 +42,18 @@ def centreline_section(response: OrderTrackedResponse) -> Section | None:
         return None
     paths = centreline_paths(response)
     plots, rows = [], []
-    for i, (plane, mine) in enumerate(_by_plane(paths).items()):
-        circle = clearance_circle(response.rig, mine[0].position)
+    planes = _by_plane(paths)
+    circles = {plane: clearance_circle(response.rig, mine[0].position) for plane, mine in planes.items()}
+    reach = max((half_width(mine, circles[plane]) for plane, mine in planes.items()), default=0.0)
+    for i, (plane, mine) in enumerate(planes.items()):
+        circle = circles[plane]
+        scale = f"{plane}: axes ±{reach:g} µm, {_clearance(mine, circle)}"
         plots.append(
             plot(
                 f"mean-position-{i}",
-                centreline(mine, circle),
-                caption=plane,
-                label=f"Mean position of the shaft at {plane}. {centreline_words(tuple(mine))}",
+                centreline(mine, circle, reach=reach),
+                caption=scale,
+                label=f"Mean position of the shaft at {scale}. {centreline_words(tuple(mine))}",
                 share=0.5,
             )
         )
@@ -65,6 +71,14 @@ def _by_plane(paths: tuple[CentrelinePath, ...]) -> dict[str, list[CentrelinePat
     for path in paths:
         planes.setdefault(path.plane, []).append(path)
     return planes
+
+
+def _clearance(paths: list[CentrelinePath], circle: ClearanceCircle | None) -> str:
+    """Say what the clearance is, and why no circle shows it."""
+    if circle is None:
+        return "no bearing clearance in the config"
+    words = f"clearance of {circle.bearing}: radius {micrometres(circle.radius / UM)} µm"
+    return words if is_seen_in(paths, circle) else f"{words}, far outside"
 
 
 def _path_row(path: CentrelinePath, circle: ClearanceCircle | None) -> list[str]:
@@ -92,8 +106,8 @@ def _gaps(response: OrderTrackedResponse) -> str:
 
 
 _CIRCLE = (
-    "The circle is the clearance of the nearest bearing, with the shaft at its bottom at the lowest speed; it is left "
-    "out where the path would be a dot in it."
+    "The circle is the clearance of the nearest bearing, with the shaft at its bottom at the lowest speed; where the "
+    "path would be a dot in it the axes are about the path. All planes have one scale."
 )
 _NOTE = (
     "Mean shaft position relative to the slowest rows. A linear rotor vibrates about one position at every "

@@ -7,11 +7,10 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data import nice
-from rotorrig.app.viewer.plots.axes import LIFT, Panel, step_for
+from rotorrig.app.viewer.plots.axes import Colour, Panel, legend, step_for
 
 WIDTH, HEIGHT = 186.0, 80.0
 FLATTEST = 1.0  # µm: the axis spans no less
-Colour = tuple[int, int, int]
 Line = tuple[str, NDArray[np.float64], NDArray[np.float64], Colour]  # name, rpm (point,), µm (point,), colour
 
 
@@ -24,7 +23,7 @@ class SpeedPicture:
         self._title = title
         self._fastest = fastest
 
-    def draw(self, lines: Sequence[Line], *, legend: Sequence[tuple[str, Colour]] = ()) -> None:
+    def draw(self, lines: Sequence[Line], *, names: Sequence[tuple[str, Colour]] = ()) -> None:
         """Draw the lines, NaN breaks one, and words in their colours."""
         finite = [y[np.isfinite(y)] for _, _, y, _ in lines]
         low = min((float(y.min()) for y in finite if len(y)), default=0.0)
@@ -40,11 +39,8 @@ class SpeedPicture:
         for name, rpm, y, colour in lines:
             strips = rr.LineStrips2D(panel.strips(rpm, y), colors=colour, radii=-1.0, draw_order=2.0)
             self._stream.log(f"{self._path}/{name}", strips, static=True)
-        self._draw_legend(legend)
+        self._draw_legend(names)
 
-    def _draw_legend(self, legend: Sequence[tuple[str, Colour]]) -> None:
-        places = [(WIDTH * (i + 0.5) / len(legend), HEIGHT + 20.0 - LIFT) for i in range(len(legend))]
-        words = rr.Points2D(
-            places, labels=[label for label, _ in legend], colors=[c for _, c in legend], show_labels=True, radii=-0.01
-        )
-        self._stream.log(f"{self._path}/legend", words, static=True)
+    def _draw_legend(self, words: Sequence[tuple[str, Colour]]) -> None:
+        places = [(WIDTH * (i + 0.5) / len(words), HEIGHT + 20.0) for i in range(len(words))]
+        self._stream.log(f"{self._path}/legend", legend(words, places), static=True)

@@ -3,13 +3,16 @@
 A panel is a rectangle of a Spatial2DView, whose y points down and whose two axes share one scale.
 """
 
+import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import rerun as rr
 from numpy.typing import ArrayLike, NDArray
+
+from rotorrig.app.viewer.plots.words import displayable
 
 INK = (200, 206, 214)
 SOFT = (120, 128, 138)
@@ -19,6 +22,8 @@ DOWN = (242, 142, 43)
 MODEL_UP = (158, 208, 244)
 MODEL_DOWN = (250, 200, 140)
 MARK = (240, 240, 240)
+LINE_APART = 7.5  # view units between the lines of a legend
+Colour = tuple[int, int, int]
 LIFT = 5.5  # view units: the viewer hangs a label below its point; this brings it back to the point's height
 
 
@@ -113,3 +118,29 @@ def texts(labels: Iterable[tuple[float, float, str]]) -> rr.Points2D:
         radii=-0.01,
         colors=INK,
     )
+
+
+def legend(entries: Sequence[tuple[str, Colour]], places: Iterable[tuple[float, float]]) -> rr.Points2D:
+    """Return words in their colours, centred at places (x, y) of a view."""
+    return rr.Points2D(
+        [(x, y - LIFT) for (x, y), _ in zip(places, entries, strict=False)],
+        labels=[displayable(words) for words, _ in entries],
+        colors=[colour for _, colour in entries],
+        show_labels=True,
+        radii=-0.01,
+    )
+
+
+def below_one_another(x: float, y: float) -> Iterator[tuple[float, float]]:
+    """Yield places for lines of a legend, the first at x, y of a view."""
+    return ((x, y + LINE_APART * i) for i in itertools.count())
+
+
+def pale(colour: Colour) -> Colour:
+    """Return a colour half-way to white: that of the same thing while the speed falls.
+
+    >>> pale((100, 0, 255))
+    (177, 127, 255)
+    """
+    red, green, blue = ((channel + 255) // 2 for channel in colour)
+    return red, green, blue

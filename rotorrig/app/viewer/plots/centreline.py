@@ -11,11 +11,9 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data import nice
+from rotorrig.app.plot_data import BEYOND, SMALLEST_PATH, nice
 from rotorrig.app.viewer.plots.axes import INK, MARK, SOFT, Panel, step_for
 
-SMALLEST_PATH = 5.0  # µm, half width of the axes where there is no circle
-BEYOND = 1.12  # of the circle's radius: half width of the axes around it
 ROUND = np.radians(np.linspace(0.0, 360.0, 181))
 UPWARDS = {"-y": (0.0, 1.0), "-x": (1.0, 0.0), "none": (0.0, 0.0)}  # by the config's `gravity`
 Colour = tuple[int, int, int]

@@ -114,7 +114,7 @@ class RotorPicture:
         base = [[(0, 0, floor), (self._rig.shaft.length, 0, floor)]]
         self._log("rig/bearings", rings, static=True)
         self._log("rig/ground", rr.LineStrips3D([*feet, *base], colors=GROUND, radii=-1.5), static=True)
-        labels = _merge_labels([(b.position, b.name) for b in bearings], apart=0.06 * self._rig.shaft.length)
+        labels = merge_labels([(b.position, b.name) for b in bearings], apart=0.06 * self._rig.shaft.length)
         self._labels("bearings", [(at, 0, floor) for at, _ in labels], [words for _, words in labels], SOFT)
         tops = [(d.position, 0, 1.15 * d.diameter / 2) for d in self._rig.disks]
         self._labels("disks", tops, [d.name for d in self._rig.disks], INK)
@@ -183,7 +183,7 @@ def sense_colour(forward: float) -> Colour:
     return FORWARD if forward > 0 else BACKWARD
 
 
-def _merge_labels(named: Sequence[tuple[float, str]], *, apart: float) -> list[tuple[float, str]]:
+def merge_labels(named: Sequence[tuple[float, str]], *, apart: float) -> list[tuple[float, str]]:
     """Return places and names, in order along the shaft, those nearer than `apart` [m] joined at their middle."""
     groups: list[list[tuple[float, str]]] = []
     for at, name in sorted(named):

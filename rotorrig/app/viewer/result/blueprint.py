@@ -6,14 +6,18 @@ import numpy as np
 import rerun.blueprint as rrb
 
 from rotorrig.app.viewer.blueprint import BACKGROUND, BODE_BOUNDS, ORBIT_BOUNDS, POLAR_BOUNDS, flat, make_blueprint
+from rotorrig.app.viewer.result.cascade import map_paths
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.app.viewer.result.missing import PATH
 from rotorrig.balancing import Balance
+from rotorrig.identify.discovery import MissingForce
 from rotorrig.processing import Plane
 
 SPEED_BOUNDS = rrb.VisualBounds2D(x_range=(-18, 194), y_range=(-11, 110))
 MAP_BOUNDS = rrb.VisualBounds2D(x_range=(-34, 206), y_range=(-13, 124))
 PLAYED = 240.0  # rpm, or degrees of shaft angle, per second
+PLACE_BOUNDS = rrb.VisualBounds2D(x_range=(-18, 194), y_range=(-11, 124))
+SPECTRA_BOUNDS = rrb.VisualBounds2D(x_range=(-20, 196), y_range=(-20, 152))
 CASCADE_BOUNDS = rrb.VisualBounds2D(x_range=(-18, 198), y_range=(-11, 117))
 
 
@@ -24,12 +28,12 @@ def result_layout(result: Result, modes: Sequence[str]) -> rrb.Blueprint:
     tabs = [_overview(result, planes), _grid("Bode", [_bode(name) for name in probes]), _grid("Polar", polars)]
     if planes and 0.0 in result.response.orders:
         tabs.append(_centreline(planes))
-    if planes:
-        tabs.append(_spectrum(planes))
+    if planes or result.spectra:
+        tabs.append(_spectrum(result, planes))
     if result.balance is not None:
         tabs.append(_balance(result.balance))
     if result.diagnosis is not None and result.diagnosis.missing is not None:
-        tabs.append(_missing())
+        tabs.append(_missing(result.diagnosis.missing))
     tabs.append(_rotor(modes, result.response.rig.shaft.length))
     return make_blueprint(rrb.Tabs(*tabs, active_tab=0), timeline="speed_rpm", fps=PLAYED)
 
@@ -75,15 +79,17 @@ def _centreline(planes: Sequence[Plane]) -> rrb.Container:
     return rrb.Vertical(rrb.Horizontal(*paths), gap, row_shares=[1.4, 1], name="Centreline")
 
 
-def _spectrum(planes: Sequence[Plane]) -> rrb.Container:
-    rows = [
-        rrb.Horizontal(
-            flat(f"cascade/{i}", f"Full spectrum over speed: {plane.name}", CASCADE_BOUNDS),
-            flat(f"whirl/{i}", f"Forward and backward whirl: {plane.name}", SPEED_BOUNDS),
-        )
-        for i, plane in enumerate(planes)
-    ]
-    return rrb.Vertical(*rows, name="Spectrum")
+def _spectrum(result: Result, planes: Sequence[Plane]) -> rrb.Container:
+    """Return a row per place: its cascades, by frequency of a recording, else by order; and its whirl, if a plane."""
+    rows: dict[str, list[rrb.View]] = {}
+    for path, one in zip(map_paths(result.spectra), result.spectra, strict=True):
+        rows.setdefault(one.place, []).append(flat(path, f"Cascade {one.run}: {one.place}", SPECTRA_BOUNDS))
+    for i, plane in enumerate(planes):
+        row = rows.setdefault(plane.name, [])
+        if not row:
+            row.append(flat(f"cascade/{i}", f"Full spectrum over speed: {plane.name}", CASCADE_BOUNDS))
+        row.append(flat(f"whirl/{i}", f"Forward and backward whirl: {plane.name}", SPEED_BOUNDS))
+    return rrb.Vertical(*(rrb.Horizontal(*row) for row in rows.values()), name="Spectrum")
 
 
 def _balance(balance: Balance) -> rrb.Container:
@@ -94,10 +100,18 @@ def _balance(balance: Balance) -> rrb.Container:
     return rrb.Horizontal(words, pictures, column_shares=[1, 2], name="Balance")
 
 
-def _missing() -> rrb.Container:
+def _missing(missing: MissingForce) -> rrb.Container:
     words = rrb.TextDocumentView(origin=f"{PATH}/words", name="What is missing")
-    force = flat(f"{PATH}/force", "The missing force over speed", SPEED_BOUNDS)
-    return rrb.Horizontal(words, force, column_shares=[1, 2], name="Missing force")
+    pictures: list[rrb.View | rrb.Container] = []
+    if missing.places.size:
+        pictures.append(flat(f"{PATH}/place", "Its place along the shaft", PLACE_BOUNDS))
+    if missing.over_speed is not None:
+        force = flat(f"{PATH}/force", "The missing force over speed", SPEED_BOUNDS)
+        motion = flat(f"{PATH}/motion", "The missing force over the motion of its place", SPEED_BOUNDS)
+        pictures.append(rrb.Horizontal(force, motion))
+    if not pictures:
+        return rrb.Vertical(words, name="Missing force")
+    return rrb.Horizontal(words, rrb.Vertical(*pictures), column_shares=[1, 2.4], name="Missing force")
 
 
 def _rotor(modes: Sequence[str], length: float) -> rrb.Container:

@@ -9,7 +9,6 @@ from rotorrig.app.viewer.plots import MARK, MODEL_UP, SOFT, UP, OrbitPicture, Pa
 from rotorrig.app.viewer.result.curves import CentrelineTrack
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.app.viewer.result.rotor import RotorScene
-from rotorrig.processing import Waveforms
 from rotorrig.rig.config import RPM, UM
 
 SPEEDS = 60
@@ -25,7 +24,6 @@ def rows_to_show(result: Result) -> list[int]:
 def draw_by_speed(
     stream: rr.RecordingStream,
     result: Result,
-    waveforms: Waveforms | None,
     *,
     bodes: list[Panels],
     polars: list[PolarPicture],
@@ -38,7 +36,7 @@ def draw_by_speed(
         rpm = float(result.response.omega[row] * RPM)
         stream.set_time("speed_rpm", sequence=round(rpm))
         for (plane, columns), orbits_of in zip(result.planes, pictures, strict=True):
-            orbits, dots = _orbits(result, row, plane, columns, waveforms)
+            orbits, dots = _orbits(result, row, plane, columns)
             orbits_of.draw(orbits, dots)
         for name, panels in zip(result.response.probes, bodes, strict=True):
             cursor = [panel.place(np.array([rpm, rpm]), np.array(panel.y)) for panel in panels]
@@ -54,7 +52,7 @@ def draw_by_speed(
 
 
 def _orbits(
-    result: Result, row: int, plane: Plane, columns: list[int], waveforms: Waveforms | None
+    result: Result, row: int, plane: Plane, columns: list[int]
 ) -> tuple[list[tuple[str, NDArray[np.float64], tuple[int, int, int]]], NDArray[np.float64]]:
     """Return the orbits of a plane at a row and their keyphasor dots, µm; the plainest lies at the bottom."""
     xy = orbit(plane, result.z[row, columns]) * UM
@@ -64,18 +62,18 @@ def _orbits(
     if slow_roll_known(result.response):
         raw = orbit(plane, result.response.order(1.0)[row, columns]) * UM
         orbits.insert(0, ("raw-1X", raw, RAW))
-    if waveforms and (recorded := _recorded_orbit(waveforms, result, row, plane)) is not None:
+    if (recorded := _recorded_orbit(result, row, plane)) is not None:
         orbits.insert(0, ("recorded", recorded, RECORDED))
     return orbits, xy[:1]
 
 
-def _recorded_orbit(waveforms: Waveforms, result: Result, row: int, plane: Plane) -> NDArray[np.float64] | None:
+def _recorded_orbit(result: Result, row: int, plane: Plane) -> NDArray[np.float64] | None:
     """Return two turns of the recorded orbit (point, 2) [µm] about its mean at a row's time; None where unknown."""
     pulses = result.response.keyphasor_t
     after = np.searchsorted(pulses, result.response.t[row])
-    if not 1 <= after < len(pulses) - 1:
+    if result.waveforms is None or not 1 <= after < len(pulses) - 1:
         return None
-    stretch = waveforms.between(*pulses[[after - 1, after + 1]])
+    stretch = result.waveforms.between(*pulses[[after - 1, after + 1]])
     if stretch is None:
         return None
     names = [probe.name for probe in result.response.rig.probes]

@@ -1,51 +1,37 @@
-"""Full-spectrum cascades of a result: from the recording if given, else from the order vectors."""
+"""Cascades of a result: by frequency from the recording if given, else by order from the order vectors."""
 
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from rotorrig.app.plot_data import representative_rows
-from rotorrig.app.viewer.plots import CascadePicture
+from rotorrig.app.plot_data import SpeedSpectra, nice, representative_rows
+from rotorrig.app.viewer.plots import CascadePicture, SpectrumMapPicture
 from rotorrig.app.viewer.result.data import Result
-from rotorrig.processing import Waveforms
-from rotorrig.processing.rows import lay_rows
-from rotorrig.processing.shaft_angle import fit_shaft_angle
-from rotorrig.processing.tracking import HIGHEST, full_spectra, whirl_vectors
-from rotorrig.rig.config import RPM, UM
+from rotorrig.processing.tracking import HIGHEST, whirl_vectors
+from rotorrig.rig.config import UM
 
 SPECTRA = 40
-TURNS = 8  # in the window of a spectrum: orders an eighth apart
 STICK = 0.02  # orders: half the width of an order vector's line
 Reals = NDArray[np.float64]
 Cascade = tuple[Reals, Reals, Reals]  # rpm (row,), order (bin,), amplitude (row, bin) m
 
 
-def draw_cascades(stream: rr.RecordingStream, result: Result, waveforms: Waveforms | None) -> None:
-    """Draw a cascade for every plane along the first sweep."""
-    if not result.sweeps or not result.planes:
-        return
-    rows = representative_rows(result.response, result.z, run=result.sweeps[0], count=SPECTRA)
-    recorded = recorded_cascades(result, waveforms, rows) if waveforms is not None and rows else []
-    for i, (rpm, order, amplitude) in enumerate(recorded or tracked_cascades(result, rows)):
-        what = "as recorded" if recorded else "of the order vectors, raw"
-        picture = CascadePicture(stream, f"cascade/{i}", title=f"full spectrum, {what}, 0-peak", static=True)
-        picture.draw(rpm, order, amplitude * UM)
+def draw_cascades(stream: rr.RecordingStream, result: Result) -> None:
+    """Draw a map of every place and run of the recording; without one, a cascade of every plane's first sweep."""
+    if result.spectra:
+        top = nice(max(one.largest[0] for one in result.spectra))
+        for path, one in zip(map_paths(result.spectra), result.spectra, strict=True):
+            SpectrumMapPicture(stream, path, top=top).draw(one)
+    elif result.sweeps and result.planes:
+        rows = representative_rows(result.response, result.z, run=result.sweeps[0], count=SPECTRA)
+        for i, (rpm, order, amplitude) in enumerate(tracked_cascades(result, rows)):
+            title = "full spectrum of the order vectors, raw, 0-peak"
+            CascadePicture(stream, f"cascade/{i}", title=title, static=True).draw(rpm, order, amplitude * UM)
 
 
-def recorded_cascades(result: Result, waveforms: Waveforms, rows: list[int]) -> list[Cascade]:
-    """Return the cascade of every plane from the waveforms in turns about the rows; none where pulses are unknown."""
-    pulses = result.response.keyphasor_t
-    middle = np.searchsorted(pulses, result.response.t[rows])
-    middle = middle[(middle >= TURNS // 2) & (middle + TURNS // 2 < len(pulses))]
-    if not len(middle):
-        return []
-    slack = 1e-6  # s, so that the outer edges lie within the span
-    spans = [(pulses[k - TURNS // 2] - slack, pulses[k + TURNS // 2] + slack) for k in middle]
-    shaft = fit_shaft_angle(pulses, gaps=waveforms.gaps, where=waveforms.where)
-    laid = lay_rows(shaft, spans, turns=TURNS)
-    spectra = full_spectra(waveforms, shaft, laid, rig=result.response.rig)
-    wanted = {plane.name for plane, _ in result.planes}
-    return [(laid.omega * RPM, s.order, s.amplitude) for s in spectra if s.plane.name in wanted]
+def map_paths(spectra: tuple[SpeedSpectra, ...]) -> list[str]:
+    """Return where in the stream each map is drawn."""
+    return [f"spectra/{i}" for i in range(len(spectra))]
 
 
 def tracked_cascades(result: Result, rows: list[int]) -> list[Cascade]:

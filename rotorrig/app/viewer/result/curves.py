@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from rotorrig.app.plot_data import (
     REFERENCE,
+    SMALLEST_PATH,
     CentrelinePath,
     centreline_paths,
     clearance_circle,
@@ -19,7 +20,6 @@ from rotorrig.app.viewer.plots import (
     MODEL_DOWN,
     MODEL_UP,
     PROBE_COLOURS,
-    SMALLEST_PATH,
     UP,
     BodePicture,
     CentrelinePicture,
@@ -27,6 +27,9 @@ from rotorrig.app.viewer.plots import (
     PolarPicture,
     ResidualPicture,
     SpeedPicture,
+    below_one_another,
+    legend,
+    pale,
     speed_marks,
 )
 from rotorrig.app.viewer.result.data import Result
@@ -61,7 +64,15 @@ def _draw_bode(stream: rr.RecordingStream, result: Result, p: int) -> Panels:
         if result.model is not None:
             colour = MODEL_UP if up else MODEL_DOWN
             picture.line(f"{i}-model", panels, rpm, result.model[rows, p], colour, order=3.0 + order)
+    _draw_runs(stream, result, f"bode/{name}", 172.0, 6.0)
     return panels
+
+
+def _draw_runs(stream: rr.RecordingStream, result: Result, path: str, x: float, y: float) -> None:
+    """Write the name of each run in its colour, from x, y of the view down."""
+    runs = [result.response.runs[i] for i in result.sweeps]
+    words = [(run.name, UP if run.direction > 0 else DOWN) for run in runs]
+    stream.log(f"{path}/runs", legend(words, below_one_another(x, y)), static=True)
 
 
 def draw_polars(stream: rr.RecordingStream, result: Result) -> list[PolarPicture]:
@@ -87,6 +98,7 @@ def _draw_polar(stream: rr.RecordingStream, result: Result, p: int) -> PolarPict
         measured.append((f"{i}-measured", result.z[rows, p], UP if up else DOWN))
     named = {f"{i}-measured": result.rpm[response.run == i] for i in result.sweeps[:1]}
     picture.draw([*measured, *models], rpm=named)
+    _draw_runs(stream, result, f"polar/{name}", -8.0, -8.0)
     return picture
 
 
@@ -118,6 +130,7 @@ def _draw_centreline(
         (f"{k}", np.column_stack([path.x, path.y]), UP if path.direction > 0 else DOWN) for k, path in enumerate(mine)
     ]
     picture.draw(drawn, labels=_speeds_along(mine[0]) if mine else [])
+    _draw_runs(stream, result, f"centreline/{i}", 10.0, 6.0)
     return picture, mine[0] if mine else None
 
 
@@ -137,16 +150,17 @@ def draw_gaps(stream: rr.RecordingStream, result: Result) -> None:
     if 0.0 not in response.orders:
         return
     gap = np.where(response.usable, response.order(0.0).real, np.nan) * UM
-    lines, legend = [], []
+    lines, names = [], []
     for p, name in enumerate(response.probes):
         colour = PROBE_COLOURS[p % len(PROBE_COLOURS)]
         start = _where_slowest(result, gap[:, p])
-        legend.append((f"{name} ({start:.1f} µm)", colour))
+        names.append((f"{name} ({start:.1f} µm)", colour))
         for i in result.sweeps:
             rows = response.run == i
-            lines.append((f"{name}/{i}", result.rpm[rows], gap[rows, p] - start, colour))
-    title = "mean position towards the probe, µm from where it is at the slowest (in brackets, from the gap voltage)"
-    SpeedPicture(stream, "gap", title=title, fastest=result.fastest).draw(lines, legend=legend)
+            shade = colour if response.runs[i].direction > 0 else pale(colour)
+            lines.append((f"{name}/{i}", result.rpm[rows], gap[rows, p] - start, shade))
+    title = "towards the probe, µm from where it is slowest (in brackets: from the gap voltage); pale: speed falls"
+    SpeedPicture(stream, "gap", title=title, fastest=result.fastest).draw(lines, names=names)
 
 
 def _where_slowest(result: Result, gap: NDArray[np.float64]) -> float:
@@ -161,12 +175,14 @@ def _where_slowest(result: Result, gap: NDArray[np.float64]) -> float:
 def draw_whirl(stream: rr.RecordingStream, result: Result) -> None:
     """Draw the forward and backward part of 1X over speed in every plane."""
     for i, seen in enumerate(whirl_vectors(result.response, compensated=result.compensated)):
-        lines = []
+        lines, names = [], []
         for run in result.sweeps:
-            rows = result.response.run == run
-            for way, z, colour in (("forward", seen.forward, FORWARD), ("backward", seen.backward, BACKWARD)):
+            rows, of = result.response.run == run, result.response.runs[run]
+            for way, z, colour in (("+1X", seen.forward, FORWARD), ("-1X", seen.backward, BACKWARD)):
                 size = np.where(seen.usable, np.abs(z), np.nan)[rows] * UM
-                lines.append((f"{way}/{run}", result.rpm[rows], size, colour))
-        title = f"+1X and -1X, {result.word}, µm 0-peak: radius of the circle"
+                shade = colour if of.direction > 0 else pale(colour)
+                lines.append((f"{way}/{run}", result.rpm[rows], size, shade))
+                names.append((f"{way} {of.name}", shade))
+        title = f"+1X and -1X, {result.word}, µm 0-peak"
         picture = SpeedPicture(stream, f"whirl/{i}", title=title, fastest=result.fastest)
-        picture.draw(lines, legend=[("forward", FORWARD), ("backward", BACKWARD)])
+        picture.draw(lines, names=names)

@@ -6,20 +6,23 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.acquisition import RawRecording
+from rotorrig.acquisition import WaveformSource
 from rotorrig.app.plot_data import (
+    SpeedSpectra,
     check_balance_of,
+    check_run_of,
     fits_of,
     model_vectors,
     part_of,
     predictions,
     slow_roll_known,
+    speed_spectra,
     sweeps,
     vectors,
 )
 from rotorrig.balancing import Balance
 from rotorrig.identify import Diagnosis, Fit, Identification
-from rotorrig.processing import OrderTrackedResponse, Plane, measured_planes
+from rotorrig.processing import OrderTrackedResponse, Plane, Waveforms, measured_planes
 from rotorrig.processing.files import order_name
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RPM
@@ -34,7 +37,7 @@ class Result:
     response: OrderTrackedResponse
     identification: Identification | None
     diagnosis: Diagnosis | None  # the part about this response
-    recording: RawRecording | None
+    recording: WaveformSource | None
     base: Vectors | None  # as the model without extension predicts
     extended: Vectors | None  # as the extended one does
     balance: Balance | None = None
@@ -77,6 +80,16 @@ class Result:
         return list(measured_planes(self.response.rig, self.response.probes))
 
     @cached_property
+    def waveforms(self) -> Waveforms | None:
+        """The waveforms of the recording; None without one."""
+        return Waveforms(self.recording) if self.recording else None
+
+    @cached_property
+    def spectra(self) -> tuple[SpeedSpectra, ...]:
+        """The recording's spectra over speed, run by run; none without a recording."""
+        return speed_spectra(self.response, self.waveforms) if self.waveforms else ()
+
+    @cached_property
     def rpm(self) -> NDArray[np.float64]:
         """Shaft speed of every row."""
         return self.response.omega * RPM
@@ -91,18 +104,15 @@ def result_of(
     response: OrderTrackedResponse,
     identification: Identification | None = None,
     diagnosis: Diagnosis | None = None,
-    recording: RawRecording | None = None,
+    recording: WaveformSource | None = None,
     balance: Balance | None = None,
 ) -> Result:
     """Put together what belongs to `response`. Raises DataError if one of the others does not, or it has no 1X."""
     if 1.0 not in response.orders:
         orders = ", ".join(order_name(order) for order in response.orders)
         raise DataError(f"response: has the orders {orders}, want 1X among them: what is shown of a result is 1X")
-    if recording is not None and recording.source.source_hash != response.source.source_hash:
-        raise DataError(
-            f"run: is of {recording.source.source_hash} ({recording.source.source}), the response is of "
-            f"{response.source.source_hash} ({response.source.source}); want the run of this very response"
-        )
+    if recording is not None:
+        check_run_of(recording, response)
     if balance:
         check_balance_of(balance, response)
     part = part_of(diagnosis, response) if diagnosis else None

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import rerun as rr
 
-from rotorrig.acquisition import RawRecording
+from rotorrig.acquisition import WaveformSource
 from rotorrig.app.viewer.plots import displayable
 from rotorrig.app.viewer.result import curves
 from rotorrig.app.viewer.result.balance import draw_balance
@@ -18,13 +18,14 @@ from rotorrig.app.viewer.result.by_speed import draw_by_speed, rows_to_show
 from rotorrig.app.viewer.result.cascade import draw_cascades
 from rotorrig.app.viewer.result.data import Result, result_of
 from rotorrig.app.viewer.result.missing import draw_missing
+from rotorrig.app.viewer.result.opening import note_opening, opening_rpm
 from rotorrig.app.viewer.result.rotor import RotorScene
 from rotorrig.app.viewer.result.rotor_motion import mode_words, rotor_motion
 from rotorrig.app.viewer.result.text import colour_words, verdict_words
 from rotorrig.app.viewer.sinks import Sink, to_file
 from rotorrig.balancing import Balance
 from rotorrig.identify import Diagnosis, Identification
-from rotorrig.processing import OrderTrackedResponse, Waveforms
+from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import provisional_file
 
 
@@ -33,7 +34,7 @@ def write_result_rrd(
     response: OrderTrackedResponse,
     identification: Identification | None = None,
     diagnosis: Diagnosis | None = None,
-    recording: RawRecording | None = None,
+    recording: WaveformSource | None = None,
     balance: Balance | None = None,
 ) -> None:
     """Write an .rrd of a response with the model's prediction and residual.
@@ -43,37 +44,40 @@ def write_result_rrd(
     """
     result = result_of(response, identification, diagnosis, recording, balance)
     with provisional_file(path) as made:
-        _draw_result(to_file(made), result, recording)
+        _draw_result(to_file(made), result)
 
 
-def _draw_result(sink: Sink, result: Result, recording: RawRecording | None) -> None:
+def _draw_result(sink: Sink, result: Result) -> None:
     response = result.response
-    waveforms = Waveforms(recording) if recording else None
-    motion = rotor_motion(result, rows_to_show(result))
+    rows = rows_to_show(result)
+    motion = rotor_motion(result, rows)
     titles = [mode_words(mode, rotation=response.rig.rotation) for mode in motion.modes]
     source = response.source.source_hash or response.source.config_hash
     stream = rr.RecordingStream(application_of(result, titles), recording_id=f"result-{source}")
     stream.set_sinks(*sink.open_targets(), default_blueprint=result_layout(result, titles))
     stream.send_recording_name(displayable(f"{response.rig.name}, result"))
+    note_opening(stream, opening_rpm(result, rows))
     bodes = curves.draw_bodes(stream, result)
     polars = curves.draw_polars(stream, result)
     curves.draw_residuals(stream, result)
     centrelines = curves.draw_centrelines(stream, result)
     curves.draw_gaps(stream, result)
     curves.draw_whirl(stream, result)
-    draw_cascades(stream, result, waveforms)
+    draw_cascades(stream, result)
     draw_balance(stream, result)
     draw_missing(stream, result)
     for name, words in (("verdict", verdict_words(result)), ("colours", colour_words(result))):
         stream.log(name, rr.TextDocument(displayable(words), media_type=rr.MediaType.MARKDOWN), static=True)
     rotor = RotorScene(stream, result, motion)
-    draw_by_speed(stream, result, waveforms, bodes=bodes, polars=polars, centrelines=centrelines, rotor=rotor)
+    draw_by_speed(stream, result, bodes=bodes, polars=polars, centrelines=centrelines, rotor=rotor)
     rotor.turning()
     stream.disconnect()
 
 
 def application_of(result: Result, titles: Sequence[str]) -> str:
     """Return the name a viewer keeps the layout under: it would show another layout's result in the first it saw."""
-    lacking = (result.diagnosis is None, result.diagnosis is None or result.diagnosis.missing is None)
-    shape = (result.response.source, titles, *lacking, result.extended is None, result.balance is None)
+    missing = result.diagnosis.missing if result.diagnosis else None
+    pictured = missing and (bool(missing.places.size), missing.over_speed is not None)
+    kinds = (result.diagnosis is None, pictured, bool(result.spectra), result.extended is None, result.balance is None)
+    shape = (result.response.source, titles, *kinds)
     return f"rotorrig result {hashlib.sha256(repr(shape).encode()).hexdigest()[:8]}"

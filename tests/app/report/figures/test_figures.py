@@ -12,8 +12,10 @@ from rotorrig.app.plot_data.curves import curves
 from rotorrig.app.plot_data.diagnosis_of_response import predictions
 from rotorrig.app.plot_data.order_spectrum import order_spectra
 from rotorrig.app.plot_data.resonances import critical_speeds
+from rotorrig.app.plot_data.speed_spectra import SpeedSpectra
 from rotorrig.app.report.figures.amplitudes import order_amplitudes
 from rotorrig.app.report.figures.bode import bode
+from rotorrig.app.report.figures.cascade import cascade
 from rotorrig.app.report.figures.centreline import centreline
 from rotorrig.app.report.figures.look import COLOURS
 from rotorrig.app.report.figures.maps import full_spectrum_map, residual_map
@@ -119,10 +121,14 @@ def path_of(reach: float) -> CentrelinePath:
 
 def test_the_clearance_circle_is_drawn_where_the_path_can_be_seen_in_it() -> None:
     circle = ClearanceCircle(bearing="left", radius=100.0, x=0.0, y=100.0)
-    with_circle = centreline([path_of(20.0)], circle).data[0]
+    figure = centreline([path_of(20.0)], circle, reach=150.0)
+    with_circle = figure.data[0]
     assert with_circle.name == "clearance of left"
     assert (min(with_circle.y), max(with_circle.y)) == (0.0, 200.0)  # it stands on where the path begins
-    assert [trace.name for trace in centreline([path_of(1.0)], circle).data] == ["up"]
+    assert (figure.layout.xaxis.range, figure.layout.yaxis.range) == ((-150.0, 150.0), (-50.0, 250.0))
+    alone = centreline([path_of(1.0)], circle, reach=5.0)
+    assert [trace.name for trace in alone.data] == ["up"]
+    assert alone.layout.yaxis.range == (-5.0, 5.0)
 
 
 @pytest.mark.parametrize("count", [1, 3])
@@ -130,3 +136,31 @@ def test_every_probe_has_a_panel_whatever_their_number(response: OrderTrackedRes
     few = dataclasses.replace(response, probes=response.probes[:count], usable=response.usable[:, :count])
     titles = [note.text for note in order_amplitudes(few, 2.0).layout.annotations]
     assert titles == list(response.probes[:count])
+
+
+def test_a_cascade_reads_in_decibels_and_has_its_orders_where_they_belong() -> None:
+    spectra = SpeedSpectra(
+        place="1x, 1y",
+        run="up",
+        direction=1,
+        rpm=np.array([600.0, 3000.0]),
+        frequency=np.linspace(-250.0, 250.0, 5),
+        amplitude=np.array([[0.1, 1.0, 10.0, 100.0, np.nan]] * 2),
+        seconds=1.0,
+    )
+    heat, *lines = cascade(spectra, top=100.0).data
+    assert np.asarray(heat.z)[0].tolist() == [-20, 0, 20, 40, -128]
+    assert (heat.x0, heat.dx) == (-250.0, 125.0)
+    assert (heat.zmin, heat.zmax) == (-40.0, 40.0)  # four decades
+    assert dict(zip(heat.colorbar.ticktext, heat.colorbar.tickvals, strict=True))["10"] == 20
+    assert [line.x[1] for line in lines] == [-25.0, -50.0, -100.0, 25.0, 50.0, 100.0]  # Hz at 3000 rpm
+
+
+def test_a_cascade_of_one_probe_begins_at_zero() -> None:
+    spectra = SpeedSpectra(
+        place="1x", run="down", direction=-1, rpm=np.array([600.0, 3000.0]), frequency=np.array([25.0, 75.0]),
+        amplitude=np.ones((2, 2)), seconds=1.0,
+    )  # fmt: skip
+    figure = cascade(spectra, top=1.0)
+    assert figure.layout.xaxis.range == (0.0, 100.0)
+    assert [note.text for note in figure.layout.annotations] == ["½X", "1X", "2X"]

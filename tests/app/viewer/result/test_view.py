@@ -7,36 +7,34 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
 
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.viewer.open import Evidence, as_rrd, save_result
 from rotorrig.app.viewer.plots.residual import colour_sigmas
-from rotorrig.app.viewer.result.cascade import recorded_cascades, tracked_cascades
+from rotorrig.app.viewer.plots.spectrum_map import HEIGHT, WIDTH, image_of
+from rotorrig.app.viewer.result.cascade import tracked_cascades
 from rotorrig.app.viewer.result.data import result_of
+from rotorrig.app.viewer.result.opening import opening_rpm, read_opening
 from rotorrig.app.viewer.result.rotor import exaggeration
 from rotorrig.app.viewer.result.text import colour_words, verdict_words
-from rotorrig.app.viewer.result.view import application_of
+from rotorrig.app.viewer.result.view import application_of, write_result_rrd
 from rotorrig.balancing import Balance, write_balance
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.identification import Identification
 from rotorrig.identify.result_files import write_diagnosis, write_identification
 from rotorrig.processing.files.response_mcap import write_response
-from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse
-from rotorrig.processing.waveform import Waveforms
-from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError
-from rotorrig.rig.probes.base import Block, DaqInfo
-from tests.app.conftest import jeffcott, make_missing
+from tests.app.conftest import make_missing
 from tests.app.headless import headless_viewer, marked, needs_vulkan, views
 from tests.parameters import defer_rest
 
 BLUE, ORANGE, RED, VIOLET = (74, 163, 223), (242, 142, 43), (200, 24, 66), (176, 132, 214)
 PALE, GREEN, WHITE, WORDS = (250, 200, 140), (86, 196, 150), (240, 240, 240), (202, 216, 222)
 PALE_BLUE = (158, 208, 244)
+RESONANCE = (252, 200, 150)  # between the two brightest colours of a map
 RAD = np.pi / 30
 TABS = ("Overview", "Bode", "Polar", "Centreline", "Spectrum", "Balance", "Missing force", "Rotor")
 
@@ -79,14 +77,6 @@ def show_tab(viewer: ViewerClient, number: int) -> None:
     time.sleep(0.5)
 
 
-@pytest.fixture(scope="module")
-def recording(rig: RigConfig, swept: tuple[NDArray[np.int32], DaqInfo], response: OrderTrackedResponse) -> RawRecording:
-    """A forward circular whirl from 480 to 3000 rpm and back to 1500, without runout."""
-    counts, info = swept
-    block = Block(counts=counts, first_sample=0, t_ns=0)
-    return RawRecording(rig=rig, daq=info, blocks=(block,), events=(), motor=(), source=response.source, complete=True)
-
-
 def test_the_words_beside_the_pictures_name_the_cause_and_what_it_bought(
     response: OrderTrackedResponse, named: Diagnosis
 ) -> None:
@@ -114,14 +104,38 @@ def test_a_deflection_is_drawn_larger_by_a_round_factor() -> None:
     assert exaggeration(2e-3, 0.05) == pytest.approx(20)  # 25 at the most
 
 
-def test_the_cascade_of_a_forward_whirl_stands_at_plus_one(recording: RawRecording) -> None:
-    response = track(recording)
-    result = result_of(response, recording=recording)
-    rows = [i for i in range(0, len(response.omega), 25) if response.run[i] == result.sweeps[0]]
-    for rpm, order, amplitude in recorded_cascades(result, Waveforms(recording), rows):
-        wanted = np.abs(jeffcott(rpm * RAD))
-        assert amplitude[:, order == 1.0].ravel() == pytest.approx(wanted, rel=0.05)
-        assert (amplitude[:, np.abs(order - 1.0) > 0.3] < 0.02 * amplitude.max()).all()
+def test_with_the_recording_every_run_has_its_map_with_the_resonance_brightest(
+    tracked: OrderTrackedResponse, recording: RawRecording
+) -> None:
+    result = result_of(tracked, recording=recording)
+    assert [one.run for one in result.spectra] == ["up", "up", "down", "down"]
+    for one in result.spectra:
+        image = image_of(one)
+        assert image.shape == (HEIGHT, WIDTH)
+        row, column = np.unravel_index(np.argmax(image), image.shape)
+        assert np.linspace(one.rpm.max(), one.rpm.min(), HEIGHT)[row] == pytest.approx(2230, rel=0.03)
+        assert np.linspace(-250.0, 250.0, WIDTH)[column] == pytest.approx(2230 / 60, abs=5.0)  # Hz
+        assert image.max() == one.largest[0]
+
+
+def test_a_result_opens_at_its_largest_misfit(
+    saved: Path, response: OrderTrackedResponse, named: Diagnosis, good: Diagnosis
+) -> None:
+    rows = [i for i in range(0, len(response.omega), 20) if response.run[i] == 1]
+    steps = 20 * 3120 / 364  # rpm between these rows
+    assert opening_rpm(result_of(response, None, named), rows) == pytest.approx((2100 + 2350) / 2, abs=steps / 2 + 1)
+    elsewhere = dataclasses.replace(named.worst[0], speed_from=1000 * RAD, speed_to=1100 * RAD)
+    assert opening_rpm(
+        result_of(response, None, dataclasses.replace(named, worst=(elsewhere,))), rows
+    ) == pytest.approx(1050, abs=steps / 2 + 1)
+    assert opening_rpm(result_of(response, None, good), rows) == pytest.approx(2230, abs=steps / 2 + 1)  # the peak
+    assert opening_rpm(result_of(response), []) is None
+    assert read_opening(saved) == pytest.approx(2225, abs=30)
+
+
+def test_a_file_that_says_nothing_of_its_opening_is_opened_all_the_same(tmp_path: Path) -> None:
+    (tmp_path / "broken.rrd").write_text("no recording")
+    assert read_opening(tmp_path / "broken.rrd") is None
 
 
 def test_without_the_recording_a_cascade_has_lines_at_the_orders_tracked(response: OrderTrackedResponse) -> None:
@@ -176,14 +190,22 @@ def test_a_response_is_saved_with_what_was_made_of_it(saved: Path) -> None:
     bode = {"/bode/1x/amplitude/1-before", "/bode/1x/phase/1-model"}
     assert {"/residual/before/map", "/residual/after/map", *bode} <= entities
     assert {"/missing/words", "/missing/force/backward/law", "/missing/force/forward/measured"} <= entities
+    assert {"/missing/place/curve", "/missing/motion/law", "/missing/motion/measured"} <= entities
 
 
-def test_results_of_different_layouts_go_by_different_names(response: OrderTrackedResponse, named: Diagnosis) -> None:
+def test_results_of_different_layouts_go_by_different_names(
+    response: OrderTrackedResponse, tracked: OrderTrackedResponse, recording: RawRecording, named: Diagnosis
+) -> None:
     """Rerun keeps one layout per name, and would show a second result in that of the first."""
     modes = ["critical speed 2229 rpm"]
     alone, whole = result_of(response), result_of(response, None, named)
     assert len({application_of(alone, modes), application_of(whole, modes), application_of(alone, [])}) == 3
     assert application_of(alone, modes) == application_of(result_of(response), list(modes))
+    recorded = result_of(tracked, recording=recording)
+    assert application_of(recorded, modes) != application_of(result_of(tracked), modes)
+    found, read = make_missing(), make_missing(places=np.zeros(0), over_speed=None)
+    one, other = (result_of(response, None, dataclasses.replace(named, missing=missing)) for missing in (found, read))
+    assert application_of(one, modes) != application_of(other, modes)
 
 
 @pytest.mark.viewer
@@ -218,7 +240,13 @@ def test_results_of_different_layouts_go_by_different_names(response: OrderTrack
             {"Correction": (WORDS, 300)}
             | {f"Before and as predicted after, probe {probe}": (VIOLET, 30) for probe in ("1x", "1y", "2x", "2y")},
         ),
-        ("Missing force", {"What is missing": (WORDS, 300), "The missing force": (GREEN, 100)}),
+        (
+            "Missing force",
+            {
+                "What is missing": (WORDS, 300), "The missing force over speed": (GREEN, 100),
+                "Its place along the shaft": (GREEN, 100), "The missing force over the motion": (PALE_BLUE, 100),
+            },
+        ),
         ("Rotor", {"1X deflection": (GREEN, 300), "critical speed 22": (WORDS, 20)}),
     ]),
 )  # fmt: skip
@@ -235,3 +263,21 @@ def test_every_view_of_a_tab_is_drawn(
         assert drawn, f"no view of {list(seen)} is called {start}.."
         for picture in drawn:
             assert marked(picture, colour, within=40).sum() > least, start
+
+
+@pytest.mark.viewer
+@needs_vulkan
+def test_the_maps_of_a_recording_are_drawn_beside_the_whirl(
+    tmp_path: Path, tracked: OrderTrackedResponse, recording: RawRecording
+) -> None:
+    write_result_rrd(tmp_path / "recorded.rrd", tracked, recording=recording)
+    with headless_viewer() as viewer:
+        viewer.open(str(tmp_path / "recorded.rrd"))
+        time.sleep(1.0)
+        show_tab(viewer, TABS.index("Spectrum"))
+        seen = views(viewer, tmp_path, but_hidden=True)
+    maps = {name: picture for name, picture in seen.items() if name.startswith("Cascade")}
+    assert {name[:14] for name in maps} == {"Cascade up: 1x", "Cascade down: ", "Cascade up: 2x"}
+    for name, picture in maps.items():
+        assert marked(picture, RESONANCE, within=40).sum() > 20, name
+    assert sum(name.startswith("Forward and backward whirl") for name in seen) == 2

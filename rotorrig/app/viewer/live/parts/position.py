@@ -4,9 +4,10 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from rotorrig.app.plot_data import SMALLEST_PATH
 from rotorrig.app.viewer.live.data import WAYS, Points, SpeedCurves
 from rotorrig.app.viewer.live.parts.vectors import COLOURS, NAMES
-from rotorrig.app.viewer.plots import SMALLEST_PATH, CentrelinePicture, GapTrendPicture, displayable, speed_marks
+from rotorrig.app.viewer.plots import CentrelinePicture, GapTrendPicture, displayable, speed_marks
 from rotorrig.processing import planes
 from rotorrig.rig.config import UM, Bearing, RigConfig
 
