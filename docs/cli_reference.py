@@ -34,14 +34,27 @@ def text() -> str:
     """Return the whole page."""
     every = verbs()
     table = ["| | |", "|---|---|"]
-    table += [f"| [`rotor {name}`](#rotor-{name}) | {verb.get_short_help_str(200)} |" for name, verb in every.items()]
+    table += [
+        f"| [`rotor {name}`](#rotor-{name.replace(' ', '-')}) | {verb.get_short_help_str(200)} |"
+        for name, verb in every.items()
+    ]
     return "\n".join([HEAD, *table, "", *(_section(name, verb) for name, verb in every.items())])
 
 
 def verbs() -> dict[str, Command]:
-    """Return the verbs by name, in the order of `rotor --help`."""
+    """Return the verbs by name, in the order of `rotor --help`; those below another by both names, "lab run"."""
     command: Command = typer.main.get_command(app)
-    return dict(command.commands)
+    every: dict[str, Command] = {}
+    for name in command.list_commands(None):
+        below = getattr(command.commands[name], "commands", {})
+        every |= {f"{name} {verb}": found for verb, found in below.items()} or {name: command.commands[name]}
+    return every
+
+
+def split_command(words: list[str]) -> tuple[str, list[str]]:
+    """Return the verb of a command's words, "track" or "lab run", and what stands behind it."""
+    two = " ".join(words[1:3])
+    return (two, words[3:]) if two in verbs() else (words[1], words[2:])
 
 
 def _section(name: str, verb: Command) -> str:

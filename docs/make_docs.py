@@ -16,6 +16,7 @@ from docs import (
     config_reference,
     conventions_drawing,
     effect_pictures,
+    lab_page,
     plant_page,
     tracking_drawing,
     wiring_drawing,
@@ -65,6 +66,7 @@ def pages() -> dict[str, str]:
         "chea-choices.md": chea_choices.text(),
         "chea-table7.md": chea_table7_page.text(),
         "effects.md": effect_pictures.shown((DOCS / "effects.md").read_text(encoding="utf-8")),
+        "lab.md": lab_page.shown((DOCS / "lab.md").read_text(encoding="utf-8")),
         "plant.md": plant_page.shown((DOCS / "plant.md").read_text(encoding="utf-8")),
     }
 

@@ -42,11 +42,14 @@ TABLE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "investigation": (("investigation", "identify", *BASE), ()),
     "app": (
         ("rig", "acquisition", "processing", "sims", "identify", "balancing", "investigation", "app"),
-        ("scipy", "pydantic", "rerun", "typer", "rich", "plotly", "threadpoolctl", "pandas", "xarray"),
+        (
+            *("scipy", "pydantic", "rerun", "typer", "rich", "plotly", "threadpoolctl"),
+            *("pandas", "xarray", "pyarrow", "duckdb", "dask", "distributed", "numba"),
+        ),
     ),
     "app.lab.page": (
-        ("app.lab.page", "app.plot_data", "app.report", "app.text", "processing", *BASE),
-        ("plotly", "pyarrow"),
+        ("app.lab.page", "app.lab.storage", "app.plot_data", "app.report", "app.text", "processing", *BASE),
+        ("plotly",),
     ),
 }
 EVERYWHERE = {*sys.stdlib_module_names, "numpy", "lazy_loader"}
@@ -139,6 +142,15 @@ FLOORS: dict[str, tuple[str, ...]] = {
     ),
     "app": ("plot_data text", "report terminal", "viewer", "commands", "lab", "python verbs", "cli"),
     "app.lab.page": ("catalogue numbers", "bode_data trends", "curve_files runs", "pages"),
+    "app.lab": (
+        "kernels peaks schema settings",
+        "storage",
+        "cluster recordings",
+        "catalogue output page steps",
+        "rows",
+        "task",
+        "run",
+    ),
     "app.viewer": ("blueprint plots sinks", "live result", "open"),
     "app.viewer.live": ("data pipe", "parts view", "process"),
 }

@@ -12,7 +12,7 @@ from rich.text import Text
 from typer.core import TyperGroup
 
 from rotorrig.app.terminal import err, out
-from rotorrig.app.verbs import balancing, data, model, rig
+from rotorrig.app.verbs import balancing, data, lab, model, rig
 from rotorrig.app.verbs.output_guard import guard
 from rotorrig.rig import RigError
 
@@ -21,6 +21,15 @@ __all__ = ["app", "err", "main", "out"]
 
 class Rotor(TyperGroup):
     """The command; its help leaves out its own options, to stay on a screen of 24 lines: docs/cli.md has them."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the verbs in the order of a session, those with verbs of their own last."""
+        return sorted(super().list_commands(ctx), key=lambda name: name not in VERBS)
+
+    def format_help_text(self, ctx: Any, formatter: Any) -> None:
+        """Write what the command is for without a blank line before it."""
+        with formatter.indentation():
+            formatter.write_text(self.help or "")
 
     def format_epilog(self, ctx: Any, formatter: Any) -> None:
         """Write the last line without a blank one before it."""
@@ -87,6 +96,7 @@ def options(
 
 for name, (in_a_line, verb) in VERBS.items():
     app.command(name, short_help=in_a_line)(guard(verb))
+app.add_typer(lab.app, name="lab", short_help="Work through all recordings of a folder; query them.")
 
 
 def main() -> None:

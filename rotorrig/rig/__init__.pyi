@@ -10,6 +10,7 @@ from .interlock import Interlock as Interlock
 from .provenance import Provenance as Provenance
 from .provenance import code_version as code_version
 from .provenance import file_hash as file_hash
+from .provenance import short_hash as short_hash
 from .whole_file import provisional_file as provisional_file
 from .whole_file import provisional_path as provisional_path
 from .whole_file import sync_folder as sync_folder
@@ -31,6 +32,7 @@ __all__ = [
     "file_hash",
     "provisional_file",
     "provisional_path",
+    "short_hash",
     "sync_folder",
     "write_whole_file",
     "write_whole_text",

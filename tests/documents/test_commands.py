@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import typer
 
-from docs.cli_reference import verbs
+from docs.cli_reference import split_command, verbs
 from tests.documents.pages import PAGES, ROOT, commands, mentioned, shell_lines, text_of
 
 VERBS = verbs()
@@ -19,7 +19,7 @@ TARGETS = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(encoding="
 
 def parse(words: list[str]) -> Any:
     """Let the command's own parser read a command. Raises its error."""
-    _, verb, *rest = words
+    verb, rest = split_command(words)
     assert verb in VERBS, f"rotor has no verb '{verb}'"
     return VERBS[verb].make_context(verb, rest)
 
@@ -34,7 +34,7 @@ def test_every_command_of_a_page_is_understood(page: str) -> None:
 @pytest.mark.parametrize("page", PAGES)
 def test_the_verbs_and_options_that_a_page_names_exist(page: str) -> None:
     unknown = []
-    for _, verb, *rest in mentioned(page, "rotor"):
+    for verb, rest in map(split_command, mentioned(page, "rotor")):
         if verb.startswith("-") or not verb.islower():
             continue
         context = VERBS[verb].make_context(verb, [], resilient_parsing=True)

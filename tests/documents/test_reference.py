@@ -14,7 +14,10 @@ from rotorrig.rig.config.nameplate import Disk, Probe
 from rotorrig.rig.config.validation import validate_table
 from tests.documents.pages import blocks, text_of
 
-GENERATED = ("api.md", "chea.md", "chea-choices.md", "chea-table7.md", "cli.md", "config.md", "effects.md", "plant.md")
+GENERATED = (
+    *("api.md", "chea.md", "chea-choices.md", "chea-table7.md", "cli.md", "config.md", "effects.md", "lab.md"),
+    "plant.md",
+)
 #: keys whose name says all, in a table that says whose they are
 PLAIN = {"density", "youngs_modulus", "mass"}
 

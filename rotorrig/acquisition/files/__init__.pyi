@@ -1,6 +1,10 @@
 from .file_kind import KINDS as KINDS
+from .file_kind import LAB_CSV as LAB_CSV
+from .file_kind import LAB_PARQUET as LAB_PARQUET
 from .file_kind import content_kind as content_kind
+from .file_kind import is_mcap as is_mcap
 from .file_kind import read_file_kind as read_file_kind
+from .file_kind import read_source_hash as read_source_hash
 from .foxglove_schemas import INFO as INFO
 from .foxglove_schemas import LOG as LOG
 from .foxglove_schemas import POINT_CLOUD as POINT_CLOUD
@@ -24,6 +28,8 @@ from .schemas import message_type as message_type
 __all__ = [
     "INFO",
     "KINDS",
+    "LAB_CSV",
+    "LAB_PARQUET",
     "LOG",
     "POINT_CLOUD",
     "WARNING",
@@ -34,6 +40,7 @@ __all__ = [
     "RecordingWriter",
     "cloud_values",
     "content_kind",
+    "is_mcap",
     "log_values",
     "message_type",
     "open_recording",
@@ -41,6 +48,7 @@ __all__ = [
     "read_file",
     "read_file_kind",
     "read_recording",
+    "read_source_hash",
     "refuse_leftover",
     "salvage",
     "write_recording",

@@ -26,6 +26,7 @@ KINDS = {
     "rrd": "a Rerun file",
     "config": "a rig config",
     "csv": "a CSV table of this program",
+    "parquet": "a Parquet table of this program",
     "uff": "a universal file",
     "layout": "a Foxglove layout",
     "ross": "a rotor of ROSS",
@@ -42,7 +43,9 @@ _JSON_KINDS = {
     "rotorrig investigation": "investigation",
     "rotorrig proof test": "proof",
 }
-_CSV_HEADS = (b"time [s],", b"# order vectors, raw;", b"# predicted vectors;")
+LAB_CSV = b"# of a lab's catalogue:"  # with which the CSV of a query begins
+LAB_PARQUET = b"rotorrig.lab.query"  # key in the metadata of its Parquet
+_CSV_HEADS = (b"time [s],", b"# order vectors, raw;", b"# predicted vectors;", LAB_CSV)
 _TITLES = (b": rotor report</title>", b": predicted vibration</title>", b": balance sheet</title>")
 _HEAD = 1 << 16  # bytes that are looked at for all but JSON and TOML
 _LARGEST = 1 << 28  # bytes of a JSON file that is read
@@ -56,6 +59,15 @@ def read_file_kind(path: Path) -> str:
     if kind is None:
         raise DataError(f"{path}: is an MCAP file but none of this program's, want a run.mcap or a response.mcap")
     return kind
+
+
+def is_mcap(path: Path) -> bool:
+    """Return whether a file begins as an MCAP file does; one that cannot be read does not."""
+    try:
+        with path.open("rb") as file:
+            return file.read(len(MCAP0_MAGIC)) == MCAP0_MAGIC
+    except OSError:
+        return False
 
 
 def content_kind(path: Path) -> str:
@@ -78,16 +90,39 @@ def content_kind(path: Path) -> str:
         return "uff"
     if head.startswith(_CSV_HEADS):
         return "csv"
+    if head.startswith(b"PAR1"):
+        return "parquet" if LAB_PARQUET in _tail(path) else "other"
     if any(title in head for title in _TITLES):
         return "report"
     return _toml_kind(path)
 
 
+def read_source_hash(path: Path) -> str:
+    """Return the hash of the file that a run or response was made from; empty for none, or a file of another program.
+
+    Raises DataError if it cannot be read.
+    """
+    return _header(path).get("source_hash", "")
+
+
 def _header_kind(path: Path) -> str | None:
+    header = _header(path)
+    return header.get("kind", "") if header else None
+
+
+def _header(path: Path) -> dict[str, str]:
+    """Return the metadata that say what a file is; empty for a file of another program."""
     for record in read_records(path):
         if isinstance(record, Metadata) and record.name == HEADER:
-            return record.metadata.get("kind", "")
-    return None
+            return dict(record.metadata)
+    return {}
+
+
+def _tail(path: Path) -> bytes:
+    """Return the end of a file, where Parquet has its metadata."""
+    with path.open("rb") as file:
+        file.seek(max(path.stat().st_size - _HEAD, 0))
+        return file.read()
 
 
 def _json_kind(path: Path) -> str:

@@ -12,6 +12,7 @@ from .operator import confirm as confirm
 from .operator import operator_for as operator_for
 from .proof_table import proof_table as proof_table
 from .rig_table import rig_table as rig_table
+from .rows_table import rows_table as rows_table
 
 __all__ = [
     "HINT",
@@ -26,6 +27,7 @@ __all__ = [
     "progress_bars",
     "proof_table",
     "rig_table",
+    "rows_table",
     "tell",
     "working",
 ]

@@ -37,5 +37,5 @@ def test_responses_that_cannot_be_read_are_told_of_three_by_name(
 
 
 def test_without_a_catalogue_there_is_one_sentence(tmp_path: Path) -> None:
-    with pytest.raises(DataError, match="has no table of runs, want what `rotor lab run"):
+    with pytest.raises(DataError, match="has no part-files, want what `rotor lab run"):
         page(tmp_path)

@@ -9,10 +9,12 @@ from inspect import signature
 from pathlib import Path
 from typing import Any, get_type_hints
 
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
-import typer
 
-from rotorrig.acquisition.files import KINDS, FileKind, FileWriter, content_kind
+from docs.cli_reference import verbs
+from rotorrig.acquisition.files import KINDS, LAB_PARQUET, FileKind, FileWriter, content_kind
 from rotorrig.app import cli
 from rotorrig.app.verbs.output_guard import check_outputs, outputs_of
 from rotorrig.rig import DataError, Provenance
@@ -26,22 +28,24 @@ READ = {
     *("after", "balance"),
 }
 Case = tuple[str, str]  # verb, argument
-RESUMED = {("investigate", "folder")}  # goes on with what is there: tests/app/commands/test_investigate.py
+#: folders that go on with what is there, or are only read: tests/app/commands/test_investigate.py, tests/app/lab
+RESUMED = {("investigate", "folder"), ("lab run", "folder"), ("lab query", "folder")}
 
 
 def commands() -> dict[str, Any]:
-    command: Any = typer.main.get_command(cli.app)
-    return dict(command.commands)
+    return verbs()
 
 
 def written() -> Iterator[Case]:
-    for command in cli.app.registered_commands:
-        assert command.callback
-        hints = get_type_hints(command.callback)
-        for argument in signature(command.callback).parameters:
-            is_path = "Path" in str(hints[argument])
-            if is_path and argument not in READ and (command.name, argument) not in RESUMED:
-                yield str(command.name), argument
+    groups = [(f"{group.name} ", group.typer_instance) for group in cli.app.registered_groups]
+    for prefix, app in [("", cli.app), *groups]:
+        for command in app.registered_commands if app else ():
+            assert command.callback
+            hints, verb = get_type_hints(command.callback), f"{prefix}{command.name}"
+            for argument in signature(command.callback).parameters:
+                is_path = "Path" in str(hints[argument])
+                if is_path and argument not in READ and (verb, argument) not in RESUMED:
+                    yield verb, argument
 
 
 CASES = list(written())
@@ -50,7 +54,7 @@ every_output = pytest.mark.parametrize(("verb", "argument"), CASES, ids=[f"{v}-{
 
 def test_the_verbs_that_write_are_found() -> None:
     assert {verb for verb, _ in CASES} >= {"init", "sweep", "replay", "track", "identify", "diagnose", "report"}
-    assert {verb for verb, _ in CASES} >= {"view", "import", "export", "salvage", "demo"}
+    assert {verb for verb, _ in CASES} >= {"view", "import", "export", "salvage", "demo", "lab query"}
     assert ("diagnose", "rig_out") in CASES
 
 
@@ -78,10 +82,11 @@ def samples(tmp_path: Path, rig_config: RigConfig) -> dict[str, Path]:
     }
     for kind, text in texts.items():
         (folder / kind).write_text(text)
+    pq.write_table(pa.table({"x": [1.0]}).replace_schema_metadata({LAB_PARQUET: "select 1"}), folder / "parquet")
     source = Provenance(config_hash="", code_version="")
     for kind in ("run", "response"):
         FileWriter(folder / kind, kind=FileKind(name=kind, version=1, remedy=""), rig=rig_config, source=source).close()
-    return {kind: folder / kind for kind in (*texts, "run", "response")}
+    return {kind: folder / kind for kind in (*texts, "parquet", "run", "response")}
 
 
 def test_a_kind_is_told_by_the_content(samples: dict[str, Path], tmp_path: Path) -> None:
@@ -105,7 +110,7 @@ def place_for(verb: str, folder: Path) -> Path:
 
 def words_of(verb: str, argument: str, target: Path, folder: Path) -> list[str]:
     """A command line that writes to `target`; whatever it reads is a file of no use, which is looked at later."""
-    words = [verb]
+    words = verb.split()
     for parameter in commands()[verb].params:
         if parameter.name == "name":
             words.append("rk4")
@@ -262,14 +267,14 @@ def test_two_outputs_are_two_files(refused: Any, tmp_path: Path) -> None:
 
 def check(verb: str, argument: str, target: Path, *, force: bool) -> None:
     """Ask the guard alone."""
-    marks = outputs_of(cli.VERBS[verb][1])
+    marks = outputs_of(commands()[verb].callback)
     given = dict.fromkeys((p.name for p in commands()[verb].params), None) | {"force": force}
     check_outputs(marks, given | {argument: target.parent if verb == "demo" else target})
 
 
 def own_kind(verb: str, argument: str, target: Path) -> str:
     """The kind of file the verb writes there."""
-    mark = outputs_of(cli.VERBS[verb][1])[argument]
+    mark = outputs_of(commands()[verb].callback)[argument]
     if mark.files:
         return mark.files(target.parent)[target]
     given = {"ross": False, "mapping": None, "out_file": target}
@@ -279,7 +284,7 @@ def own_kind(verb: str, argument: str, target: Path) -> str:
 def test_with_ross_another_kind_is_written(samples: dict[str, Path], tmp_path: Path) -> None:
     for verb, own in (("import", "config"), ("export", "ross")):
         target = tmp_path / "x.toml"
-        marks = outputs_of(cli.VERBS[verb][1])
+        marks = outputs_of(commands()[verb].callback)
         given = {"ross": True, "mapping": None, "out_file": target, "force": True}
         for kind, sample in samples.items():
             target.write_bytes(sample.read_bytes())

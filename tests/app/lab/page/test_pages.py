@@ -184,7 +184,7 @@ def test_an_index_of_something_else_is_never_replaced(tmp_path: Path) -> None:
 
 
 def test_a_lab_without_a_catalogue_leaves_no_folder_behind(tmp_path: Path) -> None:
-    with pytest.raises(DataError, match="has no table of runs"):
+    with pytest.raises(DataError, match="is no folder"):
         write_lab_page(tmp_path / "lab", tmp_path / "page")
     assert not (tmp_path / "page").exists()
 
