@@ -16,7 +16,8 @@ Reals = NDArray[np.float64]
 
 HALF_POWER = math.sqrt(0.5)  # of the peak: API rounds it to 0.707
 STANDS_OUT = 10.0  # sigmas: what a peak rises above the valleys beside it; noise alone reaches half of that
-SHARE = 0.05  # of its own height, likewise: the beat after a resonance passed quickly is no critical speed
+SHARE = 0.05  # of its own height, likewise: what ripples less is no resonance
+DECAYED = 3.0  # zeta omega t after which a free vibration is as good as gone: 5 % are left
 NEAR_PEAK = 0.6  # of the way to half power: rows up to there say where the peak is, those from 0.86 of it up
 FLANK = (0.7, 1.3)  # of that way: rows between say where the half-power speed is, 0.82 to 0.61 of the peak
 FEWEST = 3  # rows above half power: with fewer, the peak is between them
@@ -44,7 +45,12 @@ class Resonance:
 
 
 def find_resonances(
-    omega: Reals, z: NDArray[np.complex128], covariance: Reals | None = None, *, common: Reals | None = None
+    omega: Reals,
+    z: NDArray[np.complex128],
+    covariance: Reals | None = None,
+    *,
+    common: Reals | None = None,
+    rate: float = 0.0,
 ) -> tuple[Resonance, ...]:
     """Return the peaks of a curve, by rising speed; rows with NaN are passed over.
 
@@ -52,6 +58,9 @@ def find_resonances(
     from row to row; None for a model's curve, which has no noise, nor its resonances a sigma. `common` (2, 2) [m^2] is
     what all rows share: that of the slow-roll vector taken from them. A peak rises above the valleys beside it by
     STANDS_OUT sigmas and by SHARE of its height; the end of a sweep is none.
+
+    `rate` [rad/s^2] is that of the run, negative where the speed falls. The free vibration of a resonance just passed
+    beats against the unbalance response; a peak met before it has decayed is left out, as it may be such a beat.
 
     For a single degree of freedom, 1 / amplitude^2 is a parabola over 1 / omega^2: peak and half-power speeds are read
     off straight lines and parabolas in these coordinates, through rows near the peak and near half power. The sigmas
@@ -74,7 +83,7 @@ def find_resonances(
         rows = slice(first, last + 1)
         mine = None if sigma is None else sigma[rows]
         found.append(_resonance(omega[rows], amplitude[rows], peak - first, mine, shared[rows]))
-    return tuple(each for each in found if each)
+    return _without_beats([each for each in found if each], rate)
 
 
 def required_margin(amplification: float, *, above: bool) -> float:
@@ -93,6 +102,24 @@ def required_margin(amplification: float, *, above: bool) -> float:
         return 0.0
     margin = 0.17 * (1.0 - 1.0 / (amplification - 1.5))
     return min(0.26, 0.10 + margin) if above else min(0.16, margin)
+
+
+def _without_beats(found: list[Resonance], rate: float) -> tuple[Resonance, ...]:
+    """Return the peaks, by rising speed, without those that come before the free vibration of one before has decayed.
+
+    It decays as exp(-zeta omega_c t), with t = |omega - omega_c| / |rate| since the peak.
+    """
+    kept: list[Resonance] = []
+    for peak in found if rate > 0 else found[::-1]:
+        passed = [(before, before.damping) for before in kept if rate]
+        decays = [
+            damping.value * before.omega.value * abs(peak.omega.value - before.omega.value) / abs(rate)
+            for before, damping in passed
+            if damping
+        ]
+        if all(decay > DECAYED for decay in decays):
+            kept.append(peak)
+    return tuple(sorted(kept, key=lambda peak: peak.omega.value))
 
 
 def _peaks(amplitude: Reals, sigma: Reals) -> list[int]:

@@ -136,6 +136,18 @@ def test_two_peaks_are_each_their_own() -> None:
     assert second.damping.value == pytest.approx(0.01, rel=0.03)
 
 
+def test_a_peak_within_the_beat_of_one_just_passed_is_left_out() -> None:
+    omega = np.linspace(50.0, 900.0, 1500)
+    z = disk(omega, 0.02) + disk(omega, 0.01, critical=300.0)
+    # 100 rad/s after 200 rad/s: the free vibration decays by 0.02 * 200 = 4 /s, and by 3 in 0.75 s, at 133 rad/s^2
+    assert len(find_resonances(omega, z, rate=100.0)) == 2
+    assert [round(each.omega.value) for each in find_resonances(omega, z, rate=200.0)] == [200]
+    # the other way round, 0.01 * 300 = 3 /s: 100 rad/s^2
+    assert len(find_resonances(omega, z, rate=-80.0)) == 2
+    assert [round(each.omega.value) for each in find_resonances(omega, z, rate=-150.0)] == [300]
+    assert len(find_resonances(omega, z)) == 2  # each speed for itself
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_noise_has_no_peaks(seed: int) -> None:
     omega = np.linspace(*SWEPT, 500)

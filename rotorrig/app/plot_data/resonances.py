@@ -41,15 +41,18 @@ def _of_run(
     rows, order = response.run == run, response.orders.index(1.0)
     usable, parts = rows & response.usable[:, probe], slice(2 * probe, 2 * probe + 2)
     slow_roll = response.slow_roll_covariance[order, parts, parts] if slow_roll_known(response) else None
+    rates = response.alpha[rows][np.isfinite(response.alpha[rows])]
+    rate = float(np.median(rates)) if rates.size else 0.0
     measured = find_resonances(
         response.omega[usable],
         vectors(response)[usable, probe],
         response.covariance[usable, order, parts, parts],
         common=slow_roll if slow_roll is not None and np.isfinite(slow_roll).all() else None,
+        rate=rate,
     )
     peaks: tuple[Resonance, ...] = ()
     if prediction is not None:
-        peaks = find_resonances(response.omega[rows], model_vectors(response, prediction)[rows, probe])
+        peaks = find_resonances(response.omega[rows], model_vectors(response, prediction)[rows, probe], rate=rate)
     return tuple(
         CriticalSpeed(
             probe=response.probes[probe],

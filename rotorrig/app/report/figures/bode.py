@@ -17,6 +17,7 @@ from rotorrig.rig.config import RPM
 
 HEIGHT = 430  # px
 APART = 1.04  # of one another: critical speeds further apart are labelled by themselves
+LOWER = 0.3  # of the panel: the height of a label
 MARKED = 2  # of a group: more runs would fill the plot
 DOTS = 160  # of a run: more would hide the line of the model
 
@@ -64,12 +65,12 @@ def _mark(figure: go.Figure, resonances: Sequence[CriticalSpeed]) -> None:
             groups[-1].append(each)
         else:
             groups.append([each])
-    for group in groups:
+    for i, group in enumerate(groups):
         first, last = (each.measured.omega.value * RPM for each in (group[0], group[-1]))
         rightwards = np.nanmax(rpm) - last > first - np.nanmin(rpm)
         figure.add_annotation(
             x=last if rightwards else first,
-            y=1,
+            y=1 - LOWER * min(i, 2),  # no label covers the one before
             yref="y domain",
             xanchor="left" if rightwards else "right",
             yanchor="top",
