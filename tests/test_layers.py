@@ -130,7 +130,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
         "diagnosis",
         "result_files",
     ),
-    "identify.base_fit": ("base_fit", "trial_angles", "fit"),
+    "identify.base_fit": ("base_fit", "amplitudes_alone trial_angles", "fit"),
     "identify.chea": (
         "calls session",
         "steps",

@@ -17,7 +17,7 @@ from rotorrig.balancing.influence import Influence, estimate_influence
 from rotorrig.balancing.min_max import min_max_correction
 from rotorrig.balancing.prediction import Comparison, Prediction, compare, predict_vibration
 from rotorrig.identify import Identification
-from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse, require_phases
 from rotorrig.rig import DataError, Provenance, code_version
 
 Complex = NDArray[np.complex128]
@@ -70,6 +70,7 @@ def balance(
     `after` is a run with the correction on: where it says which masses it had, the prediction is of these. Raises
     DataError where there is neither a trial mass nor a fit, or the trial masses do not tell the planes apart.
     """
+    require_phases([*responses, after] if after else responses, "balancing")
     rig = responses[0].rig
     conditions = gather_conditions(responses, bands=task.bands)
     planes = task.planes or conditions.planes or (rig.identify.unbalance if identification and rig.identify else ())

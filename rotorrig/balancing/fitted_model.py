@@ -14,7 +14,7 @@ from rotorrig.balancing.influence import MODEL, Influence
 from rotorrig.balancing.row_curves import MOST_ROWS
 from rotorrig.identify import BaseProblem, Estimate, Identification, config_effects
 from rotorrig.identify.extended_model import ExtendedProblem, Recording, recordings_of
-from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse, require_phases
 from rotorrig.rig import DataError
 
 Complex = NDArray[np.complex128]
@@ -32,6 +32,7 @@ def influence_of_fit(
 
     Raises DataError if a response that the fit was made of is not among `responses`, or the model has force laws.
     """
+    require_phases(responses, "a prediction")
     if identification.trial_angles:
         raise DataError(
             "the fit counts the angles of the trial masses otherwise than they were told, want them told so and the "

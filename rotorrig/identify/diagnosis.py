@@ -46,7 +46,7 @@ from rotorrig.identify.verdict import (
     sentences,
     visible_share,
 )
-from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse, require_phases
 from rotorrig.rig import DataError, Provenance, code_version
 
 Progress = Callable[[str, float], None]
@@ -113,6 +113,7 @@ def diagnose(
     """
     if not responses:
         raise DataError("no response was given, want at least one to diagnose")
+    require_phases([*responses, holdout] if holdout else responses, "a diagnosis")
     if model == "quasi-static" and (steady := _quasi_static_base(responses, seed=seed, progress=progress)):
         judge = partial(diagnose, responses, holdout=holdout, without=without, not_possible=not_possible, seed=seed)
         return _add_moving_speed(judge(progress=progress, go_on=go_on), *steady)

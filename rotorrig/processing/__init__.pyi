@@ -9,6 +9,7 @@ from .resonance import find_resonances as find_resonances
 from .resonance import required_margin as required_margin
 from .response import OrderTrackedResponse as OrderTrackedResponse
 from .response import Run as Run
+from .response import require_phases as require_phases
 from .settings import Spacing as Spacing
 from .settings import SpeedWindow as SpeedWindow
 from .settings import Tracking as Tracking
@@ -29,6 +30,7 @@ __all__ = [
     "measured_planes",
     "planes",
     "read_orders",
+    "require_phases",
     "required_margin",
     "track",
     "whirl",

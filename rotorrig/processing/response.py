@@ -4,13 +4,14 @@ Conventions (README): z = 2 mean(x e^{-j theta}), so x = Re(z e^{j theta}) with 
 metres, 0-peak; phase lag = -arg z. Order 0 holds the gap (mean position) as a real number.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.rig import Provenance
+from rotorrig.rig import DataError, Provenance
 from rotorrig.rig.config import RigConfig
 
 Window = Literal[
@@ -73,6 +74,8 @@ class OrderTrackedResponse:
     #: whether t and keyphasor_t were derived from speeds and a ramp: they give the right speeds, but no beat with the
     #: mains; False: they are a clock's, or a sum of consecutive revolutions
     derived_times: bool = False
+    #: whether its table had no phases: z is then the amplitude, real, and its variance that of an amplitude
+    amplitudes_alone: bool = False
     mains: tuple[MainsHum, ...] = ()  # that were found in the waveforms: vectors have them, the covariance has not
     method: Method = "unknown"
     omega_sigma: NDArray[np.float64] = field(default_factory=_unknown)  # (speed,) rad/s, 1 sigma; empty: unknown
@@ -102,3 +105,11 @@ class OrderTrackedResponse:
     def compensated(self, order: float = 1.0) -> NDArray[np.complex128]:
         """Return z at one order less the slow-roll vector, (speed, probe); NaN without a slow roll."""
         return self.order(order) - self.slow_roll[:, self.orders.index(order)]
+
+
+def require_phases(responses: Iterable[OrderTrackedResponse], what: str) -> None:
+    """Raise DataError if one of the responses has amplitudes alone, as `what`, "a diagnosis", wants phases."""
+    for response in responses:
+        if response.amplitudes_alone:
+            name = response.source.source or "response"
+            raise DataError(f"{name}: was imported as amplitudes without phases, and {what} wants phases too")

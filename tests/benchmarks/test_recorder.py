@@ -27,7 +27,7 @@ def test_a_sweep_at_full_rate_loses_no_sample(bench: Bench) -> None:
     measure_long_run(bench, report)
     assert report.samples_lost == 0
     assert report.samples > 0.03 * 60 * recorder.RATE
-    assert report.compression < 0.45
+    assert report.compression < 0.8
 
 
 def test_whatever_moment_it_is_killed_at_the_last_quarter_second_is_all_that_is_lost(

@@ -19,6 +19,7 @@ from rotorrig.acquisition.files.container import Contents, FileKind, Stored, rea
 from rotorrig.acquisition.files.file_writer import DiskFull, FileWriter
 from rotorrig.acquisition.files.mcap_records import Place
 from rotorrig.acquisition.files.part_file import part_path, refuse_existing
+from rotorrig.acquisition.files.preview import Preview
 from rotorrig.acquisition.files.schemas import message_type
 from rotorrig.acquisition.files.stored_recording import BlockIndex, StoredRecording
 from rotorrig.acquisition.recording import Event, MotorSample, RawRecording
@@ -92,7 +93,9 @@ class RecordingWriter:
         )
         self._samples, self._t_ns = 0, 0
         self._on_move, self._file.on_move = on_move, self._note_move
-        for topic, kind in _TOPICS.items():  # all in the first chunk, so that none of the others needs another
+        self._preview = Preview.of(rig, daq_info)
+        shown = self._preview.topics if self._preview else {}
+        for topic, kind in (_TOPICS | shown).items():  # in the first chunk, so that none of the others needs another
             self._file.register_topic(topic, kind)
         self._file.write("/daq", DAQ, 0, **_calibration(rig, daq_info))
         self._file.flush()
@@ -102,6 +105,8 @@ class RecordingWriter:
         self._t_ns = block.t_ns
         self._file.write("/waveform", block_message.WAVEFORM, block.t_ns, **block_message.pack_block(block))
         self._samples += len(block.counts)
+        for topic, kind, values in self._preview.take(block) if self._preview else ():
+            self._file.write(topic, kind, block.t_ns, **values)
 
     def write_event(self, event: Event) -> None:
         """Add an event. Raises DiskFull."""

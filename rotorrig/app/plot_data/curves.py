@@ -23,7 +23,7 @@ class Curve:
     direction: int  # +1 speed rises, -1 falls
     rpm: NDArray[np.float64]  # (row,)
     amplitude: NDArray[np.float64]  # (row,) µm 0-peak
-    lag: NDArray[np.float64]  # (row,) degrees
+    lag: NDArray[np.float64]  # (row,) degrees; NaN where amplitudes are all that is known
     sigma: NDArray[np.float64]  # (row,) µm, one standard deviation of a component
     model_amplitude: NDArray[np.float64] | None  # (row,) every row, usable or not; None without a model
     model_lag: NDArray[np.float64] | None
@@ -73,7 +73,7 @@ def curves(
     """Return the curves of one probe, a run each; `prediction` (speed, probe) [m] as `Fit.prediction`, for 1X."""
     z = np.where(response.usable[:, probe], vectors(response, order)[:, probe], np.nan)
     model = None if prediction is None else model_vectors(response, prediction)[:, probe]
-    start = phase_window(z)
+    start = np.nan if response.amplitudes_alone else phase_window(z)
     place = response.orders.index(order)
     variance = response.covariance[:, place, 2 * probe, 2 * probe]
     by_run = []

@@ -44,8 +44,10 @@ def _plots(response: OrderTrackedResponse, identification: Identification | None
         bode(response, probe, prediction=best, before=before, resonances=found, height=HEIGHT),
         caption=f"Probe {name}, the loudest, 1X: measured (dots)" + (" and model (lines)" if best is not None else ""),
         label=f"Bode plot of probe {name}. {words} Its values are in the section on the synchronous response.",
-        share=0.57,
+        share=1.0 if response.amplitudes_alone else 0.57,
     )
+    if response.amplitudes_alone:
+        return left
     right = plot(
         "first-polar",
         polar(response, probe, prediction=best, before=before, height=HEIGHT),

@@ -62,7 +62,7 @@ def write_report(
     if recording:
         check_run_of(recording, response)
     waveforms = Waveforms(recording) if recording else None
-    verdict = banner(identification, diagnosis)
+    verdict = banner(identification, diagnosis, amplitudes_alone=response.amplitudes_alone)
     parts = (
         investigation_section(journal),
         missing_section(diagnosis, response.rig),

@@ -15,7 +15,7 @@ from rotorrig.app.viewer.result import TIMELINE, read_opening, write_result_rrd
 from rotorrig.app.viewer.sinks import Sink, serve, show_files, to_file
 from rotorrig.balancing import read_balance
 from rotorrig.identify import read_diagnosis, read_identification
-from rotorrig.processing import OrderTrackedResponse
+from rotorrig.processing import OrderTrackedResponse, require_phases
 from rotorrig.processing.files import read_response
 from rotorrig.rig import DataError
 
@@ -89,6 +89,7 @@ def as_rrd(path: Path, folder: Path, evidence: Evidence = ALONE) -> Path:
 
 
 def _write_result(out: Path, response: OrderTrackedResponse, evidence: Evidence) -> None:
+    require_phases([response], "the view of a response")
     identification = read_identification(evidence.fit) if evidence.fit else None
     diagnosis = read_diagnosis(evidence.diagnosis) if evidence.diagnosis else None
     balance = read_balance(evidence.balance) if evidence.balance else None

@@ -8,6 +8,7 @@ from rotorrig.identify.adequacy.residual_tests import (
     Adequacy,
     assess,
     assess_all,
+    scatter_test,
 )
 from rotorrig.identify.adequacy.row_scatter import excess_scatter
 from rotorrig.identify.adequacy.settings import ADEQUACY
@@ -19,4 +20,5 @@ __all__ = [
     "assess",
     "assess_all",
     "excess_scatter",
+    "scatter_test",
 ]

@@ -122,8 +122,17 @@ def _freedom() -> tuple[float, float]:
 def _global_ratio(response: OrderTrackedResponse, model: NDArray[np.complex128], used: float) -> tuple[float, float]:
     """Return von Neumann's ratio of all 1X residuals, and its standard deviation for noise of any level."""
     measured, off = _compare(response, model, order=1, first=model)
-    white = measured.where_usable(measured.sigmas(off))[:-1]
-    scatter = row_variance(white, response.run[measured.rows])
+    return _ratio_to_scatter(measured.where_usable(measured.sigmas(off))[:-1], response.run[measured.rows], used)
+
+
+def scatter_test(white: NDArray[np.float64], run: NDArray[np.intp], *, used: float) -> tuple[float, float]:
+    """Return von Neumann's ratio of residuals (row, value) in sigmas, and the probability of one as large."""
+    ratio, sigma = _ratio_to_scatter(white, run, used)
+    return ratio, _probability_of_ratio(ratio, sigma)
+
+
+def _ratio_to_scatter(white: NDArray[np.float64], run: NDArray[np.intp], used: float) -> tuple[float, float]:
+    scatter = row_variance(white, run)
     known = white[np.isfinite(white)]
     square = float(np.sum(known**2))
     if not scatter > 0 or not square > 0:

@@ -190,7 +190,7 @@ def with_scatter(problem: ExtendedProblem, p: Reals) -> ExtendedProblem:
 
 def assess_fit(problem: ExtendedProblem, polished: Solution, *, fitted_alone: bool = False) -> AssessedFit:
     """Test a fit: adequate if it is for every recording; with `fitted_alone` by the orders it is of and no others."""
-    used = _count_values_followed(problem, polished)
+    used = count_values_followed(problem, polished)
     each = []
     for recording, predicted in zip(problem.recordings, problem.model.predict(polished.p), strict=True):
         whole = {order: recording.in_response(z) for order, z in predicted.items()}
@@ -201,7 +201,7 @@ def assess_fit(problem: ExtendedProblem, polished: Solution, *, fitted_alone: bo
     return AssessedFit(problem=problem, polished=polished, adequacy=assess_all(each))
 
 
-def _count_values_followed(problem: ExtendedProblem, polished: Solution) -> dict[int, float]:
+def count_values_followed(problem: ExtendedProblem, polished: Solution) -> dict[int, float]:
     """Return recording number -> how many of its 1X values the fit could follow: the trace of the hat matrix."""
     length = np.linalg.norm(polished.jacobian, axis=0)
     basis = np.linalg.qr(polished.jacobian[:, length > 0] / length[length > 0])[0]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from rotorrig.identify.base_fit.amplitudes_alone import judge_amplitudes, take_amplitudes
 from rotorrig.identify.base_fit.base_fit import (
     BaseProblem,
     SearchOptions,
@@ -59,18 +60,20 @@ def identify(
     derivatives, or by the objective's value alone, "modern" or "seed", the chapter's; by default the config's. With
     `profile` all intervals are of the profile likelihood, and not only those that the covariance would get wrong; with
     `resampling` those of the whole are of a bootstrap. A band with too few rows is left out and the first fit's words
-    say so. Recordings turn backwards whose rig has the other sense of rotation than the first's. Raises ConfigError if
-    the rig has no [identify] section or an unknown effect, DataError if a recording holds too few rows or other probes
-    or orders than the first.
+    say so. Recordings turn backwards whose rig has the other sense of rotation than the first's. Of responses without
+    phases the amplitudes are fitted, searched by "f1", "f2" or "f3" and refined by least squares of predicted less
+    measured amplitude in standard deviations. Raises ConfigError if the rig has no [identify] section or an unknown
+    effect, DataError if a recording holds too few rows or other probes or orders than the first, or no phases and what
+    is asked for wants them.
     """
     if not responses:
         raise DataError("no response was given, want at least one to identify from")
     rig = responses[0].rig
+    taken, remarks = take_amplitudes(responses, objective=objective, bootstrap=resampling is not None)
     known = check_rig(rig)
     began = time.perf_counter()
     options = SearchOptions(objective=objective, method=method or known.search, seed=seed)
-    fitting = _Fitting(responses=responses, search=options, profile=profile)
-    remarks: list[str] = []
+    fitting = _Fitting(responses=taken, search=options, profile=profile)
     with threadpool_limits(1, user_api="blas"):  # thousands of small products: threads cost 40 times what they save
         progress(WHOLE)
         whole = fitting.base()
@@ -78,19 +81,19 @@ def identify(
         fits = [fitting.fit(WHOLE, problem, problem, searched, best)]
         angles = None if fits[0].adequate else fitting.judge_trial_angles(best)
         if angles:
-            counted = [recount(r, reversed_=angles.reversed, offset=angles.offset) for r in responses]
+            counted = [recount(r, reversed_=angles.reversed, offset=angles.offset) for r in taken]
             fitting = replace(fitting, responses=counted)
             whole = fitting.base()
             searched, problem, best = search_and_refine(whole, fitting.search)
             fits = [fitting.fit(WHOLE, problem, problem, searched, best)]
-            remarks.append(angles.words)
+            remarks += (angles.words,)
         for name, limits in known.bands.items():
             progress(name)
             try:
                 searched, of_part, near = search_and_refine(fitting.base(limits), fitting.search, near=best.p)
                 fits.append(fitting.fit(name, of_part, problem, searched, near))
             except DataError as error:
-                remarks.append(f"The band '{name}' was left out: {error}.")
+                remarks += (f"The band '{name}' was left out: {error}.",)
         if resampling:
             progress("bootstrap")
             again = _Refit(whole, fitting.search)
@@ -138,9 +141,13 @@ class _Fitting:
     ) -> Fit:
         """Put the results of a band into words and numbers; `whole` predicts the rows outside it too."""
         space = problem.parameters.base.space
-        able = Identifiability(best, problem.parameters)
+        able = Identifiability(best, problem.parameters, phases=not problem.model.amplitudes_alone)
         unseen = unseen_axes(problem.recordings)
-        adequacy = assess_fit(problem, best, fitted_alone=True).adequacy
+        if problem.model.amplitudes_alone:
+            scatter_ratio, p, adequate = judge_amplitudes(problem, best)
+        else:
+            adequacy = assess_fit(problem, best, fitted_alone=True).adequacy
+            scatter_ratio, p, adequate = adequacy.scatter_ratio, adequacy.p, adequacy.adequate
         omega = np.concatenate([r.response.omega[r.rows] for r in problem.recordings])
         return Fit(
             name=name,
@@ -162,9 +169,9 @@ class _Fitting:
             seed=self.search.seed,
             chi2=best.chi2,
             dof=best.dof,
-            p=adequacy.p,
-            scatter_ratio=adequacy.scatter_ratio,
-            adequate=adequacy.adequate,
+            p=p,
+            scatter_ratio=scatter_ratio,
+            adequate=adequate,
             nameplate=check_nameplate(best, problem),
             prediction=_predict_all(whole, best.p),
             directions=able.directions(),

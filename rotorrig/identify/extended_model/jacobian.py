@@ -29,6 +29,7 @@ def columns(model: ExtendedModel, p: Reals, free: Index) -> Reals:
     by_difference = [int(i) for i in free if _differenced(model, p, moving, int(i))]
     differences = _differences(model, p, by_difference)
     lawful = LawColumns(model, p, moving, free) if moving.laws else None
+    stated = model.predict(p) if model.amplitudes_alone else None
     parts = []
     for n, recording in enumerate(model.recordings):
         found = _exact(model, recording, p, free, moving, lawful)
@@ -37,6 +38,8 @@ def columns(model: ExtendedModel, p: Reals, free: Index) -> Reals:
             for i, change in differences.items():
                 if order in change[n]:
                     d[..., np.searchsorted(free, i)] = change[n][order]
+            if stated is not None:
+                d = measured.off_derivatives(d, stated[n][order])
             parts.append(_whiten_columns(measured, d))
     return np.concatenate(parts)
 

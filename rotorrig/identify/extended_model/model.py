@@ -50,11 +50,18 @@ class ExtendedModel:
         """
         first = recordings[0].response
         self.recordings = tuple(recordings)
+        self.amplitudes_alone = first.amplitudes_alone
         self.effects = tuple(effects)
         orders = recordings[0].orders
         self._count = max(count, 1 + max(r.number for r in recordings))
         self.parameters = ExtendedParameters(
-            recordings[0].rig, first.probes, orders=orders, recordings=self._count, effects=effects, widened=widened
+            recordings[0].rig,
+            first.probes,
+            orders=orders,
+            recordings=self._count,
+            effects=effects,
+            widened=widened,
+            amplitudes_alone=self.amplitudes_alone,
         )
         self.widened = frozenset(widened)
         self.probes = ProbeSide(self.parameters)
@@ -136,8 +143,10 @@ class ExtendedModel:
         ]
 
     def linear(self) -> Index:
-        """Return the parameters in which everything is linear."""
+        """Return the parameters in which everything is linear; amplitudes are so in none."""
         names = self.parameters
+        if self.amplitudes_alone:
+            return np.empty(0, dtype=np.intp)
         found = [np.arange(part.start, part.stop) for part in (*names.runouts.values(), names.hums)]
         if not any("force laws" in effect.acts_on for effect in self.effects):
             found.append(np.arange(names.base.unbalance.start, names.base.unbalance.stop))

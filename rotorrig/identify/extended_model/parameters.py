@@ -34,9 +34,15 @@ class ExtendedParameters:
         recordings: int,
         effects: Sequence[Effect],
         widened: Collection[str] = (),
+        amplitudes_alone: bool = False,
     ) -> None:
-        """Lay out the vector; nuisances in `widened` get wider priors. Raises ConfigError without [identify]."""
+        """Lay out the vector; nuisances in `widened` get wider priors. Raises ConfigError without [identify].
+
+        With `amplitudes_alone` the unbalance is real, as its phase may be any.
+        """
         self.base = Parameters(rig, probes)
+        unbalance = range(self.base.unbalance.start + 1, self.base.unbalance.stop, 2)
+        self._of_phase = list(unbalance) if amplitudes_alone else []
         self.effects = tuple(effects)
         self._own = [p for effect in effects for p in effect.parameters]
         runouts = [f"runout {n}X {name} {part}" for n in orders if n > 1 for name in probes for part in ("re", "im")]
@@ -101,6 +107,7 @@ class ExtendedParameters:
         low, high = np.full(len(self), -np.inf), np.full(len(self), np.inf)
         low[: len(self.base)], high[: len(self.base)] = self.base.bounds
         wider = EXTENDED_MODEL.fit_range
+        low[self._of_phase] = high[self._of_phase] = 0.0
         low[self.own] = [(p.low * wider if p.low < 0 else p.low / wider) / p.size for p in self._own]
         high[self.own] = [(p.high * wider if p.high > 0 else p.high / wider) / p.size for p in self._own]
         return low, high
@@ -108,11 +115,12 @@ class ExtendedParameters:
     @property
     def frozen(self) -> dict[int, float]:
         """The unknowns that no fit moves, as their bounds coincide or a scan finds them: parameter -> value."""
-        return {
+        own = {
             i: p.at_zero / p.size
             for i, p in zip(range(self.own.start, self.own.stop), self._own, strict=True)
             if p.low == p.high or p.grid_searched
         }
+        return dict.fromkeys(self._of_phase, 0.0) | own
 
     @property
     def free(self) -> NDArray[np.intp]:

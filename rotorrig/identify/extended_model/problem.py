@@ -28,6 +28,9 @@ from rotorrig.identify.least_squares import (
 )
 from rotorrig.sims.effects import Effect
 
+UNIT_UNBALANCE = 1e-6  # kg m, 1 g mm: with which amplitudes are compared first
+SMALLEST_SHARE = 1e-6  # of it: none at all would have no derivatives
+
 
 class ExtendedProblem:
     """Residuals of all recordings and priors over the vector of ExtendedParameters."""
@@ -182,8 +185,8 @@ class ExtendedProblem:
         parts = []
         for recording, predicted in zip(self.recordings, self.model.predict(p, orders=orders), strict=True):
             for order, measured in recording.measured.items():
-                z = predicted.get(order, measured.z)
-                parts.append(measured.sigmas(z - measured.z).ravel())
+                off = measured.off(predicted[order]) if order in predicted else np.zeros_like(measured.z)
+                parts.append(measured.sigmas(off).ravel())
         return np.concatenate([*parts, self.parameters.prior_residual(p)])
 
     def jacobian(self, p: Reals, free: Index | None = None) -> Reals:
@@ -195,8 +198,11 @@ class ExtendedProblem:
     def solve_linear(self, p: Reals, free: Index) -> Reals:
         """Return `p` with unbalance, runout, hum and the amounts of linear effects among `free` at their best.
 
-        Raises LinAlgError where the motion is beyond bounds, as of an unstable rotor.
+        Of amplitudes alone an unbalance of zero is scaled to its best. Raises LinAlgError where the motion is beyond
+        bounds, as of an unstable rotor.
         """
+        if self.model.amplitudes_alone:
+            return self._scale_unbalance(p)
         linear = np.intersect1d(free, self.model.linear())
         J, r = self.jacobian(p, linear), self.residual(p)
         if not (np.isfinite(J).all() and np.isfinite(r).all()):
@@ -205,3 +211,25 @@ class ExtendedProblem:
         anywhere = np.full(len(linear), np.inf)
         out[linear] = LinearModel(J, r, p[linear], (-anywhere, anywhere)).best(0.0)
         return np.clip(out, *self.bounds)
+
+    def _scale_unbalance(self, p: Reals) -> Reals:
+        """Return `p` with an unbalance that suits the amplitudes, which are in proportion to it but for runout.
+
+        One that is not zero stays as it is.
+        """
+        out, real = p.copy(), self.parameters.base.unbalance.start
+        if out[real]:
+            return out
+        out[real] = UNIT_UNBALANCE
+        predicted = self.model.predict(out)
+        both = [
+            (m.sigmas(np.abs(z[order]) + 0j).ravel(), m.sigmas(m.z).ravel())
+            for r, z in zip(self.recordings, predicted, strict=True)
+            for order, m in r.measured.items()
+        ]
+        model, measured = (np.concatenate(parts) for parts in zip(*both, strict=True))
+        square = float(model @ model)
+        if not np.isfinite(square) or square == 0:
+            raise np.linalg.LinAlgError("the motion is beyond bounds")
+        out[real] *= max(float(model @ measured) / square, SMALLEST_SHARE)
+        return out

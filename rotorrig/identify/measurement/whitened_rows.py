@@ -33,6 +33,7 @@ class Measurement:
     sigma: NDArray[np.float64]  # (row + 1, probe) m, of re or im
     whiten: NDArray[np.float64]  # (row + 1, 2 probe, 2 probe) 1/m, of (re z_1, im z_1, ...)
     usable: NDArray[np.bool_]  # (row + 1, probe)
+    amplitudes_alone: bool = False  # z is real, an amplitude: no phase is known
     compensated: bool = False  # z lacks the vectors of a slow roll that nobody kept; its last row is zero by definition
     #: (row + 1, probe, column) m, one standard deviation each of the model's own error; None: it is taken for exact
     error: NDArray[np.complex128] | None = None
@@ -41,7 +42,15 @@ class Measurement:
     @property
     def size(self) -> int:
         """Number of real values measured."""
-        return 2 * int(self.usable.sum())
+        return (1 if self.amplitudes_alone else 2) * int(self.usable.sum())
+
+    def off(self, model: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Return what a model (row + 1, probe) [m] as stated has beyond what was measured; real of amplitudes alone."""
+        return (np.abs(model) + 0j if self.amplitudes_alone else model) - self.z
+
+    def off_derivatives(self, columns: NDArray[np.complex128], model: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Return the derivatives of `off` of amplitudes alone by those of a model, (row + 1, probe, column) m."""
+        return along(self.as_stated(columns), model)
 
     def as_stated(self, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Return a model's vectors or their derivatives, (row + 1, ...), as the table states them.
@@ -108,7 +117,8 @@ class Measurement:
         if not (share or repeatability):
             return self.taken_for_exact()
         omega, run = response.omega[self.rows], response.run[self.rows]
-        return self._with(error=_pad_row(error_vectors(motion, omega, run, share=share, repeatability=repeatability)))
+        error = _pad_row(error_vectors(motion, omega, run, share=share, repeatability=repeatability))
+        return self._with(error=along(error, model) if self.amplitudes_alone else error)
 
     def taken_for_exact(self) -> "Measurement":
         """Return the same for a model without an error of its own."""
@@ -168,8 +178,20 @@ def measure(
         sigma=np.sqrt((variance[:, 0::2] + variance[:, 1::2]) / 2),
         whiten=_whitening(covariance, usable),
         usable=usable,
+        amplitudes_alone=response.amplitudes_alone,
         compensated=compensated,
     )
+
+
+def along(columns: NDArray[np.complex128], z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Return by how much vectors (row, probe, column) lengthen z (row, probe): d |z| = Re(dz conj z) / |z|.
+
+    >>> along(np.array([[[1.0, 1.0j]]]), np.array([[-2.0j]]))
+    array([[[ 0.+0.j, -1.+0.j]]])
+    """
+    size = np.abs(z)
+    unit = np.divide(z, size, out=np.ones_like(z), where=size > 0)
+    return np.asarray((columns * unit.conj()[..., None]).real + 0j)
 
 
 def _pad_row(vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:

@@ -40,6 +40,8 @@ def estimate_unknowns(best: Solution, problem: ExtendedProblem, *, unseen: str) 
                 bounds=(unknown.low, unknown.high),
             )
         )
+    if problem.model.amplitudes_alone:
+        return (*estimates, _amount_alone(best, names.unbalance.start, space.amounts[0]))
     expected = {disk.name: disk.unbalance for disk in problem.recordings[0].rig.disks}
     for i, plane in enumerate(space.planes):
         estimates += _unbalance(
@@ -78,6 +80,20 @@ def estimate_nuisances(best: Solution, problem: ExtendedProblem) -> tuple[Estima
 def _unit(nuisance: str) -> str:
     """Return the unit of a nuisance; "hub disk" and "hum 50 Hz 1 re" begin with what they are. Others are ratios."""
     return _UNITS.get(nuisance.split()[0], "")
+
+
+def _amount_alone(best: Solution, i: int, amount: Unknown) -> Estimate:
+    """Return the amount of the one unbalance, whose phase amplitudes do not tell."""
+    value, sigma = abs(float(best.p[i])), float(best.sigma[i])
+    determined = sigma < UNCERTAINTY.determined * value
+    return Estimate(
+        name=amount.name,
+        value=value,
+        sigma=sigma if determined else math.inf,
+        unit=amount.unit,
+        nameplate=amount.nameplate,
+        determined=determined,
+    )
 
 
 def _unbalance(

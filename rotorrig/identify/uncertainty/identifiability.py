@@ -48,10 +48,13 @@ class Weakness:
 class Identifiability:
     """The informations at the optimum of one fit."""
 
-    def __init__(self, best: Solution, parameters: ExtendedParameters) -> None:
-        """Marginalise what is not sought."""
+    def __init__(self, best: Solution, parameters: ExtendedParameters, *, phases: bool = True) -> None:
+        """Marginalise what is not sought; without `phases` those of the unbalance are not."""
         base = parameters.base
         self.coordinates, step = _coordinates(best.p, base)
+        if not phases:
+            kept = [i for i, c in enumerate(self.coordinates) if c.name not in base.space.phases]
+            self.coordinates, step = tuple(self.coordinates[i] for i in kept), step[:, kept]
         excess = np.sqrt(max(1.0, best.chi2 / best.dof))
         whole = best.jacobian @ step
         other = np.setdiff1d(np.arange(len(parameters)), np.r_[base.sought, base.unbalance])

@@ -14,7 +14,7 @@ from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.identification import Estimate
 from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.uncertainty.profile_likelihood import profile_interval
-from rotorrig.identify.uncertainty.quantities import Coefficient, Quantity, quantities
+from rotorrig.identify.uncertainty.quantities import Coefficient, Phase, Quantity, quantities
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
 
@@ -27,6 +27,8 @@ def with_intervals(
     If the covariance is not to be trusted for one quantity, it is not for those correlated with it: all are profiled.
     """
     sought = quantities(problem.parameters.base, best.p)
+    if problem.model.amplitudes_alone:
+        sought = tuple(quantity for quantity in sought if not isinstance(quantity, Phase))
     hidden = [isinstance(q, Coefficient) and any(axis in unseen for axis in q.axes) for q in sought]
     profile = profile or any(_wants_profile(best, q) for q, out in zip(sought, hidden, strict=True) if not out)
     with_interval = []

@@ -20,22 +20,29 @@ POOL = 41  # neighbouring rows whose scatter is pooled: known to 8 %, yet follow
 
 
 def estimate_covariance(
-    z: NDArray[np.complex128], run: NDArray[np.intp], stated: Uncertainty | None, *, first: int | None
+    z: NDArray[np.complex128],
+    run: NDArray[np.intp],
+    stated: Uncertainty | None,
+    *,
+    absolute: NDArray[np.float64],
+    first: int | None,
+    amplitudes_alone: bool = False,
 ) -> NDArray[np.float64]:
     """Return the covariance (row, order, 2 probe, 2 probe) [m^2], probes and parts uncorrelated; NaN where z is.
 
-    `z` is (row, probe, order), `first` the place of 1X among the orders; None: it is not in the table.
+    `z` is (row, probe, order), `absolute` (row, order) m the absolute part of what is `stated`, `first` the place of 1X
+    among the orders; None: it is not in the table. With `amplitudes_alone` z is real, and its variance the amplitude's.
 
     Raises DataError if nothing is stated and there are too few rows to estimate it, or rows that do not scatter.
     """
     if stated is not None:
-        variance = (stated.absolute or 0.0) ** 2 + (stated.relative * np.abs(z)) ** 2
+        variance = absolute[:, None] ** 2 + (stated.relative * np.abs(z)) ** 2
     else:
         variance = np.full(z.shape, np.nan)
         for index, p, n in itertools.product(np.unique(run), range(z.shape[1]), range(z.shape[2])):
             rows = run == index
             if np.isfinite(z[rows, p, n]).any():
-                variance[rows, p, n] = scatter_variance(z[rows, p, n])
+                variance[rows, p, n] = scatter_variance(z[rows, p, n], real=amplitudes_alone)
         if (np.sqrt(variance) < ROUNDING * np.nanmax(np.abs(z), initial=0.0)).any():
             raise DataError(
                 "neighbouring rows do not scatter at all, as they are rounded or computed; want [uncertainty] in the "
@@ -50,8 +57,10 @@ def estimate_covariance(
     return covariance
 
 
-def scatter_variance(z: NDArray[np.complex128]) -> NDArray[np.float64]:
+def scatter_variance(z: NDArray[np.complex128], *, real: bool = False) -> NDArray[np.float64]:
     """Return the variance (row,) of the real or imaginary part of z (row,), from its scatter about local parabolas.
+
+    With `real` there is no imaginary part.
 
     A parabola through 7 rows leaves of independent errors the share 1 - h in the middle; the median over 41 rows
     and both parts makes it robust. Follows a curve whose resonance is wider than 7 rows; what is narrower counts as
@@ -69,7 +78,8 @@ def scatter_variance(z: NDArray[np.complex128]) -> NDArray[np.float64]:
     middle = basis[half] @ np.linalg.pinv(basis)
     kept = z[good]
     residual = kept[half:-half] - np.convolve(kept, middle[::-1], mode="valid")
-    parts = np.abs(np.stack([residual.real, residual.imag], axis=1)) / math.sqrt(1 - middle[half])
+    each = [residual.real] if real else [residual.real, residual.imag]
+    parts = np.abs(np.stack(each, axis=1)) / math.sqrt(1 - middle[half])
     size = min(POOL, len(parts))
     pooled = np.median(np.lib.stride_tricks.sliding_window_view(parts, size, axis=0), axis=(1, 2))
     places = np.flatnonzero(good)[half:-half][(size - 1) // 2 :][: len(pooled)]

@@ -21,7 +21,7 @@ QUESTION = "is the sign of the phases right (phase_is or conjugated of the mappi
 
 def sign_remark(response: OrderTrackedResponse) -> str:
     """Return what speaks against the sign of the phases, empty if nothing does."""
-    if 1.0 not in response.orders:
+    if 1.0 not in response.orders or response.amplitudes_alone:
         return ""
     z = np.where(response.usable, response.order(1.0), np.nan)
     for plane, pair in measured_planes(response.rig, response.read):

@@ -63,6 +63,8 @@ def _head(response: OrderTrackedResponse) -> list[str]:
         )
         for line in _HEAD
     ]
+    if response.amplitudes_alone:
+        lines.append("# amplitudes alone: the table they came from had no phases; sigma um is that of an amplitude")
     if np.isfinite(response.compensation_omega):
         rpm = response.compensation_omega * RPM
         lines.append(f"# not raw: the table they came from was slow-roll compensated by vectors of {rpm:.0f} rpm")
@@ -83,7 +85,10 @@ def _vector(response: OrderTrackedResponse, row: int, probe: int, n: int) -> lis
         return [""] * len(_VECTOR + _SLOW_ROLL)
     slow = response.slow_roll[probe, n] * UM
     variance = np.diag(response.covariance[row, n])[2 * probe : 2 * probe + 2]
-    return _numbers([*_polar(response.z[row, probe, n], np.sqrt(variance.mean())), slow.real, slow.imag])
+    amplitude, lag, sigma = _polar(response.z[row, probe, n], np.sqrt(variance.mean()))
+    if response.amplitudes_alone:
+        lag = np.float64(np.nan)
+    return _numbers([amplitude, lag, sigma, slow.real, slow.imag])
 
 
 def _whirl(whirl: WhirlVectors, row: int) -> list[str]:

@@ -38,6 +38,7 @@ TABLE = message_type(
         "compensation_omega_rad_s": "double",  # 0: the vectors are raw
         "derived_times": "bool",
         "mains_json": "string",  # [{frequency_hz, t_s: [...], stray_rad: [...]}]
+        "amplitudes_alone": "bool",  # the vectors' phases are not known, their imaginary parts 0
     },
 )
 ARRAY = message_type(
@@ -118,6 +119,7 @@ def read_response(path: Path) -> OrderTrackedResponse:
         slow_roll_remarks=tuple(table.slow_roll_remarks),
         compensation_omega=table.compensation_omega_rad_s or math.nan,
         derived_times=bool(table.derived_times),
+        amplitudes_alone=bool(table.amplitudes_alone),
         mains=mains,
         reasons=reasons,
         remarks=remarks,
@@ -150,6 +152,7 @@ def _table(response: OrderTrackedResponse) -> dict[str, Any]:
         "slow_roll_remarks": response.slow_roll_remarks,
         "compensation_omega_rad_s": float(np.nan_to_num(response.compensation_omega)),
         "derived_times": response.derived_times,
+        "amplitudes_alone": response.amplitudes_alone,
         "mains_json": json.dumps(
             [{"frequency_hz": m.frequency, "t_s": m.t.tolist(), "stray_rad": m.stray.tolist()} for m in response.mains]
         ),

@@ -38,7 +38,8 @@ def messages(response: OrderTrackedResponse) -> Iterator[Message]:
     if not times:
         return
     yield "/rig", POINT_CLOUD, min(times), _cloud(min(times), _rig(response.rig))
-    planes = list(measured_planes(response.rig, response.probes)) if 1.0 in response.orders else []
+    drawn = 1.0 in response.orders and not response.amplitudes_alone
+    planes = list(measured_planes(response.rig, response.probes)) if drawn else []
     scale = exaggeration(response) if planes else 1.0
     for i in _rows_to_show(response) if planes else ():
         yield "/orbits", POINT_CLOUD, times[i], _cloud(times[i], _orbits(response, i, planes, scale))

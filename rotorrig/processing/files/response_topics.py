@@ -22,7 +22,7 @@ VECTOR = message_type(
     {
         "speed_rpm": "int64",  # rounded, for a speed axis
         "amplitude_um": "double",  # 0-peak, raw
-        "phase_lag_deg": "double",  # 0 to 360
+        "phase_lag_deg": "double",  # 0 to 360; NaN: not known
         "compensated_amplitude_um": "double",  # slow-roll vector subtracted; NaN without one
         "compensated_phase_lag_deg": "double",
         "sigma_um": "double",  # 1 sigma of the real or imaginary part
@@ -108,7 +108,8 @@ def _of_probes(response: OrderTrackedResponse, i: int) -> Iterator[tuple[str, Me
             yield f"/gap/{probe}", GAP, {**values, "gap_um": z.real * UM}
         else:
             left = z - complex(response.slow_roll[p, n])
-            values |= {"amplitude_um": abs(z) * UM, "phase_lag_deg": _lag(z)}
+            lag = math.nan if response.amplitudes_alone else _lag(z)
+            values |= {"amplitude_um": abs(z) * UM, "phase_lag_deg": lag}
             values |= {"compensated_amplitude_um": abs(left) * UM, "compensated_phase_lag_deg": _lag(left)}
             yield f"/bode/{probe}/{order_name(order)}", VECTOR, values
 

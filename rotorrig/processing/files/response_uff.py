@@ -24,7 +24,7 @@ from rotorrig.acquisition.exporters import (
     units_in_si,
 )
 from rotorrig.processing.probe_planes import whirl
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.response import OrderTrackedResponse, require_phases
 from rotorrig.processing.tracking import whirl_vectors
 from rotorrig.rig import write_whole_file
 from rotorrig.rig.config import units
@@ -38,6 +38,7 @@ _WHIRL = {  # f forward, b backward
 
 def write_uff(path: Path, response: OrderTrackedResponse) -> int:
     """Write every run, probe, plane and turning order and return the number of data sets. Raises DataError."""
+    require_phases([response], "a universal file")
     turning = [n for n, order in enumerate(response.orders) if order]
     written = 0
     with write_whole_file(path) as file:

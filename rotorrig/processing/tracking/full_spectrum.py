@@ -47,8 +47,10 @@ def whirl_vectors(
     """Return +nX and -nX of every plane with both probes in the response; order 0 has none.
 
     `compensated`: less the slow-roll vector, NaN without one; its covariance is not added, since it is the same in
-    all rows.
+    all rows. Amplitudes alone have none.
     """
+    if response.amplitudes_alone:
+        return ()
     z = response.compensated(order) if compensated else response.order(order)
     covariance = response.covariance[:, response.orders.index(order)]
     vectors = []

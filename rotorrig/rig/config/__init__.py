@@ -40,12 +40,13 @@ from rotorrig.rig.config.nameplate import (
     Time,
     Tube,
     Unbalance,
+    UnbalanceAmount,
 )
 from rotorrig.rig.config.prior import Prior
 from rotorrig.rig.config.sweep_plans import DwellAt, Plan, RunUpCoastDown, RunUpRampDown, Stepped, TrialMassRuns
 from rotorrig.rig.config.toml_file import read_toml
 from rotorrig.rig.config.trial_mass import NO_TRIAL, TrialMass, read_trial_mass, trial_unbalance
-from rotorrig.rig.config.units import RPM, UM, micrometres, read_quantity, reads, to_si
+from rotorrig.rig.config.units import RPM, UM, micrometres, read_quantity, reads, reads_one_of, to_si
 from rotorrig.rig.config.validation import validate_table
 
 __all__ = [
@@ -93,6 +94,7 @@ __all__ = [
     "TrialMassRuns",
     "Tube",
     "Unbalance",
+    "UnbalanceAmount",
     "bundled_config",
     "bundled_configs",
     "copy_config",
@@ -109,6 +111,7 @@ __all__ = [
     "read_toml",
     "read_trial_mass",
     "reads",
+    "reads_one_of",
     "to_si",
     "trial_unbalance",
     "validate_table",

@@ -35,6 +35,7 @@ QUANTITIES: dict[str, tuple[str, str, float]] = {
     "voltage": ("V", "-10 V", 1e6),
     "sensitivity": ("V/m", "7.874 mV/um", 1e12),
     "rate": ("Hz", "10 kHz", 1e9),
+    "velocity": ("m/s", "1 mm/s", 1e6),
     "acceleration": ("m/s^2", "9.81 m/s^2", 1e6),
 }
 SMALLEST = 1e-30  # SI, of anything: what is less is 0, lest a square or a quotient of it leave the range of numbers
@@ -126,6 +127,25 @@ def reads(quantity: str) -> BeforeValidator:
             except OverflowError as error:
                 raise ValueError(f"got a number of {len(str(value))} digits, want one in SI") from error
         return to_si(value, quantity)
+
+    return BeforeValidator(validate)
+
+
+def reads_one_of(*quantities: str) -> BeforeValidator:
+    """Return the validator of a field that holds an amount above 0 in SI and which of `quantities` it is of."""
+
+    def validate(value: object) -> tuple[float, str]:
+        faults = []
+        for quantity in quantities:
+            try:
+                amount = to_si(value, quantity)
+            except ValueError as error:
+                faults.append(str(error))
+                continue
+            if not amount > 0:
+                raise ValueError(f"got '{value}', want {_a(quantity)} above zero")
+            return amount, quantity
+        raise ValueError(f"{faults[0]}, or {' or '.join(map(_a, quantities[1:]))} with its unit")
 
     return BeforeValidator(validate)
 

@@ -467,3 +467,21 @@ def test_without_a_slow_roll_the_vectors_stay_raw_and_the_report_says_so(
     write_report(path, response=bare)
     assert "No slow roll was measured" in Page(path.read_text()).said()
     assert curves(bare, 0)[0].amplitude == pytest.approx(np.abs(response.order(1.0)[response.run == 1, 0]) * 1e6)
+
+
+def test_of_amplitudes_alone_no_phase_is_shown(tmp_path: Path, response: OrderTrackedResponse) -> None:
+    alone = dataclasses.replace(response, amplitudes_alone=True, z=np.abs(response.z) + 0j)
+    alone = dataclasses.replace(alone, slow_roll=np.full_like(response.slow_roll, np.nan))
+    write_report(tmp_path / "r.html", response=alone)
+    text = (tmp_path / "r.html").read_text()
+    page = Page(text)
+    assert "The table has amplitudes alone: no phase is known." in text
+    assert not {"orbits", "full-spectrum", "polar-0"} & set(page.ids)
+    peaks = [cell for tag, cell in page.words if tag == "td" and cell.endswith("°")]
+    assert peaks == []
+    assert "polar-0" in Page(_written(tmp_path, response)).ids
+
+
+def _written(folder: Path, response: OrderTrackedResponse) -> str:
+    write_report(folder / "whole.html", response=response)
+    return (folder / "whole.html").read_text()

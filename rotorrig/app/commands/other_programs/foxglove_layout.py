@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rotorrig.app.plot_data import slow_roll_known
-from rotorrig.processing import OrderTrackedResponse, measured_planes
+from rotorrig.processing import OrderTrackedResponse, measured_planes, require_phases
 from rotorrig.processing.files import FRAME
 from rotorrig.rig import DataError, write_whole_text
 
@@ -32,6 +32,7 @@ def foxglove_layout(response: OrderTrackedResponse) -> dict[str, Any]:
 
     Raises DataError if the response has no 1X.
     """
+    require_phases([response], "the layout")
     if 1.0 not in response.orders:
         raise DataError("response: was not tracked at 1X, which the layout's Bode plots need")
     panels: Panels = {"3D!orbits": _scene(), "RosOut!log": {"topicToRender": "/log", "minLogLevel": 1}}

@@ -49,7 +49,7 @@ def _vectors(file: Path, mapping: Path, rig: RigConfig, out: Path) -> str:
     write_response(out, response)
     counted = [(len(response.omega), "row"), (len(response.probes), "probe"), (len(response.runs), "run")]
     summary = f"{out}: " + ", ".join(f"{n} {noun}{'s' * (n != 1)}" for n, noun in counted)
-    notes = [_describe_times(response), _describe_compensation(response)]
+    notes = [_describe_times(response), _describe_compensation(response), _describe_phases(response)]
     notes += dict.fromkeys(word for row in response.remarks for word in row)
     return "\n".join([summary, *(f"Note: {note}" for note in notes if note)])
 
@@ -67,6 +67,16 @@ def _describe_compensation(response: OrderTrackedResponse) -> str:
         return ""
     rpm = response.compensation_omega * RPM
     return f"the vectors stay compensated, and the model subtracts its own response at {rpm:.0f} rpm likewise"
+
+
+def _describe_phases(response: OrderTrackedResponse) -> str:
+    if not response.amplitudes_alone:
+        return ""
+    return (
+        "the table has amplitudes without phases: rotor identify --objective f1 finds stiffness, damping and the "
+        "amount of unbalance by them; its phase, the keyphasor mark, the sense of whirl and what a trial mass changes "
+        "are not known"
+    )
 
 
 def _waveforms(file: Path, mapping: Path | None, rig: RigConfig, out: Path, *, overwrite: bool) -> str:

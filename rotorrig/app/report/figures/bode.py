@@ -35,8 +35,10 @@ def bode(
 
     `prediction` is (speed, probe) [m] as `Fit.prediction`; None draws the measurement alone. `before` is that of the
     base model where `prediction` is an extended one's, a thin grey line; `resonances` are those of the probe to mark.
+    Of amplitudes alone there is no lower panel.
     """
-    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.06, row_heights=[0.62, 0.38])
+    heights = [1.0] if response.amplitudes_alone else [0.62, 0.38]
+    figure = make_subplots(rows=len(heights), cols=1, shared_xaxes=True, vertical_spacing=0.06, row_heights=heights)
     for i, curve in enumerate(curves(response, probe, prediction=before) if before is not None else ()):
         _draw_model(figure, curve, name="base model", legend=i == 0, look=base_line(curve.direction))
     for curve in curves(response, probe, prediction=prediction):
@@ -45,9 +47,10 @@ def bode(
         if prediction is not None:
             _draw_model(figure, curve, name=f"{name}, model", legend=True, look=line(curve.direction))
     figure.update_yaxes(title="µm 0-peak", rangemode="tozero", row=1, col=1)
-    quarters = np.arange(-360, 811, 90)  # an axis may begin anywhere; its labels stay within 0 .. 360
-    figure.update_yaxes(title="lag, °", tickvals=quarters, ticktext=quarters % 360, row=2, col=1)
-    figure.update_xaxes(title="speed, rpm", row=2, col=1)
+    if not response.amplitudes_alone:
+        quarters = np.arange(-360, 811, 90)  # an axis may begin anywhere; its labels stay within 0 .. 360
+        figure.update_yaxes(title="lag, °", tickvals=quarters, ticktext=quarters % 360, row=2, col=1)
+    figure.update_xaxes(title="speed, rpm", row=len(heights), col=1)
     apply_look(figure, height=height)
     _mark(figure, resonances)
     return figure
@@ -101,10 +104,12 @@ def _draw(
     legend: bool,
     look: dict[str, Any],
 ) -> None:
-    """Draw one curve into both panels; a lag is read out within 0 .. 360."""
+    """Draw one curve into both panels; a lag is read out within 0 .. 360, and none into a single panel."""
     shared = {"x": np.round(rpm, 1), "name": name, "legendgroup": name, **look}
     read = "%{x:.0f} rpm: %{y:.2f} µm<extra>" + name + "</extra>"
     figure.add_scatter(y=np.round(amplitude, 3), showlegend=legend, hovertemplate=read, row=1, col=1, **shared)
+    if not np.isfinite(lag).any():
+        return
     read = "%{x:.0f} rpm: %{customdata:.1f}°<extra>" + name + "</extra>"
     figure.add_scatter(
         y=np.round(lag, 1),

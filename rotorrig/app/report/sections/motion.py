@@ -23,7 +23,9 @@ from rotorrig.rig.config import UM, micrometres
 
 
 def orbits_section(response: OrderTrackedResponse) -> Section | None:
-    """Return the 1X orbits at a few speeds of the first sweep; None without a plane of two probes."""
+    """Return the 1X orbits at a few speeds of the first sweep; None without a plane of two probes or phases."""
+    if response.amplitudes_alone:
+        return None
     lines = [
         f'<h3>{escape(plane.name)}</h3><div class="orbits">{"".join(pictures)}</div>'
         for plane, pictures in orbit_pictures(response)

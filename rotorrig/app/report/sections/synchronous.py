@@ -62,7 +62,7 @@ def synchronous_section(
     return section(
         "bode",
         "Synchronous response (1X) against speed",
-        paragraph(compensation(response), _plot_key(models), _COLOURS),
+        paragraph(compensation(response), _plot_key(models), _COLOURS, "" if response.amplitudes_alone else _POLAR),
         '<label class="toggle"><input type="checkbox" id="log-amplitude" disabled> logarithmic amplitude</label>',
         *(_probe(response, p, models, found) for p in range(len(response.probes))),
         _critical_speeds(found, operating),
@@ -71,7 +71,13 @@ def synchronous_section(
 
 
 def compensation(response: OrderTrackedResponse) -> str:
-    """Return whether plots and tables are slow-roll compensated."""
+    """Return whether plots and tables are slow-roll compensated, and whether phases are known."""
+    if response.amplitudes_alone:
+        return f"The table has amplitudes alone: no phase is known. {_compensation(response)}"
+    return _compensation(response)
+
+
+def _compensation(response: OrderTrackedResponse) -> str:
     if np.isfinite(response.compensation_omega):
         rpm = response.compensation_omega * RPM
         return f"The table came slow-roll compensated, by a vector at {rpm:.0f} rpm that it does not tell."
@@ -94,13 +100,16 @@ def _probe(response: OrderTrackedResponse, probe: int, models: Models, found: Se
     name = response.probes[probe]
     mine = [each for each in found if each.probe == name]
     peaks = " ".join([peak_words(response, probe, models), *(critical_words(c.run, c.measured) for c in mine)])
+    shown = "amplitude" if response.amplitudes_alone else "amplitude and phase lag"
     left = plot(
         f"bode-{probe}",
         bode(response, probe, prediction=models.best, before=models.before, resonances=mine),
         caption=f"Probe {name}",
-        label=f"Bode plot of probe {name}, 1X amplitude and phase lag against speed. {peaks}",
-        share=0.57,
+        label=f"Bode plot of probe {name}, 1X {shown} against speed. {peaks}",
+        share=1.0 if response.amplitudes_alone else 0.57,
     )
+    if response.amplitudes_alone:
+        return f'<div class="probe">{left}{_numbers(response, probe, models)}</div>'
     right = plot(
         f"polar-{probe}",
         polar(response, probe, prediction=models.best, before=models.before),
@@ -125,12 +134,15 @@ def _numbers(response: OrderTrackedResponse, probe: int, models: Models) -> str:
 def _number_rows(curve: Curve, base: Curve, models: Models) -> Iterator[list[str]]:
     for row in _spread(curve):
         cells = [curve.run, f"{curve.rpm[row]:.0f}", f"{curve.amplitude[row]:.2f}"]
-        cells += [f"{curve.sigma[row]:.2f}", f"{curve.lag[row] % 360:.1f}°"]
+        cells += [f"{curve.sigma[row]:.2f}", _degrees(curve.lag[row])]
         for model in (curve if models.best is not None else None, base if models.before is not None else None):
             if model is not None and model.model_amplitude is not None and model.model_lag is not None:
-                lag = model.model_lag[row] % 360
-                cells += [f"{model.model_amplitude[row]:.2f}", "–" if math.isnan(lag) else f"{lag:.1f}°"]
+                cells += [f"{model.model_amplitude[row]:.2f}", _degrees(model.model_lag[row])]
         yield cells
+
+
+def _degrees(lag: float) -> str:
+    return "–" if math.isnan(lag) else f"{lag % 360:.1f}°"
 
 
 def _spread(curve: Curve) -> list[int]:
@@ -192,8 +204,8 @@ def _peak(
         return None
     rows = np.flatnonzero(chosen)
     row = rows[np.argmax(np.abs(z[rows, probe]))]
-    lag = -math.degrees(np.angle(z[row, probe])) % 360
-    return f"{abs(z[row, probe]) * UM:.1f}", f"{response.omega[row] * RPM:.0f}", f"{lag:.0f}°"
+    lag = "–" if response.amplitudes_alone else f"{-math.degrees(np.angle(z[row, probe])) % 360:.0f}°"
+    return f"{abs(z[row, probe]) * UM:.1f}", f"{response.omega[row] * RPM:.0f}", lag
 
 
 def peak_words(response: OrderTrackedResponse, probe: int, models: Models) -> str:
@@ -207,10 +219,8 @@ def peak_words(response: OrderTrackedResponse, probe: int, models: Models) -> st
     return " ".join(sentences)
 
 
-_COLOURS = (
-    "Blue: run-up; orange: run-down. Long runs are thinned to the extremes of each stretch. Polar plots: µm 0-peak, 0° "
-    "of phase lag at the probe, lag against rotation, speeds in rpm along the path."
-)
+_COLOURS = "Blue: run-up; orange: run-down. Long runs are thinned to the extremes of each stretch."
+_POLAR = "Polar plots: µm 0-peak, 0° of phase lag at the probe, lag against rotation, speeds in rpm along the path."
 _DEFINITIONS = (
     "Critical speed: where the 1X amplitude of the run peaks. AF, amplification factor: critical speed over the "
     "distance of the half-power speeds, at 0.707 of the peak; damping ratio ζ = 1 / (2 AF). All as API RP 684 defines "

@@ -16,7 +16,9 @@ SHOWN_MISFITS = 3
 TONES = {Verdict.ADEQUATE: "good", Verdict.CANNOT_TELL: "unsure"}  # of all others: bad
 
 
-def banner(identification: Identification | None, diagnosis: Diagnosis | None) -> Section:
+def banner(
+    identification: Identification | None, diagnosis: Diagnosis | None, *, amplitudes_alone: bool = False
+) -> Section:
     """Return the verdict as HTML: a headline, a sentence, and the values behind them."""
     if diagnosis is not None:
         tone = TONES.get(diagnosis.verdict, "bad")
@@ -35,6 +37,8 @@ def banner(identification: Identification | None, diagnosis: Diagnosis | None) -
                 "bad", title, f"Its RMS residual is {ratio**0.5:.1f} times the noise; 1 is expected.", [values]
             )
         sentence = "There is a fit but no diagnosis of where it fails: run rotor diagnose."
+        if amplitudes_alone:
+            sentence = "There is a fit of amplitudes; a diagnosis of where it fails wants phases, and none is known."
         return _banner("unsure", "Fitted, not diagnosed", sentence, [values])
     return _banner("plain", "Measurement only", "No model was fitted to this run.")
 
