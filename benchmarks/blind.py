@@ -30,12 +30,12 @@ from benchmarks.parts.blind.cases import (
     DEVELOPMENT,
     EXTENTS,
     HEALTHY,
+    OUTSIDERS,
     Case,
     Design,
     Extent,
     cases,
     modelled,
-    outsiders,
     shuffle,
 )
 from benchmarks.parts.blind.lam import template
@@ -191,7 +191,7 @@ def arguments() -> argparse.Namespace:
         words = "cases per fault" if name == "seeds" else f"{name} per design"
         parser.add_argument(f"--{name}", type=int, default=default, help=f"development: {words} (default {default})")
     parser.add_argument("--design", nargs="+", choices=DESIGNS, default=list(DESIGNS), help="development: these")
-    known = [*modelled(), *outsiders(), *DEVIANTS, HEALTHY]
+    known = [*modelled(), *OUTSIDERS, *DEVIANTS, HEALTHY]
     parser.add_argument("--hidden", nargs="+", choices=known, default=[], metavar="WHAT", help="development: these")
     parser.add_argument("--folder", type=Path, default=ROOT / ".cache", help="development, and sweeps that are kept")
     parser.add_argument("--results", type=Path, default=FOLDER, help="where the examination's cases are kept")

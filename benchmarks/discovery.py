@@ -4,10 +4,10 @@
     python benchmarks/discovery.py                                     (seeds from 2000 on; resumable)
     python benchmarks/discovery.py --summary --json                    (of the cases that are kept)
 
-Cases are those of the blind test (benchmarks/blind.py), with two planes and a trial mass, in a random order: as far as
-a run has come, it is a fair sample. Of a fault the base model must fail; then one force or reading is looked for
-(rotorrig/identify/discovery), none of the effects in sims/effects is tried, and the answer is held against
-parts/discovery/expected.py. Seeds 0 to 99 are for development.
+Cases are those of the blind test (benchmarks/blind.py), with two planes and a trial mass, and beside them faults that
+no effect models, in a random order: as far as a run has come, it is a fair sample. Of a fault the base model must fail;
+then one force or reading is looked for (rotorrig/identify/discovery), none of the effects in sims/effects is tried, and
+the answer is held against parts/discovery/expected.py. Seeds 0 to 99 are for development.
 """
 
 import argparse
@@ -18,11 +18,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from benchmarks.parts.blind.cases import Case, Extent, cases, shuffle
+from benchmarks.parts.blind.cases import Case
 from benchmarks.parts.blind.limited import Ending, run_limited
 from benchmarks.parts.blind.records import append_record, open_records, read_newest, read_records, source_version
 from benchmarks.parts.case_arguments import case_parser, parse_cases
 from benchmarks.parts.discovery.case_run import run_case
+from benchmarks.parts.discovery.wanted import wanted_cases
 from benchmarks.parts.shares import share, to_text
 
 ROOT = Path(__file__).parents[1]
@@ -30,7 +31,7 @@ KEPT = ROOT / "benchmarks/parts/discovery/cases.jsonl"
 DEVELOPED = ROOT / ".cache/discovery.jsonl"
 RECORDINGS = ROOT / ".cache/blind"
 PUBLISHED = 2000  # first seed of what is published
-EXTENT = Extent(seeds=10, healthy=100, outsiders=40)
+SEEDS = 10  # of every fault
 LIMIT = 1800.0  # s a case
 NEAR = 0.025  # m
 MISSED = 1.96  # standard deviations
@@ -42,8 +43,7 @@ def main() -> None:
     """Run the cases that are not kept yet, and print what came of all."""
     options = arguments()
     first, path = (0, DEVELOPED) if options.development else (PUBLISHED, KEPT)
-    extent = Extent(seeds=options.seeds, healthy=10 * options.seeds, outsiders=4 * options.seeds)
-    wanted = shuffle(list(cases("P2", extent, hidden=options.hidden, first=first)), attempt=1)
+    wanted = wanted_cases(seeds=options.seeds, first=first, hidden=options.hidden)
     version = source_version()
     if not options.summary:
         run(wanted, path, version, workers=options.workers)
@@ -130,7 +130,7 @@ def off(record: Record) -> float:
 
 def arguments() -> argparse.Namespace:
     """Return the checked command line."""
-    parser = case_parser(__doc__, seeds=EXTENT.seeds, of="of every fault; ten times as many healthy")
+    parser = case_parser(__doc__, seeds=SEEDS, of="of every fault; ten times as many healthy")
     parser.add_argument("--hidden", nargs="+", default=[], help="of these faults alone, or 'healthy'")
     return parse_cases(parser)
 

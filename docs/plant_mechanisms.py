@@ -53,6 +53,7 @@ MECHANISMS: Mapping[str, Mechanism] = MappingProxyType(
             "Nayfeh, Mook 1979",
             "k3 r^3 about the shaft at rest",
         ),
+        "damping_over_speed": Mechanism("a squeeze film that the shaft's pump fills", "Gunter et al. 1977", ""),
         "delay": Mechanism(
             "anti-alias filter of second order",
             "Oppenheim, Willsky 1997",
@@ -86,12 +87,14 @@ MECHANISMS: Mapping[str, Mechanism] = MappingProxyType(
         ),
         "loose_disk": Mechanism("a ring that rolls on a rod and falls behind", "rolling without slip", ""),
         "loose_pedestal": Mechanism("a bolt that opens once per turn", "Muszynska, Goldman 1995", ""),
+        "magnetic_pull": Mechanism("a pole that pulls as 1 / gap^2, until it saturates", "Schweitzer, Maslen 2009", ""),
         "pedestal": Mechanism(
             "a block that slides and rocks along x, a mass on a spring along y",
             "Gasch et al. 2002; Richart et al. 1970",
             "one mass on one spring along x",
         ),
         "probe_angle": Mechanism("the direction a probe looks in", "-", "the same", True),
+        "probe_bracket": Mechanism("a mass on a spring upon a base that moves a little", "Thomson 1981; API 670", ""),
         "probe_curvature": Mechanism("a calibration table", "API 670; Dodd, Deeds 1968", ""),
         "probe_gain": Mechanism("the scale factor of a probe", "-", "the same", True),
         "rub": Mechanism(
@@ -104,6 +107,7 @@ MECHANISMS: Mapping[str, Mechanism] = MappingProxyType(
             "API 670; Littrell 2005",
             "one phasor of the track per order",
         ),
+        "seal": Mechanism("damping in axes that turn with the liquid", "Black 1969; Muszynska 1986", ""),
         "shaft_asymmetry": Mechanism(
             "a flat between the bearings, which softens the mean too",
             "Dimentberg 1961",
@@ -115,6 +119,7 @@ MECHANISMS: Mapping[str, Mechanism] = MappingProxyType(
             "constant kxy = -kyx",
         ),
         "slipping_coupling": Mechanism("a hub that creeps while the shaft is sped up", "Coulomb friction", ""),
+        "snubber": Mechanism("a soft ring without friction, off centre, beyond a gap", "Karpenko et al. 2002", ""),
         "soft_left_bearing": Mechanism(
             "a rubber seat in series: it damps, and is stiffer along gravity",
             "Smalley et al. 1978",
@@ -124,6 +129,12 @@ MECHANISMS: Mapping[str, Mechanism] = MappingProxyType(
             "Hertz contact under centrifugal load, (1 + (W / W_r)^2)^(1/3)",
             "Jones 1960; Harris 1966",
             "the square of the speed",
+        ),
+        "twice_line_pull": Mechanism("half of a pull that swings at 100 Hz", "Finley et al. 2000", ""),
+        "unbalance_drift": Mechanism(
+            "moves as a disk warms: 1 - exp(-t / T)",
+            "Incropera, DeWitt 1985; Zawoysky, Genovese 2001",
+            "",
         ),
         "unbalance_plane": Mechanism(
             "a screw that is heavy too, anywhere along the shaft",

@@ -36,6 +36,9 @@ HURRY = 3.0
 HEALTHY = "healthy"
 DEVELOPMENT = 100  # seeds that may be looked at
 EXAMINATION = 1000  # first seed of an examination, times its number
+#: faults that no effect models and that an examination hides: fixed, as the kept results are of these. Faults that came
+#: later are for the search for a missing force alone (parts/discovery/wanted.py).
+OUTSIDERS = ("loose_disk", "loose_pedestal", "probe_curvature", "slipping_coupling")
 OF_THE_BEARING = {"cross_stiffness", "skew_stiffness"}  # faults that are none where all coefficients are sought
 
 Design = Literal["P1", "P2", "day"]
@@ -119,11 +122,11 @@ EXTENTS: Mapping[Design, Extent] = {
 
 def cases(design: Design, extent: Extent, *, hidden: Collection[str] = (), first: int = 0) -> Iterator[Case]:
     """Yield the cases of a design, seeds from `first` on; of what is `hidden` alone if any are given."""
-    wanted = set(hidden) or {*modelled(), *outsiders(), *DEVIANTS, HEALTHY}
+    wanted = set(hidden) or {*modelled(), *OUTSIDERS, *DEVIANTS, HEALTHY}
     for fault in modelled():
         if fault in wanted:
             yield from (Case(design=design, faults=(fault,), seed=first + i) for i in range(extent.seeds))
-    strange = [name for name in outsiders() if name in wanted]
+    strange = [name for name in OUTSIDERS if name in wanted]
     for i in range(extent.outsiders if strange else 0):
         yield Case(design=design, faults=(strange[i % len(strange)],), seed=first + i // len(strange))
     wrong = [name for name in DEVIANTS if name in wanted]
@@ -146,11 +149,6 @@ def shuffle(wanted: Collection[Case], *, attempt: int) -> list[Case]:
 def modelled() -> tuple[str, ...]:
     """Return the names of the faults that have an effect for a counterpart."""
     return tuple(name for name in fault_names() if name in ANSWERS)
-
-
-def outsiders() -> tuple[str, ...]:
-    """Return the names of the faults that no effect of sims/effects models."""
-    return tuple(name for name in fault_names() if name not in ANSWERS)
 
 
 def sizes(case: Case) -> tuple[FaultSpec, ...]:

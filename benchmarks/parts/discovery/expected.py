@@ -57,27 +57,44 @@ FORCES: Mapping[str, tuple[Places, tuple[str, ...]]] = {
     "crack": (_at("position"), ()),
     "cross_stiffness": (_sought, ("skew stiffness",)),
     "cubic_spring": (_sought, ("cubic stiffness",)),
+    "damping_over_speed": (_sought, ()),
     "disk_inertia": (_disk, ("tilt stiffness",)),
     "friction": (_sought, ("dry friction",)),
     "hysteresis": (_spread, ("damping",)),
     "internal_damping": (_spread, ("cross-coupled stiffness over speed",)),
     "loose_disk": (_disk, ()),
     "loose_pedestal": (_sought, ()),
+    "magnetic_pull": (_disk, ("skew stiffness", "stiffness")),
     "pedestal": (_sought, ("resonance",)),
     "rub": (_at("position"), ("cubic stiffness",)),
+    "seal": (_at("position"), ("cross-coupled stiffness over speed", "damping")),
     "shaft_asymmetry": (_spread, ()),
     "skew_stiffness": (_sought, ("cross-coupled stiffness",)),
     "slipping_coupling": (_coupled_end, ()),
+    "snubber": (_at("position"), ("cubic stiffness",)),
     "soft_left_bearing": (_held, ("stiffness", "damping", "tilt stiffness")),
     "stiffness_over_speed": (_sought, ("stiffness over speed",)),
+    "unbalance_drift": (_disk, ()),
     "unbalance_plane": (_at("position"), ("speed squared",)),
     "unbalance_step": (_disk, ()),
 }
-READINGS = ("cross_talk", "delay", "line_hum", "probe_angle", "probe_curvature", "probe_gain", "runout")
+READINGS = (
+    "cross_talk",
+    "delay",
+    "line_hum",
+    "probe_angle",
+    "probe_bracket",
+    "probe_curvature",
+    "probe_gain",
+    "runout",
+)
 
 
 def expected(rig: RigConfig, fault: FaultSpec) -> Expected | None:
-    """Return the right answer for a fault; None where neither a force nor a reading stands for it, as for drag."""
+    """Return the right answer for a fault; None where neither a force nor a reading at shaft orders stands for it.
+
+    So it is with drag, which turns the rotor and does not bend it, and a pull at twice the line frequency.
+    """
     if fault.name in READINGS:
         return Expected(kind="reading")
     if fault.name not in FORCES:

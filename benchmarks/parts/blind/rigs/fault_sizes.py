@@ -17,7 +17,7 @@ from rotorrig.sims.plant.draw import draw_fault
 from rotorrig.sims.plant.faults import load_fault
 
 FORCE, STIFFNESS, COMPLIANCE, LENGTH, TIME, RATE = (1, 1, 0), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1)
-UNBALANCE, DRAG, CUBIC = (1, 1, 2), (1, -1, 2), (1, -2, 0)
+UNBALANCE, DRAG, CUBIC, DAMPING = (1, 1, 2), (1, -1, 2), (1, -2, 0), (1, 0, 1)
 Power = tuple[int, int, int]  # of the scales of stiffness, motion and time
 
 POWERS: Mapping[tuple[str, str], Power] = {
@@ -29,6 +29,8 @@ POWERS: Mapping[tuple[str, str], Power] = {
     ("cross_stiffness", "stiffness"): STIFFNESS,
     ("cubic_spring", "half_length"): LENGTH,
     ("cubic_spring", "k3"): CUBIC,
+    ("damping_over_speed", "damping"): DAMPING,
+    ("damping_over_speed", "reference"): RATE,
     ("drag", "coefficient"): DRAG,
     ("friction", "limit"): FORCE,
     ("friction", "stuck_stiffness"): STIFFNESS,
@@ -36,21 +38,28 @@ POWERS: Mapping[tuple[str, str], Power] = {
     ("internal_damping", "time"): TIME,
     ("loose_disk", "clearance"): LENGTH,
     ("loose_pedestal", "lift"): LENGTH,
+    ("magnetic_pull", "gap"): LENGTH,
+    ("magnetic_pull", "pull"): FORCE,
     ("pedestal", "compliance"): COMPLIANCE,
     ("pedestal", "frequency"): RATE,
     ("rub", "stiffness"): STIFFNESS,
     ("rub", "gap"): LENGTH,
+    ("seal", "damping"): DAMPING,
     ("skew_stiffness", "reference"): RATE,
     ("skew_stiffness", "stiffness"): STIFFNESS,
     ("slipping_coupling", "bore_force"): FORCE,
+    ("snubber", "gap"): LENGTH,
+    ("snubber", "stiffness"): STIFFNESS,
     ("soft_left_bearing", "compliance"): COMPLIANCE,
     ("stiffness_over_speed", "reference"): RATE,
+    ("twice_line_pull", "pull"): FORCE,
+    ("unbalance_drift", "amount"): UNBALANCE,
     ("unbalance_plane", "amount"): UNBALANCE,
     ("unbalance_plane", "radius"): LENGTH,
     ("unbalance_step", "amount"): UNBALANCE,
     ("unbalance_step", "speed"): RATE,
 }
-BETWEEN_BEARINGS = {("crack", "position")}
+BETWEEN_BEARINGS = {("crack", "position"), ("seal", "position"), ("snubber", "position")}
 BESIDE_THE_DISK = {("rub", "position"), ("unbalance_plane", "position")}
 
 

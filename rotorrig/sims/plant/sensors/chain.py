@@ -35,6 +35,7 @@ class Chain(NamedTuple):
     volts_per_metre: NDArray[np.float64]  # (probe,)
     gap_voltage: NDArray[np.float64]  # (probe,)
     mixing: NDArray[np.float64]  # (probe, probe) share of every probe in each channel; the identity if all is well
+    brackets: NDArray[np.float64]  # (probe, 3) see `bracket.Brackets`; of a share of zero a bracket stands still
     delay: NDArray[np.float64]  # (probe,) s, of a low-pass filter that the keyphasor's channel has not
     tones: NDArray[np.float64]  # (tone, probe, 3) m, Hz and rad, whatever the shaft does
     drift: NDArray[np.float64]  # (probe, 2) once warm: of the gain, relative, and of the gap [m]
@@ -56,6 +57,7 @@ def make_chain(rig: RigConfig, truth: Truth) -> Chain:
         volts_per_metre=np.array([p.sensitivity for p in rig.probes]) * truth.probe_gain_factors,
         gap_voltage=np.array([p.gap_voltage for p in rig.probes]),
         mixing=np.eye(len(angles)),
+        brackets=np.zeros((len(angles), 3)),
         delay=np.zeros(len(angles)),
         tones=np.full((1, len(angles), 3), (truth.noise.hum, MAINS, phase)),
         drift=np.stack([healthy.gain_drift or none, healthy.gap_drift or none], axis=1),

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.plant.deviations import WARMING
+from rotorrig.sims.plant.sensors.bracket import Brackets
 from rotorrig.sims.plant.sensors.chain import MAINS, STRAY, STRAY_PERIOD, Chain
 from rotorrig.sims.plant.sensors.low_pass import LowPass
 from rotorrig.sims.plant.streams import stream
@@ -48,6 +49,7 @@ class Sensors:
             self._rms[rig.keyphasor.channel] = truth.noise.keyphasor
         self._rng = stream(truth.seed, "sensor noise", run=truth.run)
         self._per_sample = math.tau / sample_rate
+        self._brackets = Brackets(chain.brackets, sample_rate=sample_rate) if chain.brackets[:, 0].any() else None
         self._low_pass = LowPass(chain.delay, sample_rate=sample_rate) if chain.delay.any() else None
         self._has_crosstalk = not np.array_equal(chain.mixing, np.eye(len(chain.mixing)))
         self._taken = 0  # samples so far: the tones' clock
@@ -57,6 +59,8 @@ class Sensors:
         volts = self._rng.standard_normal((len(theta), self.channels)) * self._rms
         clock = self._per_sample * (self._taken + np.arange(len(theta)))
         near = _approach(at_probes, theta, clock, self._chain)
+        if self._brackets:
+            near -= self._brackets.move(np.sum(at_probes * self._chain.direction, axis=2))
         if self._has_crosstalk:
             near = _mix(near, self._chain.mixing)
         if self._low_pass:

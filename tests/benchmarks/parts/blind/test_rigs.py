@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from benchmarks.parts.blind.cases import Case, modelled, nameplate, outsiders, sizes
+from benchmarks.parts.blind.cases import Case, nameplate, sizes
 from benchmarks.parts.blind.rigs.deviants import DEVIANTS, DIAMETER, HUB, POSITION, TILT, Deviation, put_together
 from benchmarks.parts.blind.rigs.drawn import DAMPING, GRADES, LAYOUTS, LIMIT, character, draw_rig, layout
 from benchmarks.parts.blind.rigs.fault_sizes import BESIDE_THE_DISK, BETWEEN_BEARINGS, POWERS, fault_of
@@ -17,11 +17,12 @@ from rotorrig.sims.plant.deviations import as_built
 from rotorrig.sims.plant.draw import draw_fault
 from rotorrig.sims.plant.draw import nameplate as truth_of_nameplate
 from rotorrig.sims.plant.faults import load_fault
+from rotorrig.sims.plant.faults.base import fault_names
 from rotorrig.sims.plant.shaft import build
 from rotorrig.sims.plant.truth import Geometry
 
 SEEDS = range(6)
-AS_DRAWN = {  # angles, pure numbers, and what belongs to the probes
+AS_DRAWN = {  # angles, pure numbers, times of heat, and what belongs to the probes
     "bow": "angle",
     "couple": "skew angle",
     "coupling": "bore_angle offset offset_angle stiff_diameter",
@@ -32,15 +33,21 @@ AS_DRAWN = {  # angles, pure numbers, and what belongs to the probes
     "hysteresis": "loss_factor",
     "line_hum": "amount phase",
     "loose_pedestal": "loss",
+    "magnetic_pull": "angle",
     "pedestal": "damping_ratio",
     "probe_angle": "turn probe",
+    "probe_bracket": "share frequency damping_ratio probe",
     "probe_curvature": "quadratic cubic probe",
     "probe_gain": "gain probe",
     "rub": "friction",
     "runout": "eccentricity angle oval oval_angle probe",
+    "seal": "share",
     "shaft_asymmetry": "asymmetry stiff_plane",
     "slipping_coupling": "bore_angle creep",
+    "snubber": "offset angle",
     "stiffness_over_speed": "gain",
+    "twice_line_pull": "angle phase",
+    "unbalance_drift": "angle time",
     "unbalance_plane": "angle",
     "unbalance_step": "angle run",
 }
@@ -111,7 +118,7 @@ def test_where_a_fault_is_of_the_cross_coefficients_they_are_not_sought() -> Non
 
 
 def test_every_parameter_that_is_drawn_says_how_it_goes_with_the_rig() -> None:
-    drawn = {(fault, p) for fault in (*modelled(), *outsiders()) for p in load_fault(fault).RANGE}
+    drawn = {(fault, p) for fault in fault_names() for p in load_fault(fault).RANGE}
     scaled = {*POWERS, *BETWEEN_BEARINGS, *BESIDE_THE_DISK}
     kept = {(fault, p) for fault, names in AS_DRAWN.items() for p in names.split()}
     assert drawn <= scaled | kept

@@ -16,7 +16,14 @@ from rotorrig.sims.plant.truth import FaultSpec, Truth
 from tests.parameters import defer_rest
 
 #: parameters that stand in axes fixed to the ground: y up makes them change sign in a mirror
-FIXED_IN_SPACE = {"coupling": "offset_angle", "cross_stiffness": "stiffness", "probe_angle": "turn"}
+FIXED_IN_SPACE = {
+    "coupling": "offset_angle",
+    "cross_stiffness": "stiffness",
+    "magnetic_pull": "angle",
+    "probe_angle": "turn",
+    "snubber": "angle",
+    "twice_line_pull": "angle",
+}
 HOOKS = ("deviations", "forces", "structure", "sensors")
 
 

@@ -21,7 +21,9 @@ STORES: dict[str, tuple[float, dict[str, float]]] = {
     "crack": (2e-4, {}),
     "cubic_spring": (3e-4, {}),
     "loose_pedestal": (5e-5, {}),
+    "magnetic_pull": (3e-4, {}),
     "shaft_asymmetry": (2e-4, {}),
+    "snubber": (3e-4, {}),
 }
 TAKES: dict[str, tuple[float, dict[str, float]]] = {
     "drag": (1e-4, {}),
@@ -29,6 +31,7 @@ TAKES: dict[str, tuple[float, dict[str, float]]] = {
     "hysteresis": (8e-5, {}),
     "internal_damping": (2e-4, {}),
     "rub": (3e-4, {}),
+    "seal": (2e-4, {}),
 }
 
 
