@@ -6,6 +6,7 @@ from types import FunctionType
 from typing import Any
 
 from rotorrig.app import python
+from rotorrig.app.lab import query
 from rotorrig.app.python.plots import ResponsePlots
 
 HEAD = """# `import rotorrig as rr`
@@ -14,13 +15,13 @@ Written by `make docs` from the code itself; do not edit. The [how-to](python.md
 SI unless a name says otherwise; amplitudes are 0-peak, phases lag ([conventions](conventions.md)). What a user can get
 wrong raises `rr.DataError` or `rr.ConfigError`, both `rr.RigError`, with one sentence.
 """
-FUNCTIONS = ("read", "simulate", "track", "identify", "diagnose", "report")
+FUNCTIONS = (python.read, python.simulate, python.track, python.identify, python.diagnose, python.report, query)
 CLASSES = (python.Recording, python.Response, ResponsePlots, python.Identification, python.Diagnosis, python.Rotor)
 
 
 def text() -> str:
     """Return the whole page."""
-    parts = [_function(f"rr.{name}", getattr(python, name)) for name in FUNCTIONS]
+    parts = [_function(f"rr.{each.__name__}", each) for each in FUNCTIONS]
     return "\n".join([HEAD, *parts, *(_class(each) for each in CLASSES)])
 
 

@@ -1,3 +1,4 @@
+from .app.lab import query as query
 from .app.python import Diagnosis as Diagnosis
 from .app.python import Identification as Identification
 from .app.python import Recording as Recording
@@ -24,6 +25,7 @@ __all__ = [
     "Rotor",
     "diagnose",
     "identify",
+    "query",
     "read",
     "report",
     "simulate",

@@ -25,7 +25,7 @@ LOCKS = (
 )
 
 
-def open_catalogue(folder: Path) -> duckdb.DuckDBPyConnection:
+def open_catalogue(folder: str | Path) -> duckdb.DuckDBPyConnection:
     """Return a connection to the catalogue of a lab's folder, as it is now: a copy in memory, which SQL cannot leave.
 
     The tables are those of docs/lab.md; `<table>_all` has the rows of every computation, `<table>` those of the newest
@@ -46,7 +46,7 @@ def open_catalogue(folder: Path) -> duckdb.DuckDBPyConnection:
     return connection
 
 
-def query_table(folder: Path, sql: str) -> pa.Table:
+def query_table(folder: str | Path, sql: str) -> pa.Table:
     """Return what one SELECT on the catalogue of a lab's folder yields, as an Arrow table. Raises DataError."""
     with open_catalogue(folder) as connection:
         try:
@@ -59,10 +59,10 @@ def query_table(folder: Path, sql: str) -> pa.Table:
             raise DataError(f"query: {_first_line(error)}") from error
 
 
-def query(folder: Path, sql: str) -> "pd.DataFrame":
+def query(folder: str | Path, sql: str) -> "pd.DataFrame":
     """Return what one SELECT on the catalogue of a lab's folder yields, as a DataFrame. Raises DataError.
 
-    `query(Path("recordings"), "select file, verdict from runs where status = 'done'")`
+    `query("recordings", "select file, verdict from runs where status = 'done'")`
     """
     return query_table(folder, sql).to_pandas()
 

@@ -26,8 +26,9 @@ class Lab:
     root: Path
 
     @classmethod
-    def of(cls, folder: Path) -> "Lab":
+    def of(cls, folder: str | Path) -> "Lab":
         """Return the lab of an existing folder, by its absolute path. Raises DataError if it is none."""
+        folder = Path(folder)
         if not folder.is_dir():
             raise DataError(f"{folder}: is no folder, want the one that the recordings are in")
         return cls(folder.resolve())
