@@ -30,7 +30,8 @@ MODULES = sorted(ROOT.rglob("*.py"))
 
 #: modules that can run what a file holds -> where they may be imported, and why
 RUNS_DATA = {
-    "pickle": {"identify/chea/calls/workers.py"},  # functions on their way to this program's own child processes
+    #: functions and jobs on their way to this program's own child processes
+    "pickle": {"identify/chea/calls/workers.py", "app/lab/kernels.py"},
     "marshal": set(),
     "shelve": set(),
     "dill": set(),

@@ -28,8 +28,12 @@ READ = {
     *("after", "balance"),
 }
 Case = tuple[str, str]  # verb, argument
-#: folders that go on with what is there, or are only read: tests/app/commands/test_investigate.py, tests/app/lab
-RESUMED = {("investigate", "folder"), ("lab run", "folder"), ("lab query", "folder")}
+#: folders that go on with what is there, are made anew by a guard of their own, or are only read: tests/app/lab,
+#: tests/app/commands/test_investigate.py
+RESUMED = {
+    *(("investigate", "folder"), ("lab run", "folder"), ("lab query", "folder")),
+    *(("lab page", "folder"), ("lab page", "out_folder")),
+}
 
 
 def commands() -> dict[str, Any]:
