@@ -51,8 +51,8 @@ def cause_name(cause: Cause) -> str:
 
 
 def _cause(cause: Cause) -> str:
-    """Return "bent shaft: 16 µm at 104°"; the rest of its digits is in the table."""
-    size = cause_size(cause, coarse=True)
+    """Return "bent shaft: 16 µm at 104°"; of a cause with more than a size and an angle the name alone."""
+    size = cause_size(cause, coarse=True) if len(cause.parameters) <= 2 else "–"
     return cause_name(cause) if size == "–" else f"{cause_name(cause)}: {size}"
 
 

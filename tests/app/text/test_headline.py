@@ -28,6 +28,14 @@ def test_a_cause_is_said_as_across_the_bench(alone: Diagnosis) -> None:
     assert headline(vague).startswith("Bent shaft: 16 µm. "), "no digit beyond the first of its sigma"
 
 
+def test_a_cause_of_many_values_is_said_by_its_name_alone(alone: Diagnosis) -> None:
+    values = {name: ParameterValue(value=1.0, unit="", sigma=0.1) for name in ("mass", "frequency", "damping ratio")}
+    pedestal = make_cause("pedestal, x", "pedestal", chosen=True, evidence=9e3, after=4e-7)
+    diagnosis = dataclasses.replace(alone, causes=(dataclasses.replace(pedestal, parameters=values),))
+    assert headline(diagnosis).endswith(", x. It explains what the model got wrong.")
+    assert not any(digit in headline(diagnosis) for digit in "0123456789")
+
+
 def test_two_causes_explain_it_together(alone: Diagnosis) -> None:
     both = dataclasses.replace(alone, causes=(BOW, GAIN))
     words = "Bent shaft: 18.0 µm at 110°; probe gain, probe 1x: 3.1 %. Together they explain what the model got wrong."
