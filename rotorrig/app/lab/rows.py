@@ -50,12 +50,12 @@ def run_row(job: Job, outcome: Outcome) -> Row:
         "nameplate_hash": rig.nameplate_hash if rig else "",
         "config_hash": rig.hash if rig else "",
         "kind": job.recording.kind,
-        **_measured(outcome.response, outcome.recorded_s),
+        **_describe_response(outcome.response, outcome.recorded_s),
         "status": "failed" if outcome.sentence else "done",
         "step": outcome.step,
         "sentence": outcome.sentence or (diagnosis.sentence if diagnosis else ""),
         "verdict": str(diagnosis.verdict) if diagnosis else "",
-        **_fitted(outcome),
+        **_describe_fit(outcome),
         **{f"seconds_{step}": outcome.seconds.get(step) for step in ("track", "identify", "diagnose")},
         **{name: job.lab.relative(path) if path else None for name, path in files.items()},
     }
@@ -128,7 +128,7 @@ def _recorded_at(job: Job, outcome: Outcome) -> datetime | None:
         return None
 
 
-def _measured(response: OrderTrackedResponse | None, recorded_s: float | None) -> Row:
+def _describe_response(response: OrderTrackedResponse | None, recorded_s: float | None) -> Row:
     if response is None:
         none: Mapping[str, None] = dict.fromkeys(
             ("duration_s", "lowest_speed_rpm", "highest_speed_rpm", "rows", "probes", "noise_um")
@@ -156,7 +156,7 @@ def _noise_um(response: OrderTrackedResponse) -> float | None:
     return float(np.median(np.sqrt(good)) * UM) if good.size else None
 
 
-def _fitted(outcome: Outcome) -> Row:
+def _describe_fit(outcome: Outcome) -> Row:
     response, fit, diagnosis = outcome.response, outcome.identification, outcome.diagnosis
     chi2, residual = None, None
     if diagnosis and diagnosis.dof:

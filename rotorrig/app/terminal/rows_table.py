@@ -18,7 +18,7 @@ def rows_table(names: Sequence[str], rows: Sequence[Mapping[str, Any]], *, width
     Where the columns do not fit into `width` letters, every row is a block of its own, with a line for each column.
     """
     cells = [[_cell(row[name]) for name in names] for row in rows]
-    needed = sum(_needed([name, *(row[i] for row in cells)]) + BETWEEN for i, name in enumerate(names))
+    needed = sum(_column_width([name, *(row[i] for row in cells)]) + BETWEEN for i, name in enumerate(names))
     if needed > width:
         return _in_blocks(names, cells)
     table = Table(box=box.SIMPLE_HEAD, caption=_number(rows), caption_justify="left")
@@ -41,7 +41,7 @@ def _in_blocks(names: Sequence[str], cells: Sequence[Sequence[str]]) -> Table:
     return table
 
 
-def _needed(texts: Sequence[str]) -> int:
+def _column_width(texts: Sequence[str]) -> int:
     """Return the letters that a column of these needs: all of a short one, some of a long text."""
     return min(max(map(len, texts)), READABLE)
 

@@ -25,7 +25,7 @@ def headline(diagnosis: Diagnosis) -> str:
         words = PLAIN[diagnosis.verdict] + (", and none of the causes tried explains it." if tried else ".")
     elif diagnosis.verdict in (Verdict.NAMED, Verdict.TIED) and chosen:
         wrong_config = all(cause.nameplate for cause in chosen)
-        words = _wrong_config(diagnosis) if wrong_config else _named(diagnosis, chosen)
+        words = _wrong_config(diagnosis) if wrong_config else _say_causes(diagnosis, chosen)
     elif diagnosis.verdict in PLAIN:
         words = PLAIN[diagnosis.verdict]
     else:
@@ -33,7 +33,7 @@ def headline(diagnosis: Diagnosis) -> str:
     return f"{words} The search for causes was cut short." if diagnosis.cut_short else words
 
 
-def _named(diagnosis: Diagnosis, chosen: list[Cause]) -> str:
+def _say_causes(diagnosis: Diagnosis, chosen: list[Cause]) -> str:
     causes = "; ".join(_cause(cause) for cause in chosen)
     words = f"{causes[:1].upper()}{causes[1:]}"
     if diagnosis.verdict is Verdict.TIED:

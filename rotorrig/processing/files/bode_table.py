@@ -93,8 +93,13 @@ def read_table(csv_path: Path, mapping_path: Path, rig: RigConfig) -> OrderTrack
             source_hash=file_hash(csv_path),
         ),
     )
+    return _add_remarks(response, slow)
+
+
+def _add_remarks(response: OrderTrackedResponse, slow: slow_roll.SlowRoll) -> OrderTrackedResponse:
+    """Return the response with what speaks against the sign of its phases and against its slow roll."""
     if sign := sign_remark(response):
-        response = replace(response, remarks=_join_remarks(response.remarks, ((sign,),) * len(rows.omega)))
+        response = replace(response, remarks=_join_remarks(response.remarks, ((sign,),) * len(response.omega)))
     first = FirstOrder.of(response, chosen_rows(response))
     return replace(response, slow_roll_remarks=slow.remarks + (validity_remarks(first, slow) if first else ()))
 

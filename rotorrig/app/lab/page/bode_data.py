@@ -52,12 +52,12 @@ def _table_of(curve: Curve) -> dict[str, object]:
     return {
         "run": curve.run,
         "direction": curve.direction,
-        "rpm": _rounded(curve.rpm, 1),
-        "amplitude": _rounded(curve.amplitude, 3),
-        "lag": _rounded(curve.lag % 360.0, 1),
+        "rpm": _round(curve.rpm, 1),
+        "amplitude": _round(curve.amplitude, 3),
+        "lag": _round(curve.lag % 360.0, 1),
     }
 
 
-def _rounded(values: NDArray[np.float64], decimals: int) -> list[float | None]:
+def _round(values: NDArray[np.float64], decimals: int) -> list[float | None]:
     """Return values to so many decimals, None for what is not usable."""
     return [round(value, decimals) if math.isfinite(value) else None for value in values.tolist()]
