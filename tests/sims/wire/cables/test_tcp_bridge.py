@@ -73,13 +73,19 @@ def test_an_unplugged_device_resets_its_connections_and_refuses_new_ones_until_i
             time.sleep(0.1)
 
 
+def established() -> set[object]:
+    return {(c.laddr, c.raddr) for c in psutil.Process().net_connections("tcp") if c.status == "ESTABLISHED"}
+
+
 def test_a_client_that_hangs_up_ends_the_connection_to_the_device(background: Background) -> None:
+    others = established()  # of tests before this one, in the same process
     with bridged(background) as (bridge, _):
         with client(bridge) as opened:
             opened.sendall(b"x")
             assert opened.recv(1) == b"X"
+            assert established() - others
         until = time.monotonic() + 5
-        while connections := [c for c in psutil.Process().net_connections("tcp") if c.status == "ESTABLISHED"]:
+        while connections := established() - others:
             assert time.monotonic() < until, connections
             time.sleep(0.01)
 
