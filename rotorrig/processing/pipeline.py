@@ -147,9 +147,10 @@ def estimate_covariance(
     orders: tuple[float, ...],
     method: TrackingMethod,
 ) -> NDArray[np.float64]:
-    """Return the covariance (row, order, 2 probe, 2 probe) [m^2]: noise between the lines and keyphasor jitter."""
+    """Return the covariance (row, order, 2 probe, 2 probe) [m^2]: noise between the lines, keyphasor jitter and hum."""
     noisy = noise.row_covariance(spectrum, rows, orders=orders, response=method.noise_response)
-    return noisy + noise.jitter_covariance(z, shaft, rows, orders=orders, bandwidth=method.bandwidth)
+    noisy += noise.jitter_covariance(z, shaft, rows, orders=orders, bandwidth=method.bandwidth)
+    return noisy + noise.hum_covariance(spectrum, rows, orders=orders, window=method.window)
 
 
 def mask_rows_without_vectors(

@@ -36,11 +36,12 @@ class Run:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MainsHum:
-    """Hum of the mains, or of twice their frequency, as it was followed through a recording."""
+    """Hum of the mains, or of a harmonic of theirs, as it was followed through a recording."""
 
-    frequency: float  # Hz, nominal: 50, 60, 100 or 120
+    frequency: float  # Hz, nominal: 50, 60 or 2 or 3 times that
     t: NDArray[np.float64]  # (time,) s
     stray: NDArray[np.float64]  # (time,) rad, by how much its phase is ahead of 2 pi f t
+    sigma: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))  # (time,) rad, of that; empty: not known
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

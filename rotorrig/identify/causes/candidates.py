@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.measurement import SLOW_ROLL
-from rotorrig.sims.effects import Effect, Stretch, UnbalanceStep, catalogue
+from rotorrig.sims.effects import Effect, LineHum, Stretch, UnbalanceStep, catalogue
 from rotorrig.sims.rotor.model import ONE_RECORDING, between_recordings
 
 
@@ -31,11 +31,8 @@ def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()
         if isinstance(able, UnbalanceStep):
             if (step := _with_grid(able, recordings)).grid:
                 effects.append(step)
-        elif able.per_recording and len(recordings) > 1:
-            effects += [
-                replace(able, recording=r.number, where=_join(able.where, f"recording {r.number + 1}"))
-                for r in recordings
-            ]
+        elif isinstance(able, LineHum):
+            effects.append(able.of_recordings(1 + max(r.number for r in recordings)))
         else:
             effects.append(able)
     return effects
@@ -68,7 +65,3 @@ def _timed_runs(recording: Recording) -> Iterator[tuple[str, NDArray[np.float64]
         if run.name != SLOW_ROLL and len(t) and np.isfinite(t).all():
             order = np.argsort(t)
             yield run.name, t[order], response.omega[mine][order]
-
-
-def _join(*parts: str) -> str:
-    return ", ".join(part for part in parts if part)

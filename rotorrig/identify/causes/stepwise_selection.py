@@ -18,6 +18,7 @@ from rotorrig.identify.causes.selection_step import SelectionStep, try_candidate
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution
+from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect
 
 Progress = Callable[[str, float], None]
@@ -157,9 +158,12 @@ def _drop_idle(problem: ExtendedProblem, polished: Solution, *, kept: int) -> tu
 def leave_out(
     problem: ExtendedProblem, polished: Solution, leaving: Sequence[Effect]
 ) -> tuple[ExtendedProblem, Solution]:
-    """Refit the problem without some of its effects."""
+    """Refit the problem without some of its effects; from none of them, where what is left has no motion."""
     smaller = problem.extended([e for e in problem.effects if e not in leaving])
     parts = zip(problem.effects, problem.parameters.theta, strict=True)
     others = [np.arange(part.start, part.stop) for e, part in parts if e not in leaving]
     start = polished.p[np.concatenate([np.arange(problem.parameters.own.start), *others])]
-    return smaller, refit(smaller, start)
+    try:
+        return smaller, refit(smaller, start)
+    except DataError:
+        return smaller, refit(smaller, smaller.parameters.start(start))

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts
 from rotorrig.identify.extended_model.force_law_jacobian import LawColumns, under_laws
-from rotorrig.identify.extended_model.mains_hum import FREQUENCIES
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.probe_curve import POWERS, bend
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
@@ -125,7 +124,7 @@ def _exact(
         _by_runout(model, free, order, found[order])
         if order == 1:
             first, first_changes = model.probes.of_motion(p, motion, order=1), found[1].copy()
-        _by_hum(model, recording, p, free, order, found[order])
+        _by_hum(model, recording, free, order, found[order])
         found[order] += model.probes.bent_changes(p, first, first_changes, order)
         _by_curvature(model, first, free, order, found[order])
         if any("probes" in effect.acts_on for effect in model.effects):
@@ -236,7 +235,7 @@ def _by_loads(
 
 
 def _by_probes(model: ExtendedModel, p: Reals, motion: Complex, free: Index, found: Complex) -> None:
-    """Fill in the columns by gain and angle error, but for what the gain makes of the hum."""
+    """Fill in the columns by gain and angle error."""
     base = model.parameters.base
     gain, cos, sin = model.probes.figures(p)
     n = len(gain)
@@ -257,17 +256,16 @@ def _by_runout(model: ExtendedModel, free: Index, order: int, found: Complex) ->
         found[:, probe, np.searchsorted(free, i)] = 1j if imaginary else 1.0
 
 
-def _by_hum(model: ExtendedModel, recording: Recording, p: Reals, free: Index, order: int, found: Complex) -> None:
-    """Fill in the columns by the amounts of hum, and what of it the gains show."""
-    part, gains = model.parameters.hums, model.parameters.base.gain
-    gain, common = model.probes.figures(p)[0], model.probes.common_hum(recording, p, order)[:, 0]
-    for i in free[(free >= gains.start) & (free < gains.stop)]:
-        found[:, int(i) - gains.start, np.searchsorted(free, i)] += common
-    own = part.start + 2 * len(FREQUENCIES) * recording.number
-    for i in free[(free >= own) & (free < own + 2 * len(FREQUENCIES))]:
-        frequency, imaginary = divmod(int(i) - own, 2)
-        leak = recording.hum[order][:, frequency] * (1j if imaginary else 1)
-        found[..., np.searchsorted(free, i)] = leak[:, None] * gain
+def _by_hum(model: ExtendedModel, recording: Recording, free: Index, order: int, found: Complex) -> None:
+    """Fill in the columns by the amounts of hum."""
+    names, leaks = model.parameters, recording.hum[order]
+    for line, part in zip(names.hum_lines, names.of_line, strict=True):
+        if line.recording != recording.number or line.frequency not in leaks:
+            continue
+        for i in free[(free >= part.start) & (free < part.stop)]:
+            probe, imaginary = divmod(int(i) - part.start, 2)
+            shown = slice(probe, probe + 1) if line.of_each else slice(None)
+            found[:, shown, np.searchsorted(free, i)] = leaks[line.frequency][:, None] * (1j if imaginary else 1)
 
 
 def _by_curvature(model: ExtendedModel, first: Complex, free: Index, order: int, found: Complex) -> None:

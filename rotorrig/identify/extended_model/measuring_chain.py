@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.extended_model.mains_hum import FREQUENCIES
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.probe_curve import POWERS, bend, bend_slopes
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -56,13 +55,14 @@ class ProbeSide:
         return along * changes + mirrored * changes.conj()
 
     def hum(self, recording: Recording, p: Reals, order: int) -> Complex:
-        """Return what the mains leave in the vectors of every probe, by its gain as a motion, (row + 1, probe)."""
-        return self.common_hum(recording, p, order) * self.figures(p)[0]
-
-    def common_hum(self, recording: Recording, p: Reals, order: int) -> Complex:
-        """Return what a probe without a gain error shows of the mains, (row + 1, 1)."""
-        own = p[self._parameters.hums].reshape(-1, len(FREQUENCIES), 2)[recording.number]
-        return (recording.hum[order] @ (own[:, 0] + 1j * own[:, 1]))[:, None]
+        """Return what the mains leave in the vectors of every probe, (row + 1, probe)."""
+        names, leaks = self._parameters, recording.hum[order]
+        found = np.zeros((len(recording.rows) + 1, len(recording.response.probes)), complex)
+        for line, part in zip(names.hum_lines, names.of_line, strict=True):
+            if line.recording == recording.number and line.frequency in leaks:
+                own = p[part]
+                found += leaks[line.frequency][:, None] * (own[0::2] + 1j * own[1::2])
+        return found
 
     def through_effects(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
         """Return vectors as the effects on the probes' side leave them."""

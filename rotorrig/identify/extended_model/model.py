@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals, StructuralModel
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts, halved_loads
+from rotorrig.identify.extended_model.mains_hum import HumLine, find_hum_lines
 from rotorrig.identify.extended_model.measuring_chain import ProbeSide
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL, ORDERS
@@ -39,26 +40,27 @@ class ExtendedModel:
         *,
         models: Models | None = None,
         recent: Recent | None = None,
-        count: int = 0,
+        hum_lines: Sequence[HumLine] | None = None,
         exact: bool = False,
         widened: Collection[str] = (),
     ) -> None:
         """Set up; `models` keeps the reduced rotors that several models of one rig share, `recent` those of vectors.
 
-        `count` is how many recordings there are in all, if more than these; `exact` as of UnitResponses; `widened` as
-        of ExtendedParameters.
+        `hum_lines` are those of all recordings, if there are more than these; `exact` as of UnitResponses; `widened`
+        as of ExtendedParameters.
         """
         first = recordings[0].response
         self.recordings = tuple(recordings)
         self.amplitudes_alone = first.amplitudes_alone
         self.effects = tuple(effects)
         orders = recordings[0].orders
-        self._count = max(count, 1 + max(r.number for r in recordings))
+        if hum_lines is None:
+            hum_lines = [line for r in recordings for line in find_hum_lines(r.number, r.response, r.hum[1])]
         self.parameters = ExtendedParameters(
             recordings[0].rig,
             first.probes,
             orders=orders,
-            recordings=self._count,
+            hum_lines=hum_lines,
             effects=effects,
             widened=widened,
             amplitudes_alone=self.amplitudes_alone,
@@ -99,7 +101,7 @@ class ExtendedModel:
             effects,
             models=self.models,
             recent=self._recent,
-            count=self._count,
+            hum_lines=self.parameters.hum_lines,
             exact=self.units.exact,
             widened=self.widened.union(widened),
         )

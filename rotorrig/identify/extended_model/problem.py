@@ -26,6 +26,7 @@ from rotorrig.identify.least_squares import (
     always,
     solve,
 )
+from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect
 
 UNIT_UNBALANCE = 1e-6  # kg m, 1 g mm: with which amplitudes are compared first
@@ -181,9 +182,16 @@ class ExtendedProblem:
         return found
 
     def residual(self, p: Reals, *, orders: Sequence[int] = ORDERS) -> Reals:
-        """Return whitened residuals, model less measured, then the priors' [sigma]; 0 at orders not asked for."""
+        """Return whitened residuals, model less measured, then the priors' [sigma]; 0 at orders not asked for.
+
+        Raises DataError where the model has no motion.
+        """
+        try:
+            vectors = self.model.predict(p, orders=orders)
+        except np.linalg.LinAlgError as error:
+            raise DataError(f"the rotor has no bounded motion with these parameters ({error})") from error
         parts = []
-        for recording, predicted in zip(self.recordings, self.model.predict(p, orders=orders), strict=True):
+        for recording, predicted in zip(self.recordings, vectors, strict=True):
             for order, measured in recording.measured.items():
                 off = measured.off(predicted[order]) if order in predicted else np.zeros_like(measured.z)
                 parts.append(measured.sigmas(off).ravel())

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.extended_model.mains_hum import hum_leaks
+from rotorrig.identify.extended_model.mains_hum import hum_leaks, hum_strays
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL, ORDERS
 from rotorrig.identify.measurement import Measurement, measure, told_by_falling_angle, trial_unbalance
 from rotorrig.processing import OrderTrackedResponse
@@ -117,7 +117,7 @@ class Recording:
         first = self.measured[1].at(kept)
         other.measured = {1: first.expecting_error(np.nan_to_num(first.z), self.response)}
         other.trial = {plane: amounts[rows] for plane, amounts in self.trial.items()}
-        other.hum = {1: self.hum[1][rows]}
+        other.hum = {1: {f: leaked[rows] for f, leaked in self.hum[1].items()}}
         other._views = {1: replace(other._view(1), slow_roll=self._views[1].slow_roll)}
         return other
 
@@ -290,12 +290,13 @@ class Recording:
             angle=np.array([p.angle for p in probes]),
             position=np.array([p.position for p in probes]),
             order=order,
+            recording=self.number,
             omega=np.append(self._omega, self._slow) * (-1 if self.backward else 1),
             t=response.t[self.rows],
             revolutions=response.revolutions[self.rows],
             window=response.window,
             keyphasor_t=np.empty(0) if response.derived_times else response.keyphasor_t,
-            strays={hum.frequency: (hum.t, hum.stray) for hum in response.mains},
+            strays=hum_strays(response),
         )
 
     def _turning(self, model: RotorModel, loads: Sequence[Load]) -> tuple[RotorModel, Sequence[Load]]:

@@ -39,6 +39,11 @@ class Prediction:
         """The error as a multiple of what a right model has."""
         return self.error / self.expected
 
+    @property
+    def excess(self) -> float:
+        """By how much the mean square error is more than a right model's [m^2]; 0 where it is not."""
+        return max(self.error**2 - self.expected**2, 0.0)
+
     def is_better_than(self, other: "Prediction") -> bool:
         """Say whether it predicts the same data better than `other`, by more than the standard error of that.
 

@@ -3,7 +3,9 @@
 A cause that is not there may take up a misfit, and leave it to the bearings and the unbalance to take up the rest,
 differently at other speeds, in another run and at another plane; and it may be of another size there. So the model is
 fitted to parts that share no row or no probe, and the difference of what they say of the base and of the causes is held
-against its covariance.
+against its covariance. No law is known to the last digit: of a cause that explains much, a small error of its law may
+split the parts as well, by `SELECTION.model_error` of its vectors. That is what the distance is allowed beforehand (as
+the noncentrality of its chi squared: Kay, Fundamentals of Statistical Signal Processing II (1998), ch. 2.2.3).
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,9 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc
+from scipy.stats import ncx2
 
 from rotorrig.identify.base_model import Reals
+from rotorrig.identify.causes import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
 from rotorrig.identify.least_squares import inverse_information
 from rotorrig.identify.verdict.cross_validation import divide
@@ -31,23 +34,24 @@ class Agreement:
     between: str  # "runs", "planes of probes", "speeds below and above the peak" or "every other block of speeds"
 
 
-def agreement(problem: ExtendedProblem, p: Reals, *, fits: PartFits | None = None) -> Agreement:
+def agreement(problem: ExtendedProblem, p: Reals, *, explained: float = 0.0, fits: PartFits | None = None) -> Agreement:
     """Return how well coefficients, unbalance and causes agree between parts of the data; `p` is the fit to all of it.
 
-    `fits` are those begun there, where they are known.
+    `explained` is by how much the causes lower chi2, `fits` are those begun at `p`, where they are known.
 
     Both parts know the same priors, so their difference scatters less than the sum of their covariances: the
     probability is too large rather than too small.
     """
     fits = fits or PartFits(problem, p)
     each = []
+    allowed = SELECTION.model_error**2 * max(explained, 0.0)
     for between, masks in _divisions(problem.recordings):
         (one, of_one), (other, of_other) = (
             _select_compared(fits.fit([r.only(mask) for r, mask in zip(problem.recordings, part, strict=True)]))
             for part in (masks, [~mask for mask in masks])
         )
         off = one - other
-        each.append((float(chdtrc(len(off), off @ np.linalg.solve(of_one + of_other, off))), between))
+        each.append((float(ncx2.sf(off @ np.linalg.solve(of_one + of_other, off), len(off), allowed)), between))
     least, between = min(each)
     return Agreement(p=float(-np.expm1(len(each) * np.log1p(-min(least, 1 - 1e-16)))), between=between)
 

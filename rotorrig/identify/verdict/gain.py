@@ -48,6 +48,7 @@ class Predictions:
 
     before: Prediction
     after: Prediction
+    freed: Prediction | None = None  # by the base with what the causes have of its nuisances free; None: they have none
     by_label: dict[str, tuple[Prediction, Prediction]]
     chosen_again: Prediction | None = None  # by the first cause, chosen anew by each fit; None: nothing to choose from
     agreement: Agreement | None = None  # of disjoint parts of the data; None: the model was not extended
@@ -63,9 +64,10 @@ class Predictions:
         """True if the extended model predicts better than the base, by more than the standard error of that.
 
         So does the first cause if each fit chooses it by its own rows: what is hidden from a fit has then no part in
-        the choice either.
+        the choice either. Causes that only set a nuisance of the base free predict no better, and have no part in it.
         """
-        return all(by.is_better_than(self.before) for by in (self.after, self.chosen_again) if by is not None)
+        before = self.freed or self.before
+        return all(by.is_better_than(before) for by in (self.after, self.chosen_again) if by is not None)
 
     def one_no_worse(self, labels: Iterable[str]) -> bool:
         """Say whether the extended model, or one of these causes alone, predicts no worse than the base."""
@@ -78,13 +80,16 @@ def leave_out_idle(selection: Selection, unseen: Unseen) -> Selection:
 
     As well: the error rises by no more than the standard error of that. Two causes may predict better than none by the
     merit of one: beside a bow a small step of unbalance takes up what the model of the bow leaves, at the rows it is
-    fitted to and at no others. The last one is left to the verdict.
+    fitted to and at no others. The last one is left to the verdict, as is what every fit has as a nuisance.
     """
     kept = len(selection.start.effects)
     while len(selection.problem.effects) > kept + 1:
         problem, polished = selection.problem, selection.polished
+        asked = [effect for effect in problem.effects[kept:] if not effect.as_nuisance]
+        if not asked:
+            break
         whole = unseen.measure(problem, polished.p)
-        smaller = [leave_out(problem, polished, [effect]) for effect in problem.effects[kept:]]
+        smaller = [leave_out(problem, polished, [effect]) for effect in asked]
         without = [unseen.measure(model, fit.p) for model, fit in smaller]
         least = min(range(len(smaller)), key=lambda i: without[i].blocks.sum())
         if whole.is_better_than(without[least]):
@@ -111,14 +116,31 @@ def predict_unseen(selection: Selection, unseen: Unseen) -> Predictions:
     if final:
         known = tried and selection.problem is tried[0].problem
         after = by_label[tried[0].effect.label][1] if known else of(selection.problem, selection.polished.p)
-        agreed = agreement(selection.problem, selection.polished.p, fits=final)
+        explained = selection.base.chi2 - selection.polished.chi2
+        agreed = agreement(selection.problem, selection.polished.p, explained=explained, fits=final)
     again = None
-    if before.folds and tried:
+    if before.folds and tried and not tried[0].effect.as_nuisance:
         offered = [(price(c.problem, c.effect), by_label[c.effect.label][1]) for c in tried if plausible(c)]
         again = choose_again([(0.0, before), *offered])
     return Predictions(
-        before=before, after=after, by_label=by_label, chosen_again=again, agreement=agreed, on=unseen.on
+        before=before,
+        after=after,
+        freed=_predict_freed(selection, unseen),
+        by_label=by_label,
+        chosen_again=again,
+        agreement=agreed,
+        on=unseen.on,
     )
+
+
+def _predict_freed(selection: Selection, unseen: Unseen) -> Prediction | None:
+    """Return the prediction without those causes that no fit has as a nuisance; None where that is the base's."""
+    causes = selection.problem.effects[len(selection.start.effects) :]
+    others = [effect for effect in causes if not effect.as_nuisance]
+    if not 0 < len(others) < len(causes):
+        return None
+    problem, fit = leave_out(selection.problem, selection.polished, others)
+    return unseen.measure(problem, fit.p)
 
 
 def _worth_predicting(tried: Sequence[Candidate]) -> list[Candidate]:

@@ -18,7 +18,7 @@ class VerdictSettings:
     separated_steps: int = 200  # of such a fit, which is done before: one that stops short tells apart what is alike
 
     # conclusions
-    left_over: float = 0.03  # of the excess of chi2 that causes may leave: no law is known to the last digit
+    left_over: float = 0.03  # of the excess of chi2 or of the mean square error that causes may leave: no law is exact
     over_expected: float = 4.0  # of the error of unseen data then: twice that of clearances and springs that were found
     pulled: float = 4.0  # sigmas: what of the config is pulled further is named whatever the verdict is
     enough_visible: float = 0.5  # of the known effects, at typical size: below, data that show nothing say nothing

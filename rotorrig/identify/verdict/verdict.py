@@ -68,8 +68,11 @@ def conclude(
 def is_supported(selection: Selection, predictions: Predictions) -> bool:
     """Say whether unseen data are predicted better, and disjoint parts of the data agree on the rotor.
 
-    Where causes are tied it is enough that one of them predicts no worse.
+    Where causes are tied it is enough that one of them predicts no worse. What every fit has as a nuisance is no better
+    predicted by a cause of that name: there it is the evidence that decides.
     """
+    if all(effect.as_nuisance for effect in selection.problem.effects[len(selection.start.effects) :]):
+        return predictions.agreed
     tied = [label for group in tied_labels(selection) for label in group]
     return predictions.agreed and (predictions.better or (bool(tied) and predictions.one_no_worse(tied)))
 
@@ -110,11 +113,14 @@ def _nearly_all(selection: Selection, predictions: Predictions) -> bool:
     """Say whether the causes explain the residual as well as a law may be known, in unseen data too.
 
     A pedestal rocks besides, a shaft is bent by no parabola; of a force law 3X is not followed, and 2X and 3X act back
-    on the first order only as if they came and went slowly.
+    on the first order only as if they came and went slowly. So all but a little of chi2 has to be explained, or of the
+    mean square of what is wrong with 1X in unseen data.
     """
     left = selection.polished.chi2 - selection.polished.dof
-    nearly = left < VERDICT.left_over * (selection.base.chi2 - selection.base.dof)
-    return nearly and predictions.after.over_expected < VERDICT.over_expected
+    of_chi2 = left < VERDICT.left_over * (selection.base.chi2 - selection.base.dof)
+    before, after = predictions.before, predictions.after
+    of_motion = after.excess < VERDICT.left_over * before.excess
+    return (of_chi2 or of_motion) and after.over_expected < VERDICT.over_expected
 
 
 def visible_share(selection: Selection) -> float:

@@ -37,7 +37,7 @@ TABLE = message_type(
         "slow_roll_remarks": "repeated string",
         "compensation_omega_rad_s": "double",  # 0: the vectors are raw
         "derived_times": "bool",
-        "mains_json": "string",  # [{frequency_hz, t_s: [...], stray_rad: [...]}]
+        "mains_json": "string",  # [{frequency_hz, t_s: [...], stray_rad: [...], sigma_rad: [...]}]
         "amplitudes_alone": "bool",  # the vectors' phases are not known, their imaginary parts 0
     },
 )
@@ -154,7 +154,10 @@ def _table(response: OrderTrackedResponse) -> dict[str, Any]:
         "derived_times": response.derived_times,
         "amplitudes_alone": response.amplitudes_alone,
         "mains_json": json.dumps(
-            [{"frequency_hz": m.frequency, "t_s": m.t.tolist(), "stray_rad": m.stray.tolist()} for m in response.mains]
+            [
+                {"frequency_hz": m.frequency, "t_s": list(m.t), "stray_rad": list(m.stray), "sigma_rad": list(m.sigma)}
+                for m in response.mains
+            ]
         ),
     }
 
@@ -164,8 +167,8 @@ def _words(text: str) -> tuple[tuple[str, ...], ...]:
 
 
 def _mains(values: dict[str, Any]) -> MainsHum:
-    t, stray = (np.array(values[key], dtype=float) for key in ("t_s", "stray_rad"))
-    return MainsHum(frequency=float(values["frequency_hz"]), t=t, stray=stray)
+    t, stray, sigma = (np.array(values.get(key, []), dtype=float) for key in ("t_s", "stray_rad", "sigma_rad"))
+    return MainsHum(frequency=float(values["frequency_hz"]), t=t, stray=stray, sigma=sigma)
 
 
 def _run(values: dict[str, Any]) -> Run:

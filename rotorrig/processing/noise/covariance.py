@@ -1,10 +1,10 @@
 """Covariance of order vectors, estimated from the data: noise is what does not follow the shaft.
 
-Two sources, added: everything in the waveforms between the order lines, as a cross-spectral matrix S(f) of the
-probes seen through each row's window; and the timing error of the keyphasor's edges, which turns a vector by a
-random angle. A natural frequency that the bearings excite so raises the covariance of the rows whose order crosses it,
-and correlates the probes as it does itself. Mains hum does not: it keeps its phase, so it is no noise, and every
-fit has it among its nuisances.
+Three sources, added: everything in the waveforms between the order lines, as a cross-spectral matrix S(f) of the
+probes seen through each row's window; the timing error of the keyphasor's edges, which turns a vector by a random
+angle; and how far the phase of the mains' hum may be off that is followed. A natural frequency that the bearings excite
+so raises the covariance of the rows whose order crosses it, and correlates the probes as it does itself. Mains hum does
+not: it keeps its phase, so it is no noise, and every fit has it among its nuisances.
 
 Welch, IEEE Trans. Audio Electroacoust. AU-15 (1967) 70. S(f) keeps its shape over the whole recording; how loud it is
 may rise or fall with speed, as bearings do.
@@ -17,8 +17,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rotorrig.processing.noise.hum_phase import FOLLOWED
-from rotorrig.processing.noise.mains_lines import Line, LineSearch
-from rotorrig.processing.response import MainsHum
+from rotorrig.processing.noise.mains_lines import Line, LineSearch, line_transmission
+from rotorrig.processing.response import MainsHum, Window
 from rotorrig.processing.rows import Rows
 from rotorrig.processing.shaft_angle import TURN, ShaftAngle
 from rotorrig.processing.tracking import NoiseResponse, angular_resampling
@@ -146,6 +146,26 @@ def jitter_covariance(
     turned = np.nan_to_num(1j * z * np.array(orders)).transpose(0, 2, 1)  # (row, order, probe)
     pairs = np.stack([turned.real, turned.imag], axis=-1).reshape(*turned.shape[:2], -1)
     return variance[:, None, None, None] * pairs[..., :, None] * pairs[..., None, :]
+
+
+def hum_covariance(
+    spectrum: NoiseSpectrum, rows: Rows, *, orders: tuple[float, ...], window: Window
+) -> NDArray[np.float64]:
+    """Return the covariance (row, order, 2 probe, 2 probe) [m^2] of what the followed hum's phase may be off.
+
+    All probes are off alike; which way that turns their vectors is taken for random.
+    """
+    probes = spectrum.density.shape[1]
+    covariance = np.zeros((len(rows.t), len(orders), 2 * probes, 2 * probes))
+    followed = [line for line in spectrum.lines if 0 < line.harmonic <= FOLLOWED]
+    for line, hum in zip(followed, spectrum.mains, strict=True):
+        sigma = np.interp(rows.t, hum.t, hum.sigma)
+        for k, order in enumerate(orders):
+            if order:
+                off = sigma * line_transmission(rows, order=order, frequency=hum.frequency, window=window)
+                power = off[:, None, None] ** 2 * np.outer(line.amplitude, line.amplitude)
+                covariance[:, k] += _real_pairs(power.astype(complex))
+    return covariance
 
 
 def _segment_starts(waveforms: Waveforms, shaft: ShaftAngle, size: int) -> list[int]:

@@ -71,6 +71,7 @@ class ReadingContext:
     angle: NDArray[np.float64]  # (probe,) rad, of the nameplate
     position: NDArray[np.float64]  # (probe,) m
     order: int
+    recording: int = 0  # number of it
     omega: NDArray[np.float64]  # (row + 1,) rad/s; 0: no slow roll; below zero: of a shaft that turns backwards
     t: NDArray[np.float64]  # (row,) s; NaN: unknown
     revolutions: NDArray[np.float64]  # (row,) turns of a row's window
@@ -91,7 +92,7 @@ class Effect:
     orders: ClassVar[tuple[int, ...]] = (1,)  # of the vectors it may change
     linear: ClassVar[bool] = False  # what it adds to a fixed rotor is linear in the parameters, but grid-searched ones
     scales_base: ClassVar[bool] = True  # its matrices are by what the base's are by: a share of a bearing, say
-    per_recording: ClassVar[bool] = False  # its unknowns are others in every recording
+    as_nuisance: ClassVar[bool] = False  # every fit has it as a nuisance too: then it is larger than the prior expects
     acts_on: ClassVar[frozenset[Target]] = frozenset()  # by the methods that its class overrides
     where: str = ""  # "plane 1", "probe 2y", "at 381 mm"; empty where there is one place only
     parameters: tuple[Parameter, ...] = ()

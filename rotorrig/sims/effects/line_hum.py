@@ -1,11 +1,12 @@
 """Mains hum in the probes' signals, and how much of it a row's window lets through at each order.
 
-The hum is common to all probes and does not turn with the shaft; where n Omega passes its frequency it falls into the
-tracking filter for a moment. From the keyphasor's times the leak follows exactly, phase and all; of mains that stray,
-if the context says how. Source: Harris, On the use of windows for harmonic analysis, Proc. IEEE 66 (1978) 51-83.
+The hum is common to all probes (how far it is not, a fit has among its nuisances), of another phase in every recording,
+and does not turn with the shaft; where n Omega passes its frequency it falls into the tracking filter for a moment.
+From the keyphasor's times the leak follows exactly, phase and all; of mains that stray, if the context says how.
+Source: Harris, On the use of windows for harmonic analysis, Proc. IEEE 66 (1978) 51-83.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,18 +24,29 @@ LEAST_PULSES = 4  # that a time line needs
 
 @dataclass(frozen=True, kw_only=True)
 class LineHum(Effect):
-    """The phasor "hum" [m] of Re(a e^{j 2 pi f t}), t as in the recording, or of the mains' own phase."""
+    """The phasor "hum" [m] of Re(a e^{j 2 pi f t}), t as in the recording, or of the mains' own phase.
+
+    Recordings after the first may have phasors of their own, "hum 2" and so on.
+    """
 
     name = "line_hum"
     title = "mains hum"
     orders = EVERY
     linear = True
-    per_recording = True
+    as_nuisance = True
     frequency: float  # Hz
+
+    def of_recordings(self, count: int) -> "LineHum":
+        """Return the hum with a phasor in each of so many recordings."""
+        (real, imaginary) = self.parameters
+        stems = [_stem(number) for number in range(count)]
+        each = [replace(p, name=f"{stem}{end}") for stem in stems for p, end in ((real, " re"), (imaginary, " im"))]
+        return replace(self, parameters=tuple(each))
 
     def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
         """Return the vectors with its leak, alike at all probes; unchanged where a row's time is not known."""
-        hum = phasor(theta, "hum")
+        own = _stem(context.recording)
+        hum = phasor(theta, own if f"{own} re" in theta else "hum")
         if not hum or len(context.keyphasor_t) < LEAST_PULSES:
             return z
         known = np.flatnonzero(np.isfinite(context.t))
@@ -46,7 +58,12 @@ class LineHum(Effect):
 
     def words(self, theta: Theta) -> str:
         """Say how large it is and at which frequency."""
-        return f"the probes pick up mains hum of {1e6 * abs(phasor(theta, 'hum')):.2f} um 0-peak at {self.where}"
+        most = max(abs(phasor(theta, name.removesuffix(" re"))) for name in theta if name.endswith(" re"))
+        return f"the probes pick up mains hum of {1e6 * most:.2f} um 0-peak at {self.where}"
+
+
+def _stem(recording: int) -> str:
+    return f"hum {recording + 1}" if recording else "hum"
 
 
 def leak(context: ReadingContext, rows: NDArray[np.intp], frequency: float) -> Complex:

@@ -23,6 +23,7 @@ class ProbeAngle(Effect):
     name = "probe_angle"
     title = "probe turned about the shaft"
     orders = EVERY
+    as_nuisance = True
     plane: tuple[str, ...]  # the probes that tell x and y there
     turned: tuple[str, ...]
 

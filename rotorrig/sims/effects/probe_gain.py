@@ -18,6 +18,7 @@ class ProbeGain(Effect):
     name = "probe_gain"
     title = "probe gain"
     orders = EVERY
+    as_nuisance = True
     linear = True
     probe: str
 

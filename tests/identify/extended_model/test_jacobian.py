@@ -9,7 +9,7 @@ from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.extended_model.model import ExtendedModel, Models
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.response import MainsHum, OrderTrackedResponse
 from rotorrig.rig.config.description import load
 from rotorrig.sims.effects.base import Effect, catalogue
 from tests.conftest import CONFIGS
@@ -93,18 +93,20 @@ def test_the_jacobian_of_a_compensated_table_is_the_derivative(
         )
 
 
-def test_a_hum_is_shown_by_the_gain_of_every_probe(short: OrderTrackedResponse, hidden: np.ndarray) -> None:
-    problem = ExtendedProblem(ExtendedModel([Recording(short)], models=MODELS))
+def test_every_probe_has_a_hum_of_its_own(short: OrderTrackedResponse, hidden: np.ndarray) -> None:
+    steady = MainsHum(frequency=50.0, t=short.t[[0, -1]], stray=np.zeros(2))
+    problem = ExtendedProblem(ExtendedModel([Recording(replace(short, mains=(steady,)))], models=MODELS))
     names, p = problem.parameters, problem.parameters.start(hidden)
-    p[names.hums.start] = 2e-6
+    p[[names.names.index(f"hum 50 Hz 1 {part}") for part in ("1x re", "2x re", "2y im")]] = 2e-6, 1e-6, 2e-6
     p[names.names.index("gain 2x")] = 0.1
     without = p.copy()
     without[names.hums] = 0.0
     hum = {n: z - problem.model.predict(without)[0][n] for n, z in problem.model.predict(p)[0].items()}
     assert np.abs(hum[2]).max() > 0.1e-6
     for z in hum.values():
-        assert z[:, 2] == pytest.approx(1.1 * z[:, 0], abs=1e-15)
-        assert z[:, 3] == pytest.approx(z[:, 0], abs=1e-15)
+        assert z[:, 2] == pytest.approx(0.5 * z[:, 0], abs=1e-15)
+        assert z[:, 3] == pytest.approx(1j * z[:, 0], abs=1e-15)
+        assert not z[:, 1].any()
     which = np.array([names.names.index("gain 2x"), names.hums.start, names.hums.start + 1])
     for column, i in zip(problem.jacobian(p, which).T, which, strict=True):
         assert column == pytest.approx(central(problem, p, int(i)), rel=1e-3, abs=1e-3 * np.abs(column).max())

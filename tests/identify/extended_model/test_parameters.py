@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from rotorrig.identify.extended_model.mains_hum import HumLine
 from rotorrig.identify.extended_model.nuisance_effects import nuisance_effects
 from rotorrig.identify.extended_model.parameters import KEYPHASOR, ExtendedParameters
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
@@ -27,8 +28,14 @@ def nameless(*parameters: Parameter) -> Effect:
     return Nothing(parameters=parameters)
 
 
-def laid_out(rig: RigConfig, *effects: Effect, recordings: int = 2) -> ExtendedParameters:
-    return ExtendedParameters(rig, PROBES, orders=(1, 2), recordings=recordings, effects=effects)
+def laid_out(rig: RigConfig, *effects: Effect) -> ExtendedParameters:
+    return ExtendedParameters(
+        rig,
+        PROBES,
+        orders=(1, 2),
+        hum_lines=[HumLine(0, 50.0, True), HumLine(1, 50.0, True), HumLine(1, 120.0, False)],
+        effects=effects,
+    )
 
 
 def test_the_unknowns_of_a_fit_come_first_and_those_of_effects_last(rig: RigConfig) -> None:
@@ -90,7 +97,7 @@ def test_only_nuisances_have_priors_and_they_are_those_of_the_config(rig: RigCon
     sigma = dict(zip(names.names, names.prior_sigma, strict=True))
     assert sigma[KEYPHASOR] == rig.prior.keyphasor_angle
     assert sigma["runout 2X 2y im"] == rig.prior.runout
-    assert sigma["hum 50 Hz 1 re"] == rig.prior.line_hum
+    assert sigma["hum 50 Hz 1 1x re"] == rig.prior.line_hum
     assert sigma[f"{slight.label}: {slight.parameters[0].name}"] * slight.parameters[0].size == pytest.approx(
         rig.prior.rotating_damping
     )

@@ -72,3 +72,16 @@ def test_a_cause_that_is_of_another_size_above_the_peak_is_none(rig: RigConfig, 
     found = agreement(problem, fit.p)
     assert (found.p > VERDICT.agreeing) is agrees
     assert agrees or found.between == "speeds below and above the peak"
+
+
+@pytest.mark.parametrize(("explained", "agrees"), [(1e2, False), (1e6, True)])
+def test_what_explains_much_may_be_of_a_law_that_is_a_little_wrong(
+    rig: RigConfig, explained: float, agrees: bool
+) -> None:
+    """An unbalance 10 % larger on the way down; of a million of chi2 a law wrong by 1 % leaves a hundred."""
+    first, second = (
+        swept_response(rig, rng=np.random.default_rng(5), unbalance=11e-6 * factor) for factor in (1.0, 1.1)
+    )
+    fit = fit_base([Recording(with_down_run_of(first, second))])
+    found = agreement(fit.problem, fit.polished.p, explained=explained)
+    assert (found.p > VERDICT.agreeing) is agrees

@@ -33,6 +33,11 @@ class Lump(Effect):
     name = "lump"
 
 
+class Freed(Effect):
+    name = "freed"
+    as_nuisance = True
+
+
 class Seen(Effect):
     name = "seen"
 
@@ -116,7 +121,8 @@ NONE = selection([Tried(BEND, 1.0)], taken=False)
 def test_the_verdict_follows_from_the_tests_and_the_causes(
     found: Selection, before: bool, after: bool, visible: float, expected: Verdict
 ) -> None:
-    concluded = conclude(found, adequate_before=before, adequate_after=after, visible=visible, predictions=predicts())
+    told = predicts(after=2.0)
+    concluded = conclude(found, adequate_before=before, adequate_after=after, visible=visible, predictions=told)
     assert concluded is expected
 
 
@@ -145,6 +151,25 @@ def test_what_predicts_no_better_is_no_explanation(after: float) -> None:
     assert found is Verdict.UNEXPLAINED
 
 
+@pytest.mark.parametrize(("kind", "expected"), [(Freed, Verdict.NAMED), (Bend, Verdict.UNEXPLAINED)])
+def test_what_every_fit_has_as_a_nuisance_need_not_predict_better(kind: type[Effect], expected: Verdict) -> None:
+    found = conclude(
+        selection([Tried(effect(kind), 100.0)]),
+        adequate_before=False,
+        adequate_after=True,
+        visible=0.9,
+        predictions=predicts(before=5.0, after=5.0),
+    )
+    assert found is expected
+
+
+def test_beside_a_nuisance_set_free_a_cause_is_held_against_that() -> None:
+    told = predicts(before=5.0, after=6.0)
+    assert not told.better
+    assert replace(told, freed=predicts(before=5.0, after=9.0).after).better
+    assert not replace(told, freed=predicts(before=5.0, after=6.0).after).better
+
+
 def test_a_gain_within_its_own_standard_error_is_none() -> None:
     """Blocks count as independent: of four that gain 6, -1, 4 and -3, 6 in all, the standard error is 8.4."""
     gained = np.array([6.0, -1.0, 4.0, -3.0])
@@ -161,7 +186,8 @@ def test_a_gain_within_its_own_standard_error_is_none() -> None:
     [
         (200.0, 2.0, Verdict.NAMED),  # 1 % of the excess, and what was not seen is predicted
         (200.0, 20.0, Verdict.UNEXPLAINED),
-        (1000.0, 2.0, Verdict.UNEXPLAINED),
+        (1000.0, 2.0, Verdict.NAMED),  # 0.1 % of the mean square error, whatever the other orders leave
+        (1000.0, 9.0, Verdict.UNEXPLAINED),
     ],
 )
 def test_causes_may_leave_a_little_if_they_predict_what_was_not_seen(

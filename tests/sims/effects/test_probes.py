@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import EVERY, Complex, ReadingContext, catalogue, find
-from rotorrig.sims.effects.line_hum import leak
+from rotorrig.sims.effects.line_hum import LineHum, leak
 from rotorrig.sims.rotor.model.assembly import assemble
 from tests.sims.effects.predicted import base_load, motion, pair_at, simple_rig, view
 
@@ -129,6 +129,21 @@ def test_hum_of_mains_that_stray_leaks_as_that_of_their_frequency_does() -> None
     rows = np.array([0])
     assert leak(strayed, rows, 50.0) == pytest.approx(leak(there, rows, 50.5), abs=1e-9)
     assert leak(strayed, rows, 60.0) == pytest.approx(leak(there, rows, 60.0), abs=1e-12)
+
+
+def test_every_recording_has_a_phasor_of_its_own_where_there_are_several(rk4: RigConfig) -> None:
+    alike = find(rk4, "line_hum, 50 Hz")
+    assert isinstance(alike, LineHum)
+    effect = alike.of_recordings(2)
+    assert [p.name for p in effect.parameters] == ["hum re", "hum im", "hum 2 re", "hum 2 im"]
+    theta = {"hum re": 1e-6, "hum im": 0.0, "hum 2 re": 0.0, "hum 2 im": 2e-6}
+    row = np.full((2, 1), 1e-5 + 0j)
+    for number, hum in ((0, 1e-6), (1, 2e-6j)):
+        there = replace(steady(50.0), recording=number)
+        assert effect.change_readings(row, there, theta)[0, 0] - row[0, 0] == pytest.approx(hum)
+        same = alike.change_readings(row, there, {"hum re": 1e-6, "hum im": 0.0})
+        assert same[0, 0] - row[0, 0] == pytest.approx(1e-6)
+    assert "2.00 um" in effect.words(theta)
 
 
 def test_hum_half_a_bin_away_leaks_as_the_windows_transform_says() -> None:
