@@ -36,6 +36,7 @@ from rotorrig.identify.verdict import (
     gain,
     hidden_effects,
     is_supported,
+    leave_out_excess,
     leave_out_idle,
     moving_speed,
     nameplate_ties,
@@ -130,6 +131,9 @@ def diagnose(
         hidden = recordings_of([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
         unseen = Unseen(found.start.problem, found.start.polished.p, holdout=hidden)
         start, selection = found.start, leave_out_idle(found.selection, unseen)
+        misstated = partial(_count_misstated, found)
+        if start.adequacy.adequate:
+            selection = leave_out_excess(selection, misstated)
         extended = start
         if selection.problem is not start.problem:
             extended = base_fit.assess_fit(selection.problem, selection.polished)
@@ -142,7 +146,7 @@ def diagnose(
             adequate_after=extended.adequacy.adequate,
             visible=visible_share(selection),
             predictions=predictions,
-            misstated=len(found.pulled_far(check_nameplate(extended.polished, extended.problem))),
+            misstated=misstated(selection),
         )
         progress("next run", 0.8)
         further = _find_next_run(verdict, selection, not_possible)
@@ -158,6 +162,11 @@ def diagnose(
         diagnosis = replace(diagnosis, model=model, next_run=further)
     progress("done", 1.0)
     return diagnosis
+
+
+def _count_misstated(found: NameplateSelection, selection: Selection) -> int:
+    """Return how many statements of the nameplate a selection contradicts."""
+    return len(found.pulled_far(check_nameplate(selection.polished, selection.problem)))
 
 
 def _find_next_run(verdict: Verdict, selection: Selection, not_possible: Collection[str]) -> NextRun | None:

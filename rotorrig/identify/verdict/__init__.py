@@ -2,7 +2,7 @@
 
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.cross_validation import Unseen
-from rotorrig.identify.verdict.gain import Gain, Predictions, Shift, leave_out_idle, predict_unseen
+from rotorrig.identify.verdict.gain import Gain, Predictions, Shift, leave_out_excess, leave_out_idle, predict_unseen
 from rotorrig.identify.verdict.nameplate import (
     NameplateSelection,
     conclude_with_nameplate,
@@ -46,6 +46,7 @@ __all__ = [
     "hidden_effects",
     "higher_tops",
     "is_supported",
+    "leave_out_excess",
     "leave_out_idle",
     "moving_speed",
     "nameplate_ties",

@@ -47,10 +47,11 @@ class Prediction:
     def is_better_than(self, other: "Prediction") -> bool:
         """Say whether it predicts the same data better than `other`, by more than the standard error of that.
 
-        At all orders, in standard deviations; blocks of neighbouring rows count as independent.
+        At all orders, in standard deviations; blocks of neighbouring rows count as independent. Less than one of chi2
+        is none: of what changes nothing, rounding decides the sign.
         """
         lower = other.blocks - self.blocks
-        return float(lower.sum()) > float(lower.std(ddof=1)) * math.sqrt(len(lower))
+        return float(lower.sum()) > max(float(lower.std(ddof=1)) * math.sqrt(len(lower)), VERDICT.gained)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,13 +1,13 @@
 """Gain by the extended model: prediction of data no fit saw, and what the base parameters had absorbed."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rotorrig.identify.base_fit import AssessedFit
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.causes import Candidate, Selection, is_significant, leave_out, plausible, price
+from rotorrig.identify.causes import SELECTION, Candidate, Selection, is_significant, leave_out, plausible, price
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict.cross_validation import Prediction, Unseen, pool_folds
@@ -97,6 +97,25 @@ def leave_out_idle(selection: Selection, unseen: Unseen) -> Selection:
         problem, polished = smaller[least]
         selection = replace(selection, problem=problem, polished=polished)
     return selection
+
+
+def leave_out_excess(selection: Selection, misstated: Callable[[Selection], int]) -> Selection:
+    """Leave out the causes of least evidence until, with what of the nameplate is `misstated`, they are few enough.
+
+    Where the base is adequate without any of them, the least of many are the first to be doubted.
+    """
+    kept = len(selection.start.effects)
+    while len(selection.problem.effects) - kept > 0 and is_too_much(selection, misstated(selection)):
+        problem = selection.problem
+        each = [(effect, *leave_out(problem, selection.polished, [effect])) for effect in problem.effects[kept:]]
+        _, smaller, fit = min(each, key=lambda of: of[2].chi2 - price(problem, of[0]))
+        selection = replace(selection, problem=smaller, polished=fit)
+    return selection
+
+
+def is_too_much(selection: Selection, misstated: int) -> bool:
+    """Say whether causes and statements of the nameplate that would have to be wrong are more than `SELECTION.most`."""
+    return len(selection.problem.effects) - len(selection.start.effects) + misstated > SELECTION.most
 
 
 def predict_unseen(selection: Selection, unseen: Unseen) -> Predictions:

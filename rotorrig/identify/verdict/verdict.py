@@ -7,11 +7,11 @@ from enum import StrEnum
 
 import numpy as np
 
-from rotorrig.identify.causes import SELECTION, Candidate, Selection, SelectionStep, is_significant, plausible
+from rotorrig.identify.causes import Candidate, Selection, SelectionStep, is_significant, plausible
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.cross_validation import Prediction
-from rotorrig.identify.verdict.gain import Predictions
+from rotorrig.identify.verdict.gain import Predictions, is_too_much
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.sims.effects import Effect, Parameter, magnitudes
 
@@ -52,10 +52,9 @@ def conclude(
     data, it is no explanation; nor is it one if, beside its causes, so much of the nameplate would have to be wrong
     (`misstated` statements) that more than `SELECTION.most` things would be.
     """
-    causes = len(selection.problem.effects) - len(selection.start.effects)
-    if causes + misstated > SELECTION.most:
+    if is_too_much(selection, misstated):
         return Verdict.UNEXPLAINED
-    if not causes:
+    if selection.problem.effects == selection.start.effects:
         if not adequate_before:
             return Verdict.UNEXPLAINED
         return Verdict.ADEQUATE if visible >= VERDICT.enough_visible else Verdict.CANNOT_TELL

@@ -8,7 +8,7 @@ from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.cross_validation import Fold, Prediction, Unseen, pool_folds
-from rotorrig.identify.verdict.gain import Predictions, choose_again, leave_out_idle
+from rotorrig.identify.verdict.gain import Predictions, choose_again, leave_out_excess, leave_out_idle
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
 from tests.identify.swept import swept_response
@@ -94,3 +94,10 @@ def test_every_one_of_several_causes_has_to_predict_what_no_fit_saw(
     assert len(left.polished.p) == len(found.polished.p) - sum(
         len(e.parameters) for e in found.problem.effects if e.label not in kept
     )
+
+
+def test_of_too_many_causes_that_of_least_evidence_goes(rig: RigConfig, hidden: np.ndarray) -> None:
+    found = selection(rig, hidden, (BOW,), (DELAY, BOW))
+    assert leave_out_excess(found, lambda _: 1).problem is found.problem
+    assert [e.label for e in leave_out_excess(found, lambda _: 2).problem.effects] == [BOW]
+    assert not leave_out_excess(found, lambda _: 4).problem.effects
