@@ -42,6 +42,8 @@ class MainsHum:
     t: NDArray[np.float64]  # (time,) s
     stray: NDArray[np.float64]  # (time,) rad, by how much its phase is ahead of 2 pi f t
     sigma: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))  # (time,) rad, of that; empty: not known
+    #: (probe,) what each of them has of it, of mean square 1; empty: alike
+    shares: NDArray[np.complex128] = field(default_factory=lambda: np.zeros(0, complex))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -70,6 +70,7 @@ class Parameters:
         self.prior_sigma[self.gain] = prior.probe_gain
         self.prior_sigma[self.angle] = prior.probe_angle
         self.prior_sigma[self.runout] = prior.runout
+        self.bounding_sigma = self.prior_sigma  # that nuisances are bounded by so many of
         self.priors = np.flatnonzero(np.isfinite(self.prior_sigma))
         self.position_ranges: Reals = np.full(len(movable), np.inf)  # m either way, as far as a model can move them
 
@@ -83,12 +84,12 @@ class Parameters:
         low, high = np.full(len(self), -np.inf), np.full(len(self), np.inf)
         low[self.sought], high[self.sought] = self.space.working_bounds.T
         low[self.nameplate], high[self.nameplate] = -BASE_MODEL.nameplate_range, BASE_MODEL.nameplate_range
-        reach = np.minimum(BASE_MODEL.furthest * self.prior_sigma[self.positions], self.position_ranges)
+        reach = np.minimum(BASE_MODEL.furthest * self.bounding_sigma[self.positions], self.position_ranges)
         low[self.positions], high[self.positions] = -reach, reach
-        reach = np.minimum(BASE_MODEL.furthest * self.prior_sigma[self.diameter], BASE_MODEL.nameplate_range)
+        reach = np.minimum(BASE_MODEL.furthest * self.bounding_sigma[self.diameter], BASE_MODEL.nameplate_range)
         low[self.diameter], high[self.diameter] = -reach, reach
         low[self.hubs], high[self.hubs] = 0.0, BASE_MODEL.stiffest_hub
-        low[self.tilts], high[self.tilts] = 0.0, BASE_MODEL.furthest * self.prior_sigma[self.tilts]
+        low[self.tilts], high[self.tilts] = 0.0, BASE_MODEL.furthest * self.bounding_sigma[self.tilts]
         return low, high
 
     def values(self, p: Reals) -> Reals:

@@ -259,13 +259,11 @@ def _by_runout(model: ExtendedModel, free: Index, order: int, found: Complex) ->
 def _by_hum(model: ExtendedModel, recording: Recording, free: Index, order: int, found: Complex) -> None:
     """Fill in the columns by the amounts of hum."""
     names, leaks = model.parameters, recording.hum[order]
-    for line, part in zip(names.hum_lines, names.of_line, strict=True):
-        if line.recording != recording.number or line.frequency not in leaks:
-            continue
-        for i in free[(free >= part.start) & (free < part.stop)]:
-            probe, imaginary = divmod(int(i) - part.start, 2)
-            shown = slice(probe, probe + 1) if line.of_each else slice(None)
-            found[:, shown, np.searchsorted(free, i)] = leaks[line.frequency][:, None] * (1j if imaginary else 1)
+    for i in free[(free >= names.hums.start) & (free < names.hums.stop)]:
+        line, imaginary = divmod(int(i) - names.hums.start, 2)
+        number, frequency = names.hum_lines[line]
+        if number == recording.number and frequency in leaks:
+            found[..., np.searchsorted(free, i)] = leaks[frequency] * (1j if imaginary else 1)
 
 
 def _by_curvature(model: ExtendedModel, first: Complex, free: Index, order: int, found: Complex) -> None:

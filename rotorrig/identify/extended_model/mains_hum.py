@@ -1,13 +1,11 @@
-"""Hum of the mains in the vectors, a nuisance of every fit: phasors of each line in each recording.
+"""Hum of the mains in the vectors, a nuisance of every fit: one phasor of each line in each recording.
 
-Each cable picks up its own (Ott, Electromagnetic Compatibility Engineering (2009), ch. 2 and 3), so a line that
-tracking found has a phasor at every probe. The mains stray by some hundredths of a hertz, and their harmonics with
-them: tracking follows that. What it did not find is at most what a window averages out of the noise: one phasor of all
-probes, and where nothing was found at all, taken for steady.
+Each cable picks up its own (Ott, Electromagnetic Compatibility Engineering (2009), ch. 2 and 3), and the mains stray by
+some hundredths of a hertz, their harmonics with them: of a line that tracking found, it says both. What it did not find
+is at most what a window averages out of the noise: alike at all probes, and where nothing was found at all, steady.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,32 +17,14 @@ MAINS = (50.0, 60.0)  # Hz
 HARMONICS = (1, 2, 3)  # a rectifier leaves the second, a saturated transformer the third
 UNSEEN = (1, 2)  # of either, where no line was found
 
+HumLine = tuple[int, float]  # number of the recording, Hz
 Strays = dict[float, tuple[NDArray[np.float64], NDArray[np.float64]]]  # Hz -> s, and rad ahead of 2 pi f t then
-Leaks = dict[float, NDArray[np.complex128]]  # frequency -> (row + 1,)
+Leaks = dict[float, NDArray[np.complex128]]  # frequency -> (row + 1, probe)
 
 
-class HumLine(NamedTuple):
-    """A line of the mains in one recording."""
-
-    recording: int  # number of it
-    frequency: float  # Hz
-    of_each: bool  # every probe has a phasor of its own; or all have one together
-
-    def names(self, probes: Sequence[str]) -> list[str]:
-        """Return its unknowns, re and im [m], of one probe after the other or of all."""
-        stem = f"hum {self.frequency:.0f} Hz {self.recording + 1}"
-        return [f"{stem}{of} {part}" for of in self.shown(probes) for part in ("re", "im")]
-
-    def shown(self, probes: Sequence[str]) -> list[str]:
-        """Return " 2y" of every probe that has a phasor of its own, or "" for all of them."""
-        return [f" {probe}" for probe in probes] if self.of_each else [""]
-
-
-def find_hum_lines(number: int, response: OrderTrackedResponse, leaks: Iterable[float]) -> Iterator[HumLine]:
-    """Yield the lines of a recording, of the frequencies that leak into its vectors."""
-    found = {hum.frequency for hum in response.mains}
-    for frequency in leaks:
-        yield HumLine(number, frequency, frequency in found)
+def hum_names(lines: Iterable[HumLine]) -> list[str]:
+    """Return the unknowns, re and im [m], of one line after the other."""
+    return [f"hum {frequency:.0f} Hz {number + 1} {part}" for number, frequency in lines for part in ("re", "im")]
 
 
 def hum_strays(response: OrderTrackedResponse) -> Strays:
@@ -64,7 +44,7 @@ def hum_strays(response: OrderTrackedResponse) -> Strays:
 def hum_leaks(
     response: OrderTrackedResponse, rows: NDArray[np.intp], views: Mapping[int, ReadingContext]
 ) -> dict[int, Leaks]:
-    """Return by order and frequency what a line of 1 m leaves in the vectors (row + 1,), nothing in the slow roll's.
+    """Return by order and frequency what a line of 1 m leaves in the vectors, nothing in the slow roll's.
 
     Who does not know the time to a fraction of the mains' period knows no phase of theirs: then there are none.
     """
@@ -72,6 +52,6 @@ def hum_leaks(
     lines = sorted(hum_strays(response)) or [n * mains for mains in MAINS for n in UNSEEN]
     frequencies = lines if known else []
     return {
-        order: {f: np.append(leak(view, np.arange(len(rows)), f), 0.0) for f in frequencies}
+        order: {f: np.pad(leak(view, np.arange(len(rows)), f), ((0, 1), (0, 0))) for f in frequencies}
         for order, view in views.items()
     }

@@ -58,10 +58,10 @@ class ProbeSide:
         """Return what the mains leave in the vectors of every probe, (row + 1, probe)."""
         names, leaks = self._parameters, recording.hum[order]
         found = np.zeros((len(recording.rows) + 1, len(recording.response.probes)), complex)
-        for line, part in zip(names.hum_lines, names.of_line, strict=True):
-            if line.recording == recording.number and line.frequency in leaks:
-                own = p[part]
-                found += leaks[line.frequency][:, None] * (own[0::2] + 1j * own[1::2])
+        amounts = p[names.hums].reshape(-1, 2)
+        for (number, frequency), (real, imaginary) in zip(names.hum_lines, amounts, strict=True):
+            if number == recording.number and frequency in leaks:
+                found += leaks[frequency] * complex(real, imaginary)
         return found
 
     def through_effects(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:

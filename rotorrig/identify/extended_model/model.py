@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals, StructuralModel
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts, halved_loads
-from rotorrig.identify.extended_model.mains_hum import HumLine, find_hum_lines
+from rotorrig.identify.extended_model.mains_hum import HumLine
 from rotorrig.identify.extended_model.measuring_chain import ProbeSide
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL, ORDERS
@@ -55,7 +55,7 @@ class ExtendedModel:
         self.effects = tuple(effects)
         orders = recordings[0].orders
         if hum_lines is None:
-            hum_lines = [line for r in recordings for line in find_hum_lines(r.number, r.response, r.hum[1])]
+            hum_lines = [(r.number, frequency) for r in recordings for frequency in r.hum[1]]
         self.parameters = ExtendedParameters(
             recordings[0].rig,
             first.probes,

@@ -1,18 +1,16 @@
 """The unknowns of a diagnosis: those of the base model, a few more nuisances, and those of effects in their sizes.
 
 The nuisances more than a fit of one recording at 1X has: runout at higher orders, the angle of the keyphasor's mark,
-which a known trial mass shows, a little hum of the mains in every recording at every probe, and the curvature of a
-probe's scale.
+which a known trial mass shows, a little hum of the mains in every recording, and the curvature of a probe's scale.
 """
 
 from collections.abc import Collection, Sequence
-from itertools import accumulate, chain, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Parameters, Reals
-from rotorrig.identify.extended_model.mains_hum import HumLine
+from rotorrig.identify.extended_model.mains_hum import HumLine, hum_names
 from rotorrig.identify.extended_model.probe_curve import curve_names
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.rig.config import RigConfig
@@ -49,10 +47,10 @@ class ExtendedParameters:
         self.effects = tuple(effects)
         self._own = [p for effect in effects for p in effect.parameters]
         runouts = [f"runout {n}X {name} {part}" for n in orders if n > 1 for name in probes for part in ("re", "im")]
-        hums = [line.names(probes) for line in hum_lines]
+        hums = hum_names(hum_lines)
         own = [f"{effect.label}: {p.name}" for effect in effects for p in effect.parameters]
         curves = curve_names(probes)
-        self.names = (*self.base.names, *runouts, KEYPHASOR, *chain.from_iterable(hums), *curves, *own)
+        self.names = (*self.base.names, *runouts, KEYPHASOR, *hums, *curves, *own)
         count, per_order = len(self.base), 2 * len(probes)
         self.runouts = {1: self.base.runout}
         for n in orders:
@@ -60,10 +58,8 @@ class ExtendedParameters:
                 self.runouts[n] = slice(count, count + per_order)
                 count += per_order
         self.keyphasor = count
-        ends = list(accumulate(map(len, hums), initial=count + 1))
-        self.hums = slice(ends[0], ends[-1])
+        self.hums = slice(count + 1, count + 1 + len(hums))
         self.hum_lines = tuple(hum_lines)
-        self.of_line = [slice(start, stop) for start, stop in pairwise(ends)]
         self.curves = slice(self.hums.stop, self.hums.stop + len(curves))
         count = self.curves.stop
         self.theta: list[slice] = []
@@ -75,7 +71,7 @@ class ExtendedParameters:
                 self.base.prior_sigma,
                 np.full(len(runouts), rig.prior.runout),
                 [rig.prior.keyphasor_angle],
-                np.full(ends[-1] - ends[0], rig.prior.line_hum),
+                np.full(len(hums), rig.prior.line_hum),
                 np.full(len(curves), rig.prior.probe_linearity),
                 [q.prior / q.size for q in self._own],
             ]
@@ -83,6 +79,7 @@ class ExtendedParameters:
         self.stated_sigma = np.maximum(sigmas, EXACT)
         wider = [EXTENDED_MODEL.wider if name in widened else 1.0 for name in self.names]
         self.prior_sigma = self.stated_sigma * wider
+        self.base.bounding_sigma = self.base.prior_sigma * wider[: len(self.base)]
         self.priors = np.flatnonzero(np.isfinite(self.prior_sigma))
         self._nothing = np.zeros(len(self.names))
         self._nothing[self.own] = [q.at_zero / q.size for q in self._own]

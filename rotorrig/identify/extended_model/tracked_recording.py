@@ -297,6 +297,7 @@ class Recording:
             window=response.window,
             keyphasor_t=np.empty(0) if response.derived_times else response.keyphasor_t,
             strays=hum_strays(response),
+            shares={hum.frequency: hum.shares for hum in response.mains if len(hum.shares)},
         )
 
     def _turning(self, model: RotorModel, loads: Sequence[Load]) -> tuple[RotorModel, Sequence[Load]]:

@@ -78,7 +78,7 @@ def estimate_nuisances(best: Solution, problem: ExtendedProblem) -> tuple[Estima
 
 
 def _unit(nuisance: str) -> str:
-    """Return the unit of a nuisance; "hub disk" and "hum 50 Hz 1 2y re" begin with what they are. Others are ratios."""
+    """Return the unit of a nuisance; "hub disk" and "hum 50 Hz 1 re" begin with what they are. Others are ratios."""
     return _UNITS.get(nuisance.split()[0], "")
 
 

@@ -37,7 +37,7 @@ TABLE = message_type(
         "slow_roll_remarks": "repeated string",
         "compensation_omega_rad_s": "double",  # 0: the vectors are raw
         "derived_times": "bool",
-        "mains_json": "string",  # [{frequency_hz, t_s: [...], stray_rad: [...], sigma_rad: [...]}]
+        "mains_json": "string",  # [{frequency_hz, t_s: [...], stray_rad: [...], sigma_rad: [...], shares: [[re, im]]}]
         "amplitudes_alone": "bool",  # the vectors' phases are not known, their imaginary parts 0
     },
 )
@@ -155,7 +155,13 @@ def _table(response: OrderTrackedResponse) -> dict[str, Any]:
         "amplitudes_alone": response.amplitudes_alone,
         "mains_json": json.dumps(
             [
-                {"frequency_hz": m.frequency, "t_s": list(m.t), "stray_rad": list(m.stray), "sigma_rad": list(m.sigma)}
+                {
+                    "frequency_hz": m.frequency,
+                    "t_s": list(m.t),
+                    "stray_rad": list(m.stray),
+                    "sigma_rad": list(m.sigma),
+                    "shares": [[share.real, share.imag] for share in m.shares],
+                }
                 for m in response.mains
             ]
         ),
@@ -168,7 +174,8 @@ def _words(text: str) -> tuple[tuple[str, ...], ...]:
 
 def _mains(values: dict[str, Any]) -> MainsHum:
     t, stray, sigma = (np.array(values.get(key, []), dtype=float) for key in ("t_s", "stray_rad", "sigma_rad"))
-    return MainsHum(frequency=float(values["frequency_hz"]), t=t, stray=stray, sigma=sigma)
+    shares = np.array([complex(re, im) for re, im in values.get("shares", [])], dtype=complex)
+    return MainsHum(frequency=float(values["frequency_hz"]), t=t, stray=stray, sigma=sigma, shares=shares)
 
 
 def _run(values: dict[str, Any]) -> Run:

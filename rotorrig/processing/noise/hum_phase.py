@@ -49,7 +49,7 @@ class HumPhase:
         self._phasors.append(np.where(clear[self._bins, None], own, 0))
 
     def follow(self, frequency: float) -> MainsHum:
-        """Return how the phase of the mains' harmonic next to `frequency` [Hz] went, at the probe that has most."""
+        """Return how the phase of the mains' harmonic next to `frequency` [Hz] went, and what each probe has of it."""
         which = int(np.abs(self._nominal - frequency).argmin())
         each = np.array([phasors[which] for phasors in self._phasors])
         most = int(np.sum(np.abs(each) ** 2, axis=0).argmax())
@@ -62,7 +62,15 @@ class HumPhase:
         unit = np.divide(sums, np.abs(sums), out=np.zeros_like(sums), where=seen)
         harmonic = min(round(self._nominal[which] / f) for f in MAINS if self._nominal[which] % f == 0)
         smooth, sigma = _smooth(unit, seen, wander=harmonic * WANDER, fastest=harmonic * FASTEST)
-        return MainsHum(frequency=float(self._nominal[which]), t=t, stray=np.unwrap(np.angle(smooth)), sigma=sigma)
+        stray = np.unwrap(np.angle(smooth))
+        shares = np.exp(-1j * np.interp(self._middles, t, stray)) @ each
+        return MainsHum(
+            frequency=float(self._nominal[which]),
+            t=t,
+            stray=stray,
+            sigma=sigma,
+            shares=shares / np.sqrt(np.mean(np.abs(shares) ** 2)),
+        )
 
 
 def _smooth(values: Complex, seen: NDArray[np.bool_], *, wander: float, fastest: float) -> tuple[Complex, Reals]:

@@ -79,6 +79,7 @@ class ReadingContext:
     keyphasor_t: NDArray[np.float64]  # (pulse,) s; empty: unknown
     #: Hz of the mains -> (time,) s, and by how much their phase is ahead of 2 pi f t then [rad]
     strays: Mapping[float, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(default_factory=dict)
+    shares: Mapping[float, Complex] = field(default_factory=dict)  # Hz -> (probe,) of each in the hum; else all alike
     slow_roll: Complex = field(default_factory=lambda: np.zeros(0, complex))  # (probe,) m, measured; empty: was not
     leaks: dict[float, Complex] = field(default_factory=dict, repr=False, compare=False)  # line_hum.leak, by Hz, once
 

@@ -1,9 +1,9 @@
 """Mains hum in the probes' signals, and how much of it a row's window lets through at each order.
 
-The hum is common to all probes (how far it is not, a fit has among its nuisances), of another phase in every recording,
-and does not turn with the shaft; where n Omega passes its frequency it falls into the tracking filter for a moment.
-From the keyphasor's times the leak follows exactly, phase and all; of mains that stray, if the context says how.
-Source: Harris, On the use of windows for harmonic analysis, Proc. IEEE 66 (1978) 51-83.
+The hum is alike at all probes, or shared among them as the context says, of another phase in every recording, and does
+not turn with the shaft; where n Omega passes its frequency it falls into the tracking filter for a moment. From the
+keyphasor's times the leak follows exactly, phase and all; of mains that stray, if the context says how. Source: Harris,
+On the use of windows for harmonic analysis, Proc. IEEE 66 (1978) 51-83.
 """
 
 from dataclasses import dataclass, replace
@@ -44,7 +44,7 @@ class LineHum(Effect):
         return replace(self, parameters=tuple(each))
 
     def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
-        """Return the vectors with its leak, alike at all probes; unchanged where a row's time is not known."""
+        """Return the vectors with its leak; unchanged where a row's time is not known."""
         own = _stem(context.recording)
         hum = phasor(theta, own if f"{own} re" in theta else "hum")
         if not hum or len(context.keyphasor_t) < LEAST_PULSES:
@@ -53,7 +53,7 @@ class LineHum(Effect):
         result = z.copy()
         if self.frequency not in context.leaks:
             context.leaks[self.frequency] = leak(context, known, self.frequency)
-        result[known] += hum * context.leaks[self.frequency][:, None]
+        result[known] += hum * context.leaks[self.frequency]
         return result
 
     def words(self, theta: Theta) -> str:
@@ -67,7 +67,7 @@ def _stem(recording: int) -> str:
 
 
 def leak(context: ReadingContext, rows: NDArray[np.intp], frequency: float) -> Complex:
-    """Return the vectors (row,) that a hum e^{j 2 pi f t} leaves: 2 mean(Re(e^{j 2 pi f t}) e^{-j n theta}).
+    """Return the vectors (row, probe) that a hum e^{j 2 pi f t} leaves: 2 mean(Re(e^{j 2 pi f t}) e^{-j n theta}).
 
     Where the speed is below zero, so is the shaft's angle.
     """
@@ -82,7 +82,8 @@ def leak(context: ReadingContext, rows: NDArray[np.intp], frequency: float) -> C
         phase += np.interp(t, *context.strays[frequency])
     signal = 2 * np.cos(phase)
     turn = turn * np.sign(context.omega[rows, None])
-    return (signal * np.exp(-1j * TURN * context.order * turn)) @ (weight / weight.sum())
+    alike = (signal * np.exp(-1j * TURN * context.order * turn)) @ (weight / weight.sum())
+    return alike[:, None] * context.shares.get(frequency, np.ones(len(context.probes)))
 
 
 def effects(rig: RigConfig) -> tuple[LineHum, ...]:

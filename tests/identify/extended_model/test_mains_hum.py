@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.extended_model.mains_hum import find_hum_lines, hum_strays
+from rotorrig.identify.extended_model.mains_hum import hum_names, hum_strays
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import MainsHum, OrderTrackedResponse
 
@@ -46,8 +46,19 @@ def test_where_no_line_was_found_both_mains_may_hum_and_without_times_none(short
     assert not Recording(replace(short, derived_times=True)).hum[1]
 
 
-def test_a_line_that_was_found_has_a_phasor_at_each_probe_any_other_one_of_all(short: OrderTrackedResponse) -> None:
-    found = replace(short, mains=(line(50.0, 0.0, 0.0, 0.0),))
-    first, second, *_ = find_hum_lines(1, found, [50.0, 100.0])
-    assert first.names(["x", "y"]) == ["hum 50 Hz 2 x re", "hum 50 Hz 2 x im", "hum 50 Hz 2 y re", "hum 50 Hz 2 y im"]
-    assert second.names(["x", "y"]) == ["hum 100 Hz 2 re", "hum 100 Hz 2 im"]
+def test_every_line_has_one_phasor_in_each_recording() -> None:
+    assert hum_names([(0, 50.0), (1, 150.0)]) == [
+        "hum 50 Hz 1 re",
+        "hum 50 Hz 1 im",
+        "hum 150 Hz 2 re",
+        "hum 150 Hz 2 im",
+    ]
+
+
+def test_the_probes_have_the_shares_that_tracking_found(short: OrderTrackedResponse) -> None:
+    shares = np.array([1.0, 0.5, -1.0, 1j])
+    told = Recording(replace(short, mains=(replace(line(50.0, 0.0, 0.0, 0.0), shares=shares),)))
+    leaked = told.hum[2][50.0]
+    assert np.abs(leaked[:, 0]).max() > 0.1
+    assert leaked == pytest.approx(leaked[:, :1] * shares)
+    assert told.hum[2][100.0] == pytest.approx(told.hum[2][100.0][:, :1] * np.ones(4)), "nobody knows"

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from rotorrig.identify.extended_model.mains_hum import HumLine
 from rotorrig.identify.extended_model.nuisance_effects import nuisance_effects
 from rotorrig.identify.extended_model.parameters import KEYPHASOR, ExtendedParameters
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
@@ -33,7 +32,7 @@ def laid_out(rig: RigConfig, *effects: Effect) -> ExtendedParameters:
         rig,
         PROBES,
         orders=(1, 2),
-        hum_lines=[HumLine(0, 50.0, True), HumLine(1, 50.0, True), HumLine(1, 120.0, False)],
+        hum_lines=[(0, 50.0), (1, 50.0), (1, 120.0)],
         effects=effects,
     )
 
@@ -97,7 +96,7 @@ def test_only_nuisances_have_priors_and_they_are_those_of_the_config(rig: RigCon
     sigma = dict(zip(names.names, names.prior_sigma, strict=True))
     assert sigma[KEYPHASOR] == rig.prior.keyphasor_angle
     assert sigma["runout 2X 2y im"] == rig.prior.runout
-    assert sigma["hum 50 Hz 1 1x re"] == rig.prior.line_hum
+    assert sigma["hum 50 Hz 1 re"] == rig.prior.line_hum
     assert sigma[f"{slight.label}: {slight.parameters[0].name}"] * slight.parameters[0].size == pytest.approx(
         rig.prior.rotating_damping
     )
@@ -136,3 +135,15 @@ def test_the_start_takes_over_the_base_of_another_problem(rig: RigConfig) -> Non
     start = larger.start(base)
     np.testing.assert_array_equal(start[: len(smaller)], base)
     assert not start[larger.own].any()
+
+
+def test_what_has_a_wider_prior_may_go_as_much_further(rig: RigConfig) -> None:
+    laid = [
+        ExtendedParameters(rig, PROBES, orders=(1,), hum_lines=(), effects=(), widened=widened)
+        for widened in ((), ("position disk disk",))
+    ]
+    reach = [dict(zip(names.names, names.bounds[1], strict=True)) for names in laid]
+    assert reach[1]["position disk disk"] == pytest.approx(EXTENDED_MODEL.wider * reach[0]["position disk disk"])
+    assert reach[1]["position probe 2y"] == reach[0]["position probe 2y"]
+    sigma = [names.stated_sigma for names in laid]
+    assert (sigma[0] == sigma[1]).all()
