@@ -94,12 +94,11 @@ def fit_candidate(
 
 
 def finish(candidate: Candidate) -> Candidate:
-    """Fit a candidate that was given up to its end, from where it was left."""
-    problem = candidate.problem
-    fit = refit(problem, candidate.polished.p)
+    """Fit a candidate to its end, from where it was left."""
+    problem, fit = relocate_last_effect(candidate.problem, refit(candidate.problem, candidate.polished.p))
     gained = candidate.polished.chi2 - fit.chi2
     fit = replace(fit, jacobian=np.zeros((0, len(fit.p))))
-    return replace(candidate, polished=fit, lam=candidate.lam + gained, evidence=candidate.evidence + gained)
+    return Candidate(problem=problem, polished=fit, lam=candidate.lam + gained, evidence=candidate.evidence + gained)
 
 
 def price(problem: ExtendedProblem, effect: Effect) -> float:

@@ -62,6 +62,8 @@ def try_candidates(
         laws = search_from_nameplate(problem, polished, candidates, go_on=go_on) if later else laws
         late = [s for s in _promising(laws if later else scored) if s not in promising]
         tried = fit_all(late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
+    if go_on():
+        tried = _finish_near(tried)
     if go_on() and not any(_explains(candidate, excess) for candidate in tried):
         tried = _finish_rivals(tried)
     progress(1.0)
@@ -96,6 +98,12 @@ def _fit_all(
             _keep_better(tried, candidate)
         progress((i + 1) / len(scored))
     return tried
+
+
+def _finish_near(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Fit to its end what came to the end of its steps near the best: it may be tied with that, or better."""
+    least = max((c.evidence for c in tried if plausible(c)), default=np.inf) - SELECTION.near
+    return [finish(c) if c.polished.stop is Stop.BUDGET and c.evidence > least else c for c in tried]
 
 
 def _finish_rivals(tried: Sequence[Candidate]) -> list[Candidate]:

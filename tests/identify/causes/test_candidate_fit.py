@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.causes.candidate_fit import fit_candidate, jacobian_at_zero
+from rotorrig.identify.causes.candidate_fit import finish, fit_candidate, jacobian_at_zero
 from rotorrig.identify.causes.score_test import scores
-from rotorrig.identify.causes.selection_step import _finish_rivals
+from rotorrig.identify.causes.selection_step import _finish_near, _finish_rivals
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -71,3 +71,28 @@ def test_what_was_given_up_near_the_best_is_fitted_to_the_end_that_it_would_have
     assert done.polished.chi2 == pytest.approx(whole.polished.chi2, abs=1.0)
     assert done.lam == pytest.approx(before.chi2 - done.polished.chi2)
     assert done.evidence - done.lam == pytest.approx(whole.evidence - whole.lam)
+
+
+def test_what_came_to_the_end_of_its_steps_near_the_best_is_fitted_to_its_end(
+    rig: RigConfig, hidden: np.ndarray
+) -> None:
+    """An unbalance elsewhere: beside that at the disk, place and size make up for each other."""
+    effect = find(rig, "unbalance_plane, at 400 mm")
+    response = swept_response(rig, hidden=[(effect, {"unbalance re": 8e-6, "unbalance im": 3e-6, "shift": 0.012})])
+    problem = ExtendedProblem(ExtendedModel([Recording(response)]))
+    before = problem.solve(problem.parameters.start(hidden))
+    (score,) = scores(problem, before.p, [effect])
+    whole = fit_candidate(problem, before, None, score, leader=-np.inf)
+    assert whole is not None
+    whole = finish(whole)
+    assert whole.polished.stop is Stop.CONVERGED
+    larger = whole.problem
+    short = larger.solve(np.append(before.p, np.zeros(3)), max_steps=1)
+    assert short.stop is Stop.BUDGET
+    lam = before.chi2 - short.chi2
+    near = replace(whole, polished=short, lam=lam, evidence=whole.evidence - 40.0)
+    far = replace(near, evidence=whole.evidence - 50.0)
+    same, done, still = _finish_near([whole, near, far])
+    assert same is whole and still is far
+    assert done.polished.chi2 == pytest.approx(whole.polished.chi2, abs=1.0)
+    assert done.lam == pytest.approx(before.chi2 - done.polished.chi2)
