@@ -95,7 +95,10 @@ def fit_candidate(
 
 def finish(candidate: Candidate) -> Candidate:
     """Fit a candidate to its end, from where it was left."""
-    problem, fit = relocate_last_effect(candidate.problem, refit(candidate.problem, candidate.polished.p))
+    problem = candidate.problem
+    steps = SELECTION.steps_of_law if _under_law(problem) else SELECTION.steps_of_searched
+    fit = problem.solve(candidate.polished.p, tolerance=SELECTION.settled, max_steps=steps)
+    problem, fit = relocate_last_effect(problem, fit)
     gained = candidate.polished.chi2 - fit.chi2
     fit = replace(fit, jacobian=np.zeros((0, len(fit.p))))
     return Candidate(problem=problem, polished=fit, lam=candidate.lam + gained, evidence=candidate.evidence + gained)
@@ -193,9 +196,13 @@ def refit(problem: ExtendedProblem, start: Reals) -> Solution:
 
 
 def _most_steps(problem: ExtendedProblem) -> int:
-    if any("force laws" in effect.acts_on for effect in problem.effects):
+    if _under_law(problem):
         return SELECTION.steps_of_law
     return SELECTION.steps_of_searched if problem.curved else SELECTION.steps
+
+
+def _under_law(problem: ExtendedProblem) -> bool:
+    return any("force laws" in effect.acts_on for effect in problem.effects)
 
 
 def better_guess(problem: ExtendedProblem, fit: Solution) -> Reals | None:

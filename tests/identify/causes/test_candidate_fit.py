@@ -87,7 +87,7 @@ def test_what_came_to_the_end_of_its_steps_near_the_best_is_fitted_to_its_end(
     whole = finish(whole)
     assert whole.polished.stop is Stop.CONVERGED
     larger = whole.problem
-    short = larger.solve(np.append(before.p, np.zeros(3)), max_steps=1)
+    short = larger.solve(np.append(before.p, np.zeros(3)), max_steps=8)
     assert short.stop is Stop.BUDGET
     lam = before.chi2 - short.chi2
     near = replace(whole, polished=short, lam=lam, evidence=whole.evidence - 40.0)
