@@ -1,4 +1,7 @@
-"""Tables of a lab's catalogue: of every recording the newest results, and nothing of older ones."""
+"""Tables of a lab's catalogue: of every recording the results of one computation, and nothing of others.
+
+It is the newest of those that went furthest: one that only tracks hides no diagnosis. One that failed since says so.
+"""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -11,10 +14,12 @@ from rotorrig.rig import DataError
 
 Row = dict[str, Any]  # a column's name and its value; None where there is none
 
+STEPS = ("track", "identify", "diagnose", "report")  # further and further
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Catalogue:
-    """The newest results of every recording, oldest recording first; the other tables by `run_id`."""
+    """The results of every recording, oldest recording first; the other tables by `run_id`."""
 
     runs: Sequence[Row]
     estimates: dict[str, list[Row]]
@@ -29,7 +34,9 @@ def read_catalogue(lab: Path) -> Catalogue:
         raise DataError(f"{place.table('runs')}: has no part-files, want what `rotor lab run {lab}` writes")
     newest: dict[str, Row] = {}
     for row in sorted(_read_table(place, "runs"), key=lambda row: row["made_at"]):
-        newest[row["run_id"]] = row | {"rig": row["rig"] or "unknown rig"}
+        before = newest.get(row["run_id"], row)
+        if row["status"] == "failed" or before["status"] == "failed" or _count_steps(row) >= _count_steps(before):
+            newest[row["run_id"]] = row | {"rig": row["rig"] or "unknown rig"}
     causes = _of_newest(_read_table(place, "causes"), newest)
     return Catalogue(
         runs=sorted(newest.values(), key=lambda run: (run["recorded_at"] or run["made_at"], run["file"])),
@@ -37,6 +44,11 @@ def read_catalogue(lab: Path) -> Catalogue:
         causes={run: sorted(rows, key=lambda row: row["rank"]) for run, rows in causes.items()},
         peaks=_of_newest(_read_table(place, "peaks"), newest),
     )
+
+
+def _count_steps(run: Row) -> int:
+    """Return how many steps were done."""
+    return STEPS.index(run["step"]) + 1 if run["step"] in STEPS else 0
 
 
 def _read_table(lab: Lab, name: str) -> list[Row]:
@@ -51,7 +63,7 @@ def _read_table(lab: Lab, name: str) -> list[Row]:
 
 
 def _of_newest(rows: Iterable[Row], newest: dict[str, Row]) -> dict[str, list[Row]]:
-    """Return the rows that were made together with the newest results of their run, by run."""
+    """Return the rows that were made together with what is shown of their run, by run."""
     by_run: dict[str, list[Row]] = defaultdict(list)
     for row in rows:
         run = newest.get(row["run_id"])

@@ -1,4 +1,4 @@
-"""Of a recording that was worked on several times the newest results count, all of them from one task."""
+"""Of a recording that was worked on several times the newest of what went furthest counts, all from one task."""
 
 from datetime import timedelta
 from pathlib import Path
@@ -24,6 +24,24 @@ def test_the_newest_task_of_a_run_counts_and_nothing_of_the_others(tmp_path: Pat
     assert [run["verdict"] for run in catalogue.runs] == [""]
     assert [row["value"] for row in catalogue.estimates[run_id]] == [2.0]
     assert catalogue.peaks == {}  # the newest task wrote none
+
+
+@pytest.mark.parametrize(
+    ("later", "verdict"),
+    [
+        ({"step": "track", "verdict": "", "status": "done"}, "tied"),
+        ({"step": "diagnose", "verdict": "named", "status": "done"}, "named"),
+        ({"step": "", "verdict": "", "status": "failed"}, ""),
+    ],
+)
+def test_a_task_that_went_less_far_hides_no_diagnosis_but_a_failure_is_told(
+    tmp_path: Path, later: dict[str, str], verdict: str
+) -> None:
+    old, new = FIRST_DAY, FIRST_DAY + timedelta(days=1)
+    done = {"step": "diagnose", "verdict": "tied", "status": "done"}
+    write_run(tmp_path, "a/run.mcap", key="a", made_at=old, runs=done)
+    write_run(tmp_path, "a/run.mcap", key="z", made_at=new, runs=later)
+    assert [run["verdict"] for run in read_catalogue(tmp_path).runs] == [verdict]
 
 
 def test_runs_are_in_the_order_of_their_recording_and_causes_in_that_of_their_rank(tmp_path: Path) -> None:
