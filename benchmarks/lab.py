@@ -6,13 +6,15 @@
 
 The recordings are short sweeps of simulated RK4s (parts/lab/recordings.py), made once. Two workers are compared with
 two plain processes side by side, in time and in every bit of the results; overhead is of tasks that do nothing; a
-worker and the command are killed, and the same command goes on. Figures of time want a machine that does nothing else.
+worker and the command are killed, and the same command goes on. The pages are those of a made-up lab of as many runs.
+Figures of time want a machine that does nothing else.
 """
 
 import argparse
 import json
 import os
 import shutil
+import subprocess
 import sys
 import time
 from collections.abc import Sequence
@@ -24,6 +26,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from benchmarks.parts.lab.compare import count_differences
+from benchmarks.parts.lab.page_speed import measure_page
 from benchmarks.parts.lab.recordings import link_recordings, make_recordings
 from benchmarks.parts.lab.runs import Memory, run_command, run_plainly, run_with_kills
 from rotorrig.app.lab import query_table
@@ -36,6 +39,7 @@ LABS = ROOT / ".cache/lab/labs"
 WORKERS = 2
 STEPS = "track,identify"
 EMPTY_TASKS = 500
+IMPORTS = 5  # processes
 KILLED = 40  # recordings of the run with kills, at most
 
 
@@ -90,6 +94,8 @@ def measure(number: int, diagnosed: int) -> dict[str, Any]:
         "orphans": killed.orphans,
         "missing": killed.missing,
         **measure_diagnoses(paths[:diagnosed]),
+        **{name: round(value, 1) for name, value in measure_page(number).items()},
+        "import_ms": round(measure_import(), 1),
         "load_before": round(load, 1),
         "date": f"{datetime.now(UTC):%Y-%m-%d}",
         "version": code_version(),
@@ -113,6 +119,16 @@ def measure_overhead(tasks: int) -> dict[str, float]:
         "overhead_ms": round(1e3 * WORKERS * wall / tasks, 2),
         "overhead_cpu_ms": round(1e3 * cpu / tasks, 2),
     }
+
+
+def measure_import() -> float:
+    """Return how long `import rotorrig` takes a new process [ms]: the least of several, what disturbs only adds."""
+    words = "import time; began = time.perf_counter(); import rotorrig; print(1e3 * (time.perf_counter() - began))"
+    command = [sys.executable, "-c", words]
+    return min(
+        float(subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout)
+        for _ in range(IMPORTS)
+    )
 
 
 def do_nothing(number: int) -> dict[str, Any]:

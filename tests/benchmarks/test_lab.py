@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from benchmarks.lab import KEPT
+from benchmarks.lab import KEPT, measure_import
 from benchmarks.parts.lab.compare import count_differences
 from benchmarks.parts.lab.runs import Memory
 from rotorrig.app.lab import LabSettings, find_jobs
@@ -45,6 +45,12 @@ def test_a_bit_in_a_file_a_word_in_a_row_and_a_missing_file_are_differences(tmp_
 def test_the_memory_after_a_share_is_the_largest_of_the_next_tenth() -> None:
     memory = Memory(seen=[(0, 500.0), (10, 300.0), (15, 310.0), (50, 400.0), (95, 320.0)])
     assert (memory.after(0.1, of=100), memory.after(0.9, of=100)) == (310.0, 320.0)
+
+
+def test_an_import_is_measured_in_a_process_of_its_own() -> None:
+    loaded = "rotorrig" in sys.modules
+    assert measure_import() > 0.1  # ms: less would be of a package that had been imported already
+    assert ("rotorrig" in sys.modules) is loaded
 
 
 def test_the_summary_is_of_what_is_kept() -> None:
