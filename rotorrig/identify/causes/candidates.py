@@ -16,11 +16,13 @@ from rotorrig.sims.rotor.model import ONE_RECORDING, between_recordings
 def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()) -> list[Effect]:
     """Return every effect at every place and recording it could act in, less those named in `without`.
 
-    Force laws are left out where a recording is of a rotor turning backwards: they are solved forwards alone.
+    Force laws are left out where a recording is of a rotor turning backwards: they are solved forwards alone. Hum is of
+    the mains whose lines were found; of either where none was, and of none where nobody knows the times.
     """
     lawful = not any(recording.backward for recording in recordings)
     if all(np.isfinite(recording.response.compensation_omega) for recording in recordings):
         without = {*without, "slow_roll_subtracted"}  # the base model has it
+    mains = {frequency for recording in recordings for frequency in recording.hum[1]}
     effects: list[Effect] = []
     for effect in catalogue(recordings[0].response.rig):
         if effect.name in without or ("force laws" in effect.acts_on and not lawful):
@@ -32,7 +34,8 @@ def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()
             if (step := _with_grid(able, recordings)).grid:
                 effects.append(step)
         elif isinstance(able, LineHum):
-            effects.append(able.of_recordings(1 + max(r.number for r in recordings)))
+            if able.frequency in mains:
+                effects.append(able.of_recordings(1 + max(r.number for r in recordings)))
         else:
             effects.append(able)
     return effects

@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.processing.response import OrderTrackedResponse, Run
+from rotorrig.processing.response import MainsHum, OrderTrackedResponse, Run
 from rotorrig.sims.effects.base import Effect, catalogue
 
 
@@ -76,3 +76,14 @@ def test_a_hum_has_another_phase_in_every_recording(short: OrderTrackedResponse)
     found = candidates([Recording(short, number=i) for i in range(2)])
     hums = [e for e in found if e.name == "line_hum" and "50 Hz" in e.where]
     assert [[p.name for p in e.parameters] for e in hums] == [["hum re", "hum im", "hum 2 re", "hum 2 im"]]
+
+
+def test_hum_is_looked_for_at_the_mains_whose_lines_were_found(short: OrderTrackedResponse) -> None:
+    line = MainsHum(frequency=60.0, t=short.t[[0, -1]], stray=np.zeros(2))
+    for response, tried in (
+        (short, ["50 Hz", "60 Hz", "100 Hz", "120 Hz"]),
+        (replace(short, mains=(line,)), ["60 Hz", "120 Hz"]),
+        (replace(short, derived_times=True), []),
+    ):
+        found = [e.where for e in candidates([Recording(response)]) if e.name == "line_hum"]
+        assert sorted(found) == sorted(tried)
