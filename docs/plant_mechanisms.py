@@ -83,7 +83,7 @@ MECHANISMS: Mapping[str, Mechanism] = MappingProxyType(
         "line_hum": Mechanism(
             "a tone and its third, unlike in every probe, at a frequency that strays",
             "Ott 2009; Weissbach, Welfonder 2009",
-            "one steady tone, the same in all probes",
+            "one steady tone, the same in all probes, but for what tracking finds of its straying and shares",
         ),
         "loose_disk": Mechanism("a ring that rolls on a rod and falls behind", "rolling without slip", ""),
         "loose_pedestal": Mechanism("a bolt that opens once per turn", "Muszynska, Goldman 1995", ""),
