@@ -107,11 +107,6 @@ def test_an_oval_track_counts_as_runout_of_its_plane() -> None:
     assert answer(case.rig, truth_of(case), hidden).labels == ("runout, plane 2", "runout, plane 2, twice per turn")
 
 
-def test_hum_counts_in_whichever_recording_it_was_found() -> None:
-    hum = of_rk4(design="P2", faults=("line_hum",))
-    assert "line_hum, 50 Hz, recording 2" in answer(hum.rig, truth_of(hum), sizes(hum)[0]).labels
-
-
 def test_a_screw_between_two_places_of_the_scan_may_be_called_either() -> None:
     case = of_rk4(design="P2", faults=("unbalance_plane",))
     hidden = FaultSpec(name="unbalance_plane", parameters={"position": 0.385})

@@ -124,11 +124,8 @@ def _cross_talk(rig: RigConfig, truth: Truth, values: Values) -> Answer:
 
 
 def _line_hum(rig: RigConfig, truth: Truth, values: Values) -> Answer:
-    """Take the hum of any recording for right: each has its own zero of time, so each is an effect of its own."""
     label = "line_hum, 50 Hz"
-    each = tuple(f"{label}, recording {number}" for number in (1, 2))
-    theta = _phasor("hum", values["amount"], values["phase"])
-    return Answer(labels=(label, *each), exact=label, theta=theta)
+    return Answer(labels=(label,), exact=label, theta=_phasor("hum", values["amount"], values["phase"]))
 
 
 def _pedestal(rig: RigConfig, truth: Truth, values: Values) -> Answer:

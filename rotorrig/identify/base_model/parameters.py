@@ -6,6 +6,8 @@ stiffness, probe gain and angle are nuisances with the config's priors, and each
 each of them would be "discovered" in healthy data: +1 % on E alone is a false alarm every time.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,20 +61,25 @@ class Parameters:
         self.structural = slice(0, self.tilts.stop)  # what the response depends on nonlinearly
         of_shaft = ("E", "position disk ", "position bearing ", "diameter", "hub ")
         self.of_shaft = np.flatnonzero([name.startswith(of_shaft) for name in self.names[: self.structural.stop]])
-        prior = rig.prior
-        given = {"E": prior.youngs_modulus, "disk mass": prior.disk_mass}
-        self.prior_sigma = np.full(len(self.names), np.inf)  # infinite for what is sought
-        self.prior_sigma[self.nameplate] = [given.get(name, prior.bearing) for name in nameplate]
-        self.prior_sigma[self.positions] = prior.position
-        self.prior_sigma[self.diameter] = prior.diameter
-        self.prior_sigma[self.hubs] = prior.hub
-        self.prior_sigma[self.tilts] = [rig.tilt_prior(name) for name in bearings]
-        self.prior_sigma[self.gain] = prior.probe_gain
-        self.prior_sigma[self.angle] = prior.probe_angle
-        self.prior_sigma[self.runout] = prior.runout
+        self.prior_sigma = self._lay_out_priors(rig, nameplate)
         self.bounding_sigma = self.prior_sigma  # that nuisances are bounded by so many of
         self.priors = np.flatnonzero(np.isfinite(self.prior_sigma))
         self.position_ranges: Reals = np.full(len(movable), np.inf)  # m either way, as far as a model can move them
+
+    def _lay_out_priors(self, rig: RigConfig, nameplate: Sequence[str]) -> Reals:
+        """Return the standard deviation of every nuisance (parameter,), infinite for what is sought."""
+        prior = rig.prior
+        given = {"E": prior.youngs_modulus, "disk mass": prior.disk_mass}
+        sigma = np.full(len(self.names), np.inf)
+        sigma[self.nameplate] = [given.get(name, prior.bearing) for name in nameplate]
+        sigma[self.positions] = prior.position
+        sigma[self.diameter] = prior.diameter
+        sigma[self.hubs] = prior.hub
+        sigma[self.tilts] = [rig.tilt_prior(bearing.name) for bearing in rig.bearings]
+        sigma[self.gain] = prior.probe_gain
+        sigma[self.angle] = prior.probe_angle
+        sigma[self.runout] = prior.runout
+        return sigma
 
     def __len__(self) -> int:
         """Return the number of parameters."""

@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.processing import OrderTrackedResponse
-from rotorrig.sims.effects import ReadingContext, leak
+from rotorrig.sims.effects import HARMONICS, MAINS, ReadingContext, leak
 
-MAINS = (50.0, 60.0)  # Hz
-HARMONICS = (1, 2, 3)  # a rectifier leaves the second, a saturated transformer the third
-UNSEEN = (1, 2)  # of either, where no line was found
+FOLLOWED = (1, 2, 3)  # harmonics that tracking follows: a saturated transformer leaves the third
 
 HumLine = tuple[int, float]  # number of the recording, Hz
 Strays = dict[float, tuple[NDArray[np.float64], NDArray[np.float64]]]  # Hz -> s, and rad ahead of 2 pi f t then
@@ -32,8 +30,8 @@ def hum_strays(response: OrderTrackedResponse) -> Strays:
     found = {hum.frequency: (hum.t, hum.stray) for hum in response.mains}
     strays = dict(found)
     for mains in MAINS:
-        known = {n: found[n * mains] for n in HARMONICS if n * mains in found}
-        for n in HARMONICS if known else ():
+        known = {n: found[n * mains] for n in FOLLOWED if n * mains in found}
+        for n in FOLLOWED if known else ():
             if n not in known:
                 nearest = max((m for m in known if m < n), default=min(known))
                 t, stray = known[nearest]
@@ -49,7 +47,7 @@ def hum_leaks(
     Who does not know the time to a fraction of the mains' period knows no phase of theirs: then there are none.
     """
     known = not response.derived_times and len(response.keyphasor_t) > 3 and np.isfinite(response.t[rows]).all()
-    lines = sorted(hum_strays(response)) or [n * mains for mains in MAINS for n in UNSEEN]
+    lines = sorted(hum_strays(response)) or [n * mains for mains in MAINS for n in HARMONICS]
     frequencies = lines if known else []
     return {
         order: {f: np.pad(leak(view, np.arange(len(rows)), f), ((0, 1), (0, 0))) for f in frequencies}

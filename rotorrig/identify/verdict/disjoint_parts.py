@@ -34,7 +34,9 @@ class Agreement:
     between: str  # "runs", "planes of probes", "speeds below and above the peak" or "every other block of speeds"
 
 
-def agreement(problem: ExtendedProblem, p: Reals, *, explained: float = 0.0, fits: PartFits | None = None) -> Agreement:
+def measure_agreement(
+    problem: ExtendedProblem, p: Reals, *, explained: float = 0.0, fits: PartFits | None = None
+) -> Agreement:
     """Return how well coefficients, unbalance and causes agree between parts of the data; `p` is the fit to all of it.
 
     `explained` is by how much the causes lower chi2, `fits` are those begun at `p`, where they are known.

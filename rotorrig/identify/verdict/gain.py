@@ -11,7 +11,7 @@ from rotorrig.identify.causes import SELECTION, Candidate, Selection, is_signifi
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict.cross_validation import Prediction, Unseen, pool_folds
-from rotorrig.identify.verdict.disjoint_parts import Agreement, agreement
+from rotorrig.identify.verdict.disjoint_parts import Agreement, measure_agreement
 from rotorrig.identify.verdict.part_fits import PartFits
 from rotorrig.identify.verdict.settings import VERDICT
 
@@ -136,7 +136,7 @@ def predict_unseen(selection: Selection, unseen: Unseen) -> Predictions:
         known = tried and selection.problem is tried[0].problem
         after = by_label[tried[0].effect.label][1] if known else of(selection.problem, selection.polished.p)
         explained = selection.base.chi2 - selection.polished.chi2
-        agreed = agreement(selection.problem, selection.polished.p, explained=explained, fits=final)
+        agreed = measure_agreement(selection.problem, selection.polished.p, explained=explained, fits=final)
     again = None
     if before.folds and tried and not tried[0].effect.as_nuisance:
         offered = [(price(c.problem, c.effect), by_label[c.effect.label][1]) for c in tried if plausible(c)]

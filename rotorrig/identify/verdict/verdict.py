@@ -70,7 +70,8 @@ def is_supported(selection: Selection, predictions: Predictions) -> bool:
     Where causes are tied it is enough that one of them predicts no worse. What every fit has as a nuisance is no better
     predicted by a cause of that name: there it is the evidence that decides.
     """
-    if all(effect.as_nuisance for effect in selection.problem.effects[len(selection.start.effects) :]):
+    causes = selection.problem.effects[len(selection.start.effects) :]
+    if causes and all(effect.as_nuisance for effect in causes):
         return predictions.agreed
     tied = [label for group in tied_labels(selection) for label in group]
     return predictions.agreed and (predictions.better or (bool(tied) and predictions.one_no_worse(tied)))

@@ -86,14 +86,18 @@ def read_table(csv_path: Path, mapping_path: Path, rig: RigConfig) -> OrderTrack
         derived_times=times.derived,
         remarks=_join_remarks(times.remarks, rows.remarks),
         amplitudes_alone=mapping.amplitudes_alone,
-        source=Provenance(
-            config_hash=rig.hash,
-            code_version=code_version(),
-            source=csv_path.name,
-            source_hash=file_hash(csv_path),
-        ),
+        source=_describe_source(csv_path, rig),
     )
     return _add_remarks(response, slow)
+
+
+def _describe_source(csv_path: Path, rig: RigConfig) -> Provenance:
+    return Provenance(
+        config_hash=rig.hash,
+        code_version=code_version(),
+        source=csv_path.name,
+        source_hash=file_hash(csv_path),
+    )
 
 
 def _add_remarks(response: OrderTrackedResponse, slow: slow_roll.SlowRoll) -> OrderTrackedResponse:

@@ -18,7 +18,7 @@ from rotorrig.sims.effects.found_force import FoundForce, found_force, slope_row
 from rotorrig.sims.effects.found_laws import DAMPING, FREQUENCY, LAWS, Law, ResonantForce
 from rotorrig.sims.effects.found_reading import SHARES, FoundReading, found_reading
 from rotorrig.sims.effects.internal_damping import InternalDamping
-from rotorrig.sims.effects.line_hum import LineHum, leak
+from rotorrig.sims.effects.line_hum import HARMONICS, MAINS, LineHum, leak
 from rotorrig.sims.effects.shaft_motion import forward, position_rows
 from rotorrig.sims.effects.unbalance_step import Stretch, UnbalanceStep
 
@@ -26,7 +26,9 @@ __all__ = [
     "DAMPING",
     "EVERY",
     "FREQUENCY",
+    "HARMONICS",
     "LAWS",
+    "MAINS",
     "SHARES",
     "Complex",
     "Effect",

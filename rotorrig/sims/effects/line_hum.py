@@ -17,7 +17,7 @@ from rotorrig.sims.effects.base import EVERY, Complex, Effect, ReadingContext, T
 from rotorrig.sims.rotor.swept import TURN, Timeline, window_weights
 
 MAINS = (50.0, 60.0)  # Hz
-HARMONICS = (1, 2)  # of the mains
+HARMONICS = (1, 2)  # of the mains that are looked for: a rectifier leaves the second
 POINTS = 24  # of the average, per turn: the beat of hum and order turns far less
 LEAST_PULSES = 4  # that a time line needs
 
@@ -26,7 +26,7 @@ LEAST_PULSES = 4  # that a time line needs
 class LineHum(Effect):
     """The phasor "hum" [m] of Re(a e^{j 2 pi f t}), t as in the recording, or of the mains' own phase.
 
-    Recordings after the first may have phasors of their own, "hum 2" and so on.
+    With a phasor for each of several recordings, "hum 2" and so on, it is none in any other one.
     """
 
     name = "line_hum"
@@ -45,8 +45,8 @@ class LineHum(Effect):
 
     def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
         """Return the vectors with its leak; unchanged where a row's time is not known."""
-        own = _stem(context.recording)
-        hum = phasor(theta, own if f"{own} re" in theta else "hum")
+        own = _stem(context.recording) if len(self.parameters) > 2 else "hum"
+        hum = phasor(theta, own) if f"{own} re" in theta else 0
         if not hum or len(context.keyphasor_t) < LEAST_PULSES:
             return z
         known = np.flatnonzero(np.isfinite(context.t))

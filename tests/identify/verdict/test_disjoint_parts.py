@@ -7,7 +7,7 @@ import pytest
 
 from rotorrig.identify.base_fit import fit_base
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.disjoint_parts import Agreement, agreement
+from rotorrig.identify.verdict.disjoint_parts import Agreement, measure_agreement
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
@@ -19,7 +19,7 @@ PEAK = 238.0  # rad/s, of this rotor's motion
 
 def agreed(response: OrderTrackedResponse) -> Agreement:
     fit = fit_base([Recording(response)])
-    return agreement(fit.problem, fit.polished.p)
+    return measure_agreement(fit.problem, fit.polished.p)
 
 
 def with_down_run_of(response: OrderTrackedResponse, other: OrderTrackedResponse) -> OrderTrackedResponse:
@@ -69,7 +69,7 @@ def test_a_cause_that_is_of_another_size_above_the_peak_is_none(rig: RigConfig, 
     base = fit_base([Recording(response)])
     problem = base.problem.extended((*base.problem.effects, effect))
     fit = problem.solve(np.append(base.polished.p, 0.0))
-    found = agreement(problem, fit.p)
+    found = measure_agreement(problem, fit.p)
     assert (found.p > VERDICT.agreeing) is agrees
     assert agrees or found.between == "speeds below and above the peak"
 
@@ -83,5 +83,5 @@ def test_what_explains_much_may_be_of_a_law_that_is_a_little_wrong(
         swept_response(rig, rng=np.random.default_rng(5), unbalance=11e-6 * factor) for factor in (1.0, 1.1)
     )
     fit = fit_base([Recording(with_down_run_of(first, second))])
-    found = agreement(fit.problem, fit.polished.p, explained=explained)
+    found = measure_agreement(fit.problem, fit.polished.p, explained=explained)
     assert (found.p > VERDICT.agreeing) is agrees

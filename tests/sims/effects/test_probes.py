@@ -143,6 +143,7 @@ def test_every_recording_has_a_phasor_of_its_own_where_there_are_several(rk4: Ri
         assert effect.change_readings(row, there, theta)[0, 0] - row[0, 0] == pytest.approx(hum)
         same = alike.change_readings(row, there, {"hum re": 1e-6, "hum im": 0.0})
         assert same[0, 0] - row[0, 0] == pytest.approx(1e-6)
+    assert (effect.change_readings(row, replace(steady(50.0), recording=2), theta) == row).all(), "a run to come"
     assert "2.00 um" in effect.words(theta)
 
 
