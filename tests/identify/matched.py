@@ -28,7 +28,9 @@ def sought(rig: RigConfig, **identify: object) -> RigConfig:
 
 def taken_for_exact(rig: RigConfig) -> RigConfig:
     """Return the rig for a model that nothing of the data departs from but noise: as where the model made them."""
-    prior = rig.prior.model_copy(update={"model_error": 0.0, "repeatability": 0.0, "harmonic_error": 0.0})
+    prior = rig.prior.model_copy(
+        update={"model_error": 0.0, "repeatability": 0.0, "harmonic_error": 0.0, "damping_over_speed": 0.0}
+    )
     return rig.model_copy(update={"prior": prior})
 
 

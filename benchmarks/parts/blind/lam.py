@@ -29,6 +29,7 @@ from rotorrig.identify.causes import candidates
 from rotorrig.identify.causes.nameplate_search import search_from_nameplate
 from rotorrig.identify.causes.score_test import Score, scores
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording, nuisance_effects
+from rotorrig.identify.least_squares import Solution
 from rotorrig.identify.verdict import VERDICT
 from rotorrig.identify.verdict.separability import fit_from_starts, separability
 from rotorrig.identify.verdict.verdict import is_another_cause
@@ -87,7 +88,7 @@ def lam(
     problem = problem.expecting_error(p)
     seen = [r.instead(z) for r, z in zip(problem.recordings, problem.model.predict(p), strict=True)]
     base = ExtendedProblem(ExtendedModel(seen, slight, models=problem.model.models))
-    best = fit_from_starts(base, p[: base.parameters.own.start])
+    best = _fit_base(base, p[: base.parameters.own.start])
     left = max(0.0, best.chi2 - _floor(problem, p))
     if left < VERDICT.detectable:
         return {"lam": left, "rival_lam": left, "rival": ""}
@@ -104,6 +105,18 @@ def lam(
             if nearest < VERDICT.nameable:
                 break
     return {"lam": left, "rival_lam": min(nearest, left), "rival": which}
+
+
+def _fit_base(base: ExtendedProblem, p: Reals) -> Solution:
+    """Return the best fit of a model without the effect, by full steps or by damped ones.
+
+    Beside an effect that changes the rotor much, full steps from the true vector may end in a minimum far from any: of
+    a bearing softened to 43 % they left 397,063 of chi2, damped ones 12.
+    """
+    damped = base.solve(
+        base.parameters.start(p), tolerance=VERDICT.separated_within, max_steps=VERDICT.separated_steps, damped=True
+    )
+    return min(fit_from_starts(base, p), damped, key=lambda fit: fit.chi2)
 
 
 def _promising(scored: Sequence[Score], left: float, *, enough: float, bent: bool) -> list[Effect]:

@@ -10,7 +10,7 @@ from rotorrig.rig.config import RigConfig
 from rotorrig.rig.interlock.vibration import Vibration
 from rotorrig.rig.probes import Block, DaqInfo
 from rotorrig.sims.plant import FaultSpec, Plant, draw
-from rotorrig.sims.plant.truth import Geometry, Noise
+from rotorrig.sims.plant.truth import Geometry, Noise, Unmodelled
 
 
 def record(
@@ -21,17 +21,20 @@ def record(
     noise: Noise | None = None,
     trial: Mapping[str, tuple[float, float]] | None = None,
     run: int = 0,
-    unmodelled: bool = True,
+    unmodelled: bool | Unmodelled = True,
     geometry: Geometry | None = None,
     guarded: bool = False,
 ) -> RawRecording:
     """Drive the plant of that seed through the config's default plan; `noise` other than a good rig's if given.
 
     `trial` masses, disk -> (kg m, rad), and the number of the `run` as in `truth.draw`: the same rig, other noise.
-    Without `unmodelled` deviations it does nothing that its nameplate could not say; `geometry` is how it was put
+    Without `unmodelled` deviations it does nothing that its nameplate could not say; they are drawn unless they are
+    given. `geometry` is how it was put
     together, if not as the nameplate says. Raises LimitExceeded, if `guarded`, where the interlock would have tripped.
     """
-    truth = draw(rig, seed=seed, faults=faults, trial=trial, run=run, unmodelled=unmodelled)
+    truth = draw(rig, seed=seed, faults=faults, trial=trial, run=run, unmodelled=unmodelled is True)
+    if isinstance(unmodelled, Unmodelled):
+        truth = replace(truth, unmodelled=unmodelled)
     truth = replace(truth, noise=noise or truth.noise, geometry=geometry or truth.geometry)
     plant = Plant(rig, truth)
     info = DaqInfo(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model.settings import BASE_MODEL
 from rotorrig.identify.base_model.structure import Structure
-from rotorrig.identify.base_model.unknowns import Space
+from rotorrig.identify.base_model.unknowns import UNITS, Space
 from rotorrig.rig.config import RigConfig
 
 Reals = NDArray[np.float64]
@@ -61,6 +61,7 @@ class Parameters:
         self.structural = slice(0, self.tilts.stop)  # what the response depends on nonlinearly
         of_shaft = ("E", "position disk ", "position bearing ", "diameter", "hub ")
         self.of_shaft = np.flatnonzero([name.startswith(of_shaft) for name in self.names[: self.structural.stop]])
+        self.dampings = np.flatnonzero([u.axes in ("xx", "yy") and u.unit == UNITS["c"] for u in self.space.unknowns])
         self.prior_sigma = self._lay_out_priors(rig, nameplate)
         self.bounding_sigma = self.prior_sigma  # that nuisances are bounded by so many of
         self.priors = np.flatnonzero(np.isfinite(self.prior_sigma))

@@ -43,6 +43,13 @@ def columns(model: ExtendedModel, p: Reals, free: Index) -> Reals:
     return np.concatenate(parts)
 
 
+def vectors_by(model: ExtendedModel, p: Reals, which: Index) -> list[Complex]:
+    """Return d vectors / d p of 1X by unknowns of the base, (row + 1, probe, column) m of every recording."""
+    moving = model.moving(p)
+    lawful = LawColumns(model, p, moving, which) if moving.laws else None
+    return [_exact(model, recording, p, which, moving, lawful)[1] for recording in model.recordings]
+
+
 def _whiten_columns(measured: Measurement, d: Complex) -> Reals:
     """Return columns (row + 1, probe, column) in sigmas, (figure, column); most are zero above 1X, and stay so."""
     moving = np.flatnonzero(d.any(axis=(0, 1)))

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from rotorrig.identify.base_model import BASE_MODEL, Reals, thin_rows
-from rotorrig.identify.extended_model.jacobian import columns
+from rotorrig.identify.extended_model.jacobian import columns, vectors_by
 from rotorrig.identify.extended_model.model import Complex, ExtendedModel
 from rotorrig.identify.extended_model.settings import ORDERS
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -53,8 +53,15 @@ class ExtendedProblem:
 
     def expecting_error(self, p: Reals) -> "ExtendedProblem":
         """Return the same problem with the model's own error, of its motion at `p`, in the covariance."""
-        predicted = self.model.predict(p, orders=(1,))
-        return self.on([r.expecting_error(z) for r, z in zip(self.recordings, predicted, strict=True)])
+        each = zip(self.recordings, self.model.predict(p, orders=(1,)), self.by_damping(p), strict=True)
+        return self.on([recording.expecting_error(z, slopes) for recording, z, slopes in each])
+
+    def by_damping(self, p: Reals) -> list[Complex]:
+        """Return the slopes of 1X by the relative change of every direct damping sought, (row + 1, probe, damping) m.
+
+        Of every recording, at `p`.
+        """
+        return vectors_by(self.model, p, self.parameters.base.dampings)
 
     def taken_for_exact(self) -> "ExtendedProblem":
         """Return the same problem with noise alone in the covariance."""

@@ -135,9 +135,15 @@ class Recording:
             return self
         return self._with({n: m.louder(factors[n]) for n, m in self.measured.items()})
 
-    def expecting_error(self, model: Mapping[int, Complex]) -> "Recording":
-        """Return the same recording with the own error of a model that predicts these vectors (row + 1, probe) [m]."""
-        return self._with({n: m.expecting_error(model[1], self.response, order=n) for n, m in self.measured.items()})
+    def expecting_error(self, model: Mapping[int, Complex], by_damping: Complex | None = None) -> "Recording":
+        """Return the same recording with the own error of a model that predicts these vectors (row + 1, probe) [m].
+
+        `by_damping` as of `Measurement.expecting_error`.
+        """
+        each = self.measured.items()
+        return self._with(
+            {n: m.expecting_error(model[1], self.response, order=n, by_damping=by_damping) for n, m in each}
+        )
 
     def taken_for_exact(self) -> "Recording":
         """Return the same recording for a model without an error of its own."""
@@ -265,8 +271,8 @@ class Recording:
         return LawDerivatives(np.concatenate([moving.z, slow.z]), by)
 
     def in_response(self, z: Complex) -> Complex:
-        """Return vectors (row + 1, probe) at the rows of the response, as measured, (speed, probe); NaN elsewhere."""
-        whole = np.full((len(self.response.omega), z.shape[1]), np.nan + 0j)
+        """Return vectors (row + 1, ...) at the rows of the response, as measured, (speed, ...); NaN elsewhere."""
+        whole = np.full((len(self.response.omega), *z.shape[1:]), np.nan + 0j)
         whole[self.rows] = self.as_measured(z[:-1])
         return whole
 

@@ -15,6 +15,12 @@ complex factor is of a standard deviation of `prior.harmonic_error`, and as smoo
 
 The motion is the model's, not the measured one: errors in proportion to a measured value favour what is measured too
 small (Peelle's puzzle; D'Agostini, Nuclear Instruments and Methods A 346 (1994) 306).
+
+Of the rotor's coefficients one is least of all a constant: the damping of a bearing, which grease, rubber and speed
+change by tenths (Tiwari, Lees and Friswell, Shock and Vibration Digest 36 (2004) 99, on the scatter of what is
+identified). At its resonance a rotor is as far off as its damping, so there the error of its motion is no half a per
+cent: every damping sought may be another at a speed by a share of `prior.damping_over_speed`, as smooth over speed. The
+constant that is identified is what it is in the mean, as the data weigh it: at the resonance.
 """
 
 from dataclasses import dataclass
@@ -47,6 +53,20 @@ def error_vectors(
     for probe in range(probes):
         vectors[:, probe, probe] = own[:, probe, :, None] * np.array([1, 1j])
     return vectors.reshape(rows, probes, -1)
+
+
+def changed_vectors(slopes: Complex, omega: Reals, sigma: Reals, *, share: float) -> Complex:
+    """Return vectors (row, probe, column) m whose sum with independent standard normal amounts is the error.
+
+    Of coefficients that change over speed: `slopes` (row, probe, coefficient) m are those of the motion by the relative
+    change of each, at `omega` (row,) [rad/s]; `share` is the standard deviation of that change before its mean is
+    taken out, every row weighed as the data, of the noise `sigma` (row, probe) [m], weigh it.
+    """
+    basis = share * _basis(np.log(omega))
+    weight = np.einsum("rpc,rp->cr", np.abs(slopes) ** 2, 1 / sigma**2)
+    mean = weight @ basis / np.maximum(weight.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+    changes = basis[:, None] - mean
+    return np.einsum("rpc,rcn->rpcn", slopes, changes).reshape(*slopes.shape[:2], -1)
 
 
 def harmonic_motion(motion: Complex, order: int) -> Complex:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.measurement.model_error import Shrinkage, error_vectors, harmonic_motion
+from rotorrig.identify.measurement.model_error import Shrinkage, changed_vectors, error_vectors, harmonic_motion
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RPM
@@ -103,21 +103,33 @@ class Measurement:
         return self._with(rows=self.rows[kept], error=None, **own)
 
     def expecting_error(
-        self, model: NDArray[np.complex128], response: OrderTrackedResponse, *, order: int = 1
+        self,
+        model: NDArray[np.complex128],
+        response: OrderTrackedResponse,
+        *,
+        order: int = 1,
+        by_damping: NDArray[np.complex128] | None = None,
     ) -> "Measurement":
         """Return the same with the error, at this order, of a model that predicts `model` (row + 1, probe) [m] at 1X.
 
         It is a share of its motion, which is what a vector, as stated, has beyond that of the slow roll: `model_error`
-        and `repeatability` of the priors in the rig of the `response`, above 1X `harmonic_error`.
+        and `repeatability` of the priors in the rig of the `response`, above 1X `harmonic_error`. At 1X the dampings
+        sought may change over speed, if the slopes `by_damping` (row + 1, probe, coefficient) m of the vectors are
+        known: by a share of `damping_over_speed` of each.
         """
         prior, motion = response.rig.prior, model[:-1] - model[-1]
         share, repeatability = prior.model_error, prior.repeatability
         if order > 1:
             motion, share, repeatability = harmonic_motion(motion, order), prior.harmonic_error, 0.0
-        if not (share or repeatability):
-            return self.taken_for_exact()
         omega, run = response.omega[self.rows], response.run[self.rows]
-        error = _pad_row(error_vectors(motion, omega, run, share=share, repeatability=repeatability))
+        parts = []
+        if share or repeatability:
+            parts.append(error_vectors(motion, omega, run, share=share, repeatability=repeatability))
+        if order == 1 and by_damping is not None and prior.damping_over_speed:
+            parts.append(changed_vectors(by_damping[:-1], omega, self.sigma[:-1], share=prior.damping_over_speed))
+        if not parts:
+            return self.taken_for_exact()
+        error = _pad_row(np.concatenate(parts, axis=-1))
         return self._with(error=along(error, model) if self.amplitudes_alone else error)
 
     def taken_for_exact(self) -> "Measurement":

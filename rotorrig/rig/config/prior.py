@@ -15,6 +15,7 @@ LATER_PRIORS = (
     "model_error",
     "repeatability",
     "harmonic_error",
+    "damping_over_speed",
 )  # keys that a config of before does not have
 Share = Annotated[float, BeforeValidator(read_share), Field(gt=0, le=1)]
 
@@ -50,4 +51,7 @@ class Prior(Part):
     #: of the model's 2X and 3X, which need not be nothing: share of a probe's largest 1X motion, there; it falls with
     #: the square of that motion at 2X, with its cube at 3X
     harmonic_error: Annotated[float, BeforeValidator(read_share)] = Field(0.0005, ge=0, le=1)
+    #: of the bearings sought: share by which their damping at a speed may be another than the constant identified,
+    #: smooth over speed; 0: it is constant
+    damping_over_speed: Annotated[float, BeforeValidator(read_share)] = Field(0.1, ge=0, le=1)
     line_hum: Length = 0.2e-6  # 0-peak, mains hum in a probe

@@ -72,7 +72,7 @@ def test_its_force_over_speed_supposes_no_law_and_follows_it(driven: tuple[Asses
 def test_the_model_with_it_predicts_what_no_fit_saw(driven: tuple[AssessedFit, Discovery | None]) -> None:
     found = driven[1]
     assert found is not None
-    assert found.predictions.after.over_expected < 1.5 < found.predictions.before.over_expected
+    assert found.predictions.after.over_floor < 1.5 < found.predictions.before.over_floor
     assert found.extended.adequacy.adequate
 
 

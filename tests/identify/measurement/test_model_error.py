@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_fit import AssessedFit, fit_base
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.measurement.model_error import LENGTH, Shrinkage, error_vectors
+from rotorrig.identify.measurement.model_error import LENGTH, Shrinkage, changed_vectors, error_vectors
 from rotorrig.identify.measurement.whitened_rows import measure
 from rotorrig.identify.verdict.cross_validation import cross_validate
 from rotorrig.processing.response import OrderTrackedResponse
@@ -40,6 +40,34 @@ def test_runs_share_one_part_of_the_error_and_have_another_each_for_itself() -> 
     covariance = (vectors @ vectors.conj().T).real / (2 * 4e-12)
     same = run[:, None] == run
     np.testing.assert_allclose(covariance, SHARE**2 + REPEATABILITY**2 * same, rtol=2e-3)
+
+
+def test_a_damping_that_changes_is_the_constant_where_it_tells_and_alike_at_like_speeds() -> None:
+    speed = 100 * np.exp(np.array([0.0, LENGTH, 2.0]))
+    slopes = np.array([[[1 + 2j], [3.0]], [[5e4j], [1.0]], [[2.0], [-2j]]]) * 1e-6  # (row, probe, damping)
+    vectors = changed_vectors(slopes, speed, np.full((3, 2), 1e-7), share=0.1)
+    covariance = np.einsum("ipc,jqc->ipjq", vectors, vectors.conj())
+    apart = np.log(speed)[:, None] - np.log(speed)
+    kernel = np.exp(-(apart**2) / (2 * LENGTH**2))
+    change = 0.1**2 * (kernel - kernel[:, 1:2] - kernel[1:2] + 1)  # of the difference from the second, the loudest
+    wanted = np.einsum("ip,ij,jq->ipjq", slopes[..., 0], change, slopes[..., 0].conj())
+    np.testing.assert_allclose(covariance, wanted, atol=3e-3 * np.abs(wanted[[0, 2]][:, :, [0, 2]]).max())
+
+
+def test_the_slopes_by_damping_are_those_of_the_prediction(quiet: OrderTrackedResponse) -> None:
+    fit = fit_base([Recording(quiet)])
+    problem, p = fit.problem, fit.polished.p
+    (slopes,) = problem.by_damping(p)
+    names = problem.parameters.base
+    assert [names.names[i] for i in names.dampings] == ["cxx", "cyy"]
+    for column, i in enumerate(names.dampings):
+        more, less = p.copy(), p.copy()
+        more[i] += 1e-4
+        less[i] -= 1e-4
+        ratio = names.space.from_working(more[names.sought])[i] / names.space.from_working(less[names.sought])[i]
+        (one,), (other,) = (problem.model.predict(q, orders=(1,)) for q in (more, less))
+        difference = (one[1] - other[1]) / np.log(ratio)
+        np.testing.assert_allclose(slopes[..., column], difference, atol=3e-4 * np.abs(difference).max())
 
 
 def test_noise_and_error_together_come_out_white(blind_response: OrderTrackedResponse) -> None:
@@ -140,7 +168,7 @@ def test_unseen_rows_are_predicted_within_what_noise_and_the_models_error_make_e
 
 
 def _expecting(response: OrderTrackedResponse, share: float) -> OrderTrackedResponse:
-    own = {"model_error": share, "repeatability": share / 2, "harmonic_error": share / 10}
+    own = {"model_error": share, "repeatability": share / 2, "harmonic_error": share / 10, "damping_over_speed": 0.0}
     prior = response.rig.prior.model_copy(update=own)
     return replace(response, rig=response.rig.model_copy(update={"prior": prior}))
 
