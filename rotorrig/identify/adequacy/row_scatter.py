@@ -26,14 +26,14 @@ def row_variance(white: Reals, run: NDArray[np.intp]) -> float:
     return float(known.mean()) if len(known) else float("nan")
 
 
-def local_excess(white: NDArray[np.complex128], rows: NDArray[np.intp], *, around: int) -> float:
+def local_excess(white: NDArray[np.complex128], rows: NDArray[np.intp], *, around: int, apart: int = 1) -> float:
     """Return by how much the variance of consecutive `rows` is more than one, by them and `around` on either side.
 
     `white` (row,) is the residual of one run in standard deviations, complex, of mean square one; NaN where nothing was
-    measured. Never less than 1.
+    measured. Never less than 1. By differences of rows so many `apart`.
     """
     near = white[max(rows[0] - around, 0) : rows[-1] + 1 + around]
-    halves = np.abs(np.diff(near)) ** 2 / 2
+    halves = np.abs(near[apart:] - near[:-apart]) ** 2 / 2
     known = halves[np.isfinite(halves)]
     return max(1.0, float(known.mean())) if len(known) >= FEWEST else 1.0
 

@@ -9,6 +9,7 @@ class AdequacySettings:
 
     stretch: int = 8  # neighbouring rows tested together: an effect that is loud in a narrow band is seen
     neighbours: int = 1  # stretches on either side that tell its noise
+    ringing: int = 3  # rows apart: at half orders neighbours follow each other, see residual_tests.py
     false_alarm_rate: float = 0.01  # of both tests together
     position_limit: float = 2.5  # rms sigma of a stretch of the mean position from which it is told: mean_position.py
     alike: float = 0.35  # of the residual: two runs that differ by less are wrong in the same way

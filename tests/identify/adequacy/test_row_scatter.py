@@ -50,3 +50,11 @@ def test_noise_that_is_louder_here_is_louder_here_and_a_smooth_bump_is_not(rng: 
     assert local_excess(white, there, around=0) == pytest.approx(1.0, rel=0.3)
     assert local_excess(0.1 * noise, here, around=0) == 1.0, "it is never less"
     assert local_excess(9 * noise[:7], np.arange(7), around=0) == 1.0, "seven rows do not tell"
+
+
+def test_noise_that_rings_is_as_loud_as_it_is_by_rows_further_apart(rng: np.random.Generator) -> None:
+    noise = rng.standard_normal(ROWS + 2) + 1j * rng.standard_normal(ROWS + 2)
+    ringing = 3 * np.convolve(noise, np.ones(3), "valid") / np.sqrt(6)  # neighbours have two of three in common
+    rows = np.arange(400, 1200)
+    assert local_excess(ringing, rows, around=0, apart=3) == pytest.approx(9.0, rel=0.2)
+    assert local_excess(ringing, rows, around=0) == pytest.approx(3.0, rel=0.2)
