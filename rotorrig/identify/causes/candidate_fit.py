@@ -191,8 +191,9 @@ def _refine(problem: ExtendedProblem, start: Reals, *, worth: Worth, jacobian: R
 
 
 def refit(problem: ExtendedProblem, start: Reals) -> Solution:
-    """Fit to convergence from a start close to the minimum."""
-    return problem.solve(start, tolerance=SELECTION.settled, max_steps=_most_steps(problem))
+    """Fit to convergence from a start in the valley of the minimum, which under a force law may be long and bent."""
+    steps = SELECTION.steps_of_searched if problem.curved else SELECTION.steps
+    return problem.solve(start, tolerance=SELECTION.settled, max_steps=steps)
 
 
 def _most_steps(problem: ExtendedProblem) -> int:

@@ -130,7 +130,8 @@ def predict_unseen(selection: Selection, unseen: Unseen) -> Predictions:
 
     before = of(selection.start, base.p)
     tried = _worth_predicting(steps[0].tried if steps else ())
-    by_label = {c.effect.label: (before, of(c.problem, c.polished.p)) for c in tried}
+    fits = {c.effect.label: selection.polished if c.problem is selection.problem else c.polished for c in tried}
+    by_label = {c.effect.label: (before, of(c.problem, fits[c.effect.label].p)) for c in tried}
     after, agreed = before, None
     if final:
         known = tried and selection.problem is tried[0].problem

@@ -1,14 +1,18 @@
 """What a cause buys on unseen data, and what the choice of it does."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from rotorrig.identify.causes.candidate_fit import Candidate
+from rotorrig.identify.causes.selection_step import SelectionStep
 from rotorrig.identify.causes.stepwise_selection import Selection
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.cross_validation import Fold, Prediction, Unseen, pool_folds
-from rotorrig.identify.verdict.gain import Predictions, choose_again, leave_out_excess, leave_out_idle
+from rotorrig.identify.verdict.gain import Predictions, choose_again, leave_out_excess, leave_out_idle, predict_unseen
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
 from tests.identify.swept import swept_response
@@ -101,3 +105,15 @@ def test_of_too_many_causes_that_of_least_evidence_goes(rig: RigConfig, hidden: 
     assert leave_out_excess(found, lambda _: 1).problem is found.problem
     assert [e.label for e in leave_out_excess(found, lambda _: 2).problem.effects] == [BOW]
     assert not leave_out_excess(found, lambda _: 4).problem.effects
+
+
+def test_what_was_chosen_predicts_as_it_was_fitted_in_the_end(rig: RigConfig, hidden: np.ndarray) -> None:
+    """Under a force law a candidate is ranked long before its fit is done."""
+    found = selection(rig, hidden, (BOW,), (BOW,))
+    halfway = replace(found.polished, p=found.polished.p + 3 * np.nan_to_num(found.polished.sigma, posinf=0.0))
+    ranked = Candidate(problem=found.problem, polished=halfway, lam=900.0, evidence=890.0)
+    step = SelectionStep(before=found.base, scores=(), tried=(ranked,))
+    unseen = Unseen(found.start, found.base.p)
+    predicted = predict_unseen(replace(found, steps=(step,)), unseen)
+    assert predicted.after is predicted.by_label[BOW][1]
+    assert predicted.after.error == unseen.measure(found.problem, found.polished.p).error
