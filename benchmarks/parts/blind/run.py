@@ -29,8 +29,8 @@ def record(
 
     `trial` masses, disk -> (kg m, rad), and the number of the `run` as in `truth.draw`: the same rig, other noise.
     Without `unmodelled` deviations it does nothing that its nameplate could not say; they are drawn unless they are
-    given. `geometry` is how it was put
-    together, if not as the nameplate says. Raises LimitExceeded, if `guarded`, where the interlock would have tripped.
+    given. `geometry` is how it was put together, if not as the nameplate says. Raises LimitExceeded, if `guarded`,
+    where the interlock would have tripped.
     """
     truth = draw(rig, seed=seed, faults=faults, trial=trial, run=run, unmodelled=unmodelled is True)
     if isinstance(unmodelled, Unmodelled):
