@@ -34,6 +34,12 @@ def taken_for_exact(rig: RigConfig) -> RigConfig:
     return rig.model_copy(update={"prior": prior})
 
 
+def with_constant_damping(rig: RigConfig) -> RigConfig:
+    """Return the rig for a model whose damping is a constant, as that of the model that made the data."""
+    prior = rig.prior.model_copy(update={"damping_over_speed": 0.0})
+    return rig.model_copy(update={"prior": prior})
+
+
 def matched_response(
     rig: RigConfig,
     *,
