@@ -51,7 +51,7 @@ MECHANISMS: Mapping[str, Mechanism] = MappingProxyType(
         "cubic_spring": Mechanism(
             "short wires that stretch, straight before the weight was on them",
             "Nayfeh, Mook 1979",
-            "k3 r^3 about the shaft at rest",
+            "k3 r^3 about the unloaded spring",
         ),
         "damping_over_speed": Mechanism("a squeeze film that the shaft's pump fills", "Gunter et al. 1977", ""),
         "delay": Mechanism(

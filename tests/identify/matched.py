@@ -1,5 +1,6 @@
 """Responses made by the rotor model itself, with hidden coefficients and white noise: what a fit must give back."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -29,7 +30,13 @@ def sought(rig: RigConfig, **identify: object) -> RigConfig:
 def taken_for_exact(rig: RigConfig) -> RigConfig:
     """Return the rig for a model that nothing of the data departs from but noise: as where the model made them."""
     prior = rig.prior.model_copy(
-        update={"model_error": 0.0, "repeatability": 0.0, "harmonic_error": 0.0, "damping_over_speed": 0.0}
+        update={
+            "model_error": 0.0,
+            "repeatability": 0.0,
+            "harmonic_error": 0.0,
+            "damping_over_speed": 0.0,
+            "mark_radius": math.inf,
+        }
     )
     return rig.model_copy(update={"prior": prior})
 

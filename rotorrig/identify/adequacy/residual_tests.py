@@ -56,14 +56,14 @@ class Adequacy:
 
 
 def assess(
-    response: OrderTrackedResponse, prediction: Predicted, *, by_damping: Complex | None = None, used: float = 0.0
+    response: OrderTrackedResponse, prediction: Predicted, *, known: Complex | None = None, used: float = 0.0
 ) -> Adequacy:
     """Test a fit against a response by its `prediction`; `used`: how many of its 1X values the fit could follow.
 
-    `by_damping` (speed, probe, coefficient) m are the slopes of 1X by the dampings sought, where these may change over
-    speed.
+    `known` (speed, probe, column) m is what is known of the shape of the model's own error at 1X, one standard
+    deviation each.
     """
-    residual, sigmas = residual_maps(response, prediction, by_damping)
+    residual, sigmas = residual_maps(response, prediction, known)
     every = list(_stretches(response, residual, sigmas))
     stretches = sorted((s for s in every if response.orders[s.order] != MEAN), key=lambda s: -s.sigma)
     limit = focused_limit(len(stretches))
@@ -72,7 +72,7 @@ def assess(
     moves = _loudest_of_runs(
         [s for s in every if response.orders[s.order] == MEAN and s.sigma > ADEQUACY.position_limit]
     )
-    ratio, sigma = _global_ratio(response, prediction[1], by_damping, used)
+    ratio, sigma = _global_ratio(response, prediction[1], known, used)
     p = _combine([_probability_of_ratio(ratio, sigma), _probability_of_worst(worst, len(stretches))])
     return Adequacy(
         adequate=p >= ADEQUACY.false_alarm_rate,
@@ -128,10 +128,10 @@ def _freedom() -> tuple[float, float]:
 
 
 def _global_ratio(
-    response: OrderTrackedResponse, model: Complex, by_damping: Complex | None, used: float
+    response: OrderTrackedResponse, model: Complex, known: Complex | None, used: float
 ) -> tuple[float, float]:
     """Return von Neumann's ratio of all 1X residuals, and its standard deviation for noise of any level."""
-    measured, off = _compare(response, model, order=1, first=model, by_damping=by_damping)
+    measured, off = _compare(response, model, order=1, first=model, known=known)
     return _ratio_to_scatter(measured.where_usable(measured.sigmas(off))[:-1], response.run[measured.rows], used)
 
 
@@ -162,7 +162,7 @@ def _combine(each: Sequence[float]) -> float:
 
 
 def residual_maps(
-    response: OrderTrackedResponse, prediction: Predicted, by_damping: Complex | None = None
+    response: OrderTrackedResponse, prediction: Predicted, known: Complex | None = None
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Return measured less model (speed, probe, order) [m], and the same in sigmas (root mean square 1 if right).
 
@@ -176,7 +176,7 @@ def residual_maps(
             sigmas[:, :, n] = np.abs(sigmas[:, :, n])
             continue
         predicted = prediction.get(int(order)) if order == int(order) else None
-        measured, off = _compare(response, predicted, order=order, first=prediction.get(1), by_damping=by_damping)
+        measured, off = _compare(response, predicted, order=order, first=prediction.get(1), known=known)
         usable = measured.usable[:-1]
         own = np.abs(measured.less_error(off)[:-1]) / np.where(usable, measured.sigma[:-1], np.nan)
         residual[measured.rows, :, n] = np.where(usable, off[:-1], np.nan)
@@ -190,12 +190,12 @@ def _compare(
     *,
     order: float,
     first: Complex | None,
-    by_damping: Complex | None = None,
+    known: Complex | None = None,
 ) -> tuple[Measurement, Complex]:
     """Return the measurement of an order and, (row + 1, probe) m, what it has beyond a model (speed, probe).
 
     Its noise is at least as loud as the residual scatters from row to row, and with 1X and its harmonics comes the
-    model's own error; `first` is the model of 1X, `by_damping` as of `assess`. Without a model it should be its
+    model's own error; `first` is the model of 1X, `known` as of `assess`. Without a model it should be its
     slow-roll vector.
     """
     measured = measure(response, order=order)
@@ -207,10 +207,9 @@ def _compare(
     if first is not None and order == int(order) and order >= 1:
         at_rest = np.nan_to_num(response.slow_roll[None, :, response.orders.index(1.0)])
         model_and_rest = np.concatenate([first[measured.rows], 0 * at_rest if measured.compensated else at_rest])
-        slopes = None
-        if by_damping is not None:
-            slopes = np.nan_to_num(by_damping[np.append(measured.rows, 0)])  # the slow roll has none that counts
-        measured = measured.expecting_error(model_and_rest, response, order=int(order), by_damping=slopes)
+        if known is not None:
+            known = np.nan_to_num(known[np.append(measured.rows, 0)])  # the slow roll has none that counts
+        measured = measured.expecting_error(model_and_rest, response, order=int(order), known=known)
     return measured, off
 
 

@@ -192,14 +192,14 @@ def assess_fit(problem: ExtendedProblem, polished: Solution, *, fitted_alone: bo
     """Test a fit: adequate if it is for every recording; with `fitted_alone` by the orders it is of and no others."""
     used = count_values_followed(problem, polished)
     each = []
-    predictions, slopes = problem.model.predict(polished.p), problem.by_damping(polished.p)
-    for recording, predicted, by_damping in zip(problem.recordings, predictions, slopes, strict=True):
+    predictions, errors = problem.model.predict(polished.p), problem.known_error(polished.p)
+    for recording, predicted, error in zip(problem.recordings, predictions, errors, strict=True):
         whole = {order: recording.in_response(z) for order, z in predicted.items()}
         if fitted_alone:
             nothing = np.full(recording.response.z.shape[:2], np.nan + 0j)
             whole = {int(order): nothing for order in recording.response.orders if order == int(order)} | whole
-        changed = recording.in_response(by_damping)
-        each.append(assess(recording.response, whole, by_damping=changed, used=used[recording.number]))
+        known = recording.in_response(error)
+        each.append(assess(recording.response, whole, known=known, used=used[recording.number]))
     return AssessedFit(problem=problem, polished=polished, adequacy=assess_all(each))
 
 

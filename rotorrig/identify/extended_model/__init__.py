@@ -4,9 +4,8 @@ Motion, measuring chain, Jacobian.
 """
 
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_loads
-from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
 from rotorrig.identify.extended_model.model import ExtendedModel
-from rotorrig.identify.extended_model.nuisance_effects import nuisance_effects
+from rotorrig.identify.extended_model.nuisance_effects import MarkEdge, nuisance_effects
 from rotorrig.identify.extended_model.parameters import KEYPHASOR, ExtendedParameters
 from rotorrig.identify.extended_model.probe_curve import CURVED_AT, bend
 from rotorrig.identify.extended_model.problem import ExtendedProblem

@@ -76,11 +76,10 @@ class LawColumns:
     def fill_above(self, recording: Recording, found: Complex, *, order: int) -> None:
         """Add the columns by loads above 1X that are not linear in the unknowns to `found` (row + 1, probe, column)."""
         known = self._moving.loads(recording, order)
-        rotor = self._model.above(self._moving)
         for i in self._nonlinear:
             pairs = zip(known, self._after[i].loads(recording, order), strict=True)
             more = [replace(old, pattern=(new.pattern - old.pattern) / EXTENDED_MODEL.law_step) for old, new in pairs]
-            z = recording.columns(rotor, more, order=order).sum(axis=-1)
+            z = recording.columns(self._moving.model, more, order=order).sum(axis=-1)
             found[..., np.searchsorted(self._free, i)] += self._model.probes.linear(self._p, z)
 
     def _stepped(self, i: int) -> Moving:

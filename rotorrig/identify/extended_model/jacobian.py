@@ -127,6 +127,8 @@ def _exact(
             motion = _by_rotor(model, recording, p, free, moving, order, found[order])
             if lawful is not None:
                 lawful.fill_above(recording, found[order], order=order)
+        if lawful is not None and order > 1:
+            motion = model.motions(recording, p, moving)[order]
         _by_probes(model, p, motion, free, found[order])
         _by_runout(model, free, order, found[order])
         if order == 1:
@@ -166,10 +168,10 @@ def _by_rotor(
         unit, by = recording.derivatives(moving.model, loads, directions, order=order)
         for k, i in enumerate(structural):
             d = np.einsum("rpl,rl->rp", by[k], amounts)
-            found[..., np.searchsorted(free, i)] = model.probes.linear(p, d)
+            found[..., np.searchsorted(free, i)] += model.probes.linear(p, d)
         _by_moved_loads(model, recording, p, free, moving, order, found)
     elif loads:
-        unit = recording.columns(moving.model if order == 1 else model.above(moving), loads, order=order)
+        unit = recording.columns(moving.model, loads, order=order)
     if loads:
         motion = np.einsum("rpl,rl->rp", unit, amounts)
     if order == 1:

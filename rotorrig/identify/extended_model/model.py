@@ -69,7 +69,6 @@ class ExtendedModel:
         self.probes = ProbeSide(self.parameters)
         self.units = UnitResponses(self.parameters, self.effects, exact=exact)
         self._marched: dict[tuple[Hashable, ...], dict[int, Complex]] = {}  # motions under force laws, the latest
-        self._above: RotorModel | None = None  # the rotor at the start of a fit, for what laws do above 1X
         self._resizes: dict[tuple[int, bytes], bool] = {}
         self._directions: tuple[tuple[bytes, bytes], list[Direction]] = ((b"", b""), [])  # the latest
         base = self.parameters.base
@@ -127,14 +126,6 @@ class ExtendedModel:
                 adjustable=True,
             )
         return self.models[key]
-
-    def hold_above(self, p: Reals) -> bool:
-        """Take responses above 1X from here on as those of the rotor of `p`; say whether it is under force laws."""
-        moving = self.moving(p)
-        self.units.release()
-        self._marched = {}
-        self._above = moving.model if moving.laws else None
-        return bool(moving.laws)
 
     def predict(self, p: Reals, *, orders: Sequence[int] = ORDERS) -> list[dict[int, Complex]]:
         """Return vectors as they should have been measured, per recording: order -> (row + 1, probe) [m]."""
@@ -261,7 +252,7 @@ class ExtendedModel:
             return self.units.of(recording, p, moving.model, order) @ p[self.parameters.own]
         mine = moving.loads(recording, order)
         if order != 1:
-            return recording.columns(self.above(moving), mine, order=order).sum(axis=-1)
+            return recording.columns(moving.model, mine, order=order).sum(axis=-1)
         units = recording.columns(moving.model, [*moving.planes, *mine], order=1)
         planes = len(moving.planes)
         amounts = self.amounts(recording, p, halved=moving.halved)
@@ -276,16 +267,12 @@ class ExtendedModel:
             return self._marched_anew(recording, p, there, [1])[1]
         return self.motion_of(recording, p, there, order=1)
 
-    def above(self, moving: Moving) -> RotorModel:
-        """Return the rotor for responses above 1X: under force laws that of the start of a fit, its passing known."""
-        return moving.model if self._above is None or not moving.laws else self._above
-
     def linear_at(self, order: int) -> bool:
         """Say whether the effects that could push at that order are all linear."""
         return all(e.linear for e in self.effects if order in e.orders and "loads" in e.acts_on)
 
     def _lawful(self, recording: Recording, p: Reals, moving: Moving, wanted: Sequence[int]) -> dict[int, Complex]:
-        """Return the motion under force laws, the last few kept: most unknowns of a fit do not change it."""
+        """Return the motion under force laws; what these do is kept of the last few: most unknowns do not change it."""
         names = self.parameters
         moves = (*p[names.base.structural], *p[names.base.unbalance], p[names.keyphasor], *p[names.own])
         key = (recording.number, tuple(wanted), moves)
@@ -293,12 +280,16 @@ class ExtendedModel:
             self._marched[key] = self._marched_anew(recording, p, moving, wanted)
             for old in list(self._marched)[: -EXTENDED_MODEL.recent * len(self.recordings)]:
                 del self._marched[old]
-        return self._marched[key]
+        found = dict(self._marched[key])
+        for order in wanted:
+            if order > 1:
+                found[order] = found[order] + self.motion_of(recording, p, moving, order=order)
+        return found
 
     def _marched_anew(
         self, recording: Recording, p: Reals, moving: Moving, wanted: Sequence[int]
     ) -> dict[int, Complex]:
-        """Return that; one march for every set of trial masses there is in the recording."""
+        """Return the motion of 1X, and of the laws' forces above; one march for every set of trial masses there is."""
         first = moving.loads(recording, 1)
         loads = [*moving.planes, *first]
         each = self.amounts(recording, p, halved=moving.halved)
@@ -307,10 +298,7 @@ class ExtendedModel:
         found = {order: np.zeros((len(each), len(moving.model.probes)), complex) for order in wanted}
         for i, amounts in enumerate(sets):
             amounts = np.append(amounts, np.ones(len(first)))
-            z = recording.with_laws(moving.model, loads, amounts, moving.laws, orders=marched, above=self._above)
+            z = recording.with_laws(moving.model, loads, amounts, moving.laws, orders=marched)
             for order, part in z.items():
                 found[order][which.ravel() == i] = part[which.ravel() == i]
-        for order in wanted:
-            if order > 1:
-                found[order] += self.motion_of(recording, p, moving, order=order)
         return found

@@ -11,7 +11,8 @@ from functools import partial
 import numpy as np
 
 from rotorrig.identify.base_model import BASE_MODEL, Reals, thin_rows
-from rotorrig.identify.extended_model.jacobian import columns, vectors_by
+from rotorrig.identify.extended_model.jacobian import columns
+from rotorrig.identify.extended_model.known_error import known_error
 from rotorrig.identify.extended_model.model import Complex, ExtendedModel
 from rotorrig.identify.extended_model.settings import ORDERS
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -53,15 +54,15 @@ class ExtendedProblem:
 
     def expecting_error(self, p: Reals) -> "ExtendedProblem":
         """Return the same problem with the model's own error, of its motion at `p`, in the covariance."""
-        each = zip(self.recordings, self.model.predict(p, orders=(1,)), self.by_damping(p), strict=True)
-        return self.on([recording.expecting_error(z, slopes) for recording, z, slopes in each])
+        each = zip(self.recordings, self.model.predict(p, orders=(1,)), self.known_error(p), strict=True)
+        return self.on([recording.expecting_error(z, known) for recording, z, known in each])
 
-    def by_damping(self, p: Reals) -> list[Complex]:
-        """Return the slopes of 1X by the relative change of every direct damping sought, (row + 1, probe, damping) m.
+    def known_error(self, p: Reals) -> list[Complex]:
+        """Return what is known of the shape of the model's own error: vectors (row + 1, probe, column) m at `p`.
 
-        Of every recording, at `p`.
+        Of every recording, one standard deviation each: known_error.py.
         """
-        return vectors_by(self.model, p, self.parameters.base.dampings)
+        return known_error(self.model, p)
 
     def taken_for_exact(self) -> "ExtendedProblem":
         """Return the same problem with noise alone in the covariance."""
@@ -164,11 +165,11 @@ class ExtendedProblem:
         """Refine by least squares within the bounds, the parameters in `fixed` held: least_squares.solve.
 
         `damped` is for starts far off, where full steps of a wrong model run to the bounds; force laws want it anyway.
-        Responses above 1X are first those of the rotor at the start; where it matters, from then on exact, or under
-        force laws once more those of the rotor at the end.
+        Responses to loads above 1X are first those of the rotor at the start; where it matters, from then on exact.
         """
         fixed = {**self.parameters.frozen, **fixed}
-        laws = self.model.hold_above(start)
+        units, laws = self.model.units, bool(self.model.moving(start).laws)
+        units.release()
         refine = partial(
             solve,
             self,
@@ -180,11 +181,11 @@ class ExtendedProblem:
             damped=damped or laws,
         )
         found = refine(start, jacobian=jacobian)
-        if (laws or self.model.units.seen) and not self.model.units.exact and found.stop is not Stop.GIVEN_UP:
+        if units.seen and not units.exact and found.stop is not Stop.GIVEN_UP:
             before = self.residual(found.p)
-            self.model.hold_above(found.p)
+            units.release()
             if np.sum((self.residual(found.p) - before) ** 2) > tolerance:
-                self.model.units.exact = not laws
+                units.exact = True
                 found = refine(found.p)
         return found
 

@@ -135,15 +135,13 @@ class Recording:
             return self
         return self._with({n: m.louder(factors[n]) for n, m in self.measured.items()})
 
-    def expecting_error(self, model: Mapping[int, Complex], by_damping: Complex | None = None) -> "Recording":
+    def expecting_error(self, model: Mapping[int, Complex], known: Complex | None = None) -> "Recording":
         """Return the same recording with the own error of a model that predicts these vectors (row + 1, probe) [m].
 
-        `by_damping` as of `Measurement.expecting_error`.
+        `known` as of `Measurement.expecting_error`.
         """
         each = self.measured.items()
-        return self._with(
-            {n: m.expecting_error(model[1], self.response, order=n, by_damping=by_damping) for n, m in each}
-        )
+        return self._with({n: m.expecting_error(model[1], self.response, order=n, known=known) for n, m in each})
 
     def taken_for_exact(self) -> "Recording":
         """Return the same recording for a model without an error of its own."""
@@ -220,19 +218,17 @@ class Recording:
         laws: Sequence[ForceLaw],
         *,
         orders: Sequence[int],
-        above: RotorModel | None = None,
     ) -> dict[int, Complex]:
         """Return the motion under loads of 1X times `amounts` (load,) and force laws, order -> (row + 1, probe).
 
-        `above` is another model for the orders above 1, see swept_with_law. A stiffness that turns with the shaft is
-        left out. Raises DataError where the force is not found.
+        A stiffness that turns with the shaft is left out. Raises DataError where the force is not found.
         """
         self._check_forward()
         model = _without_turning(model)
         loads = self._own(loads)
         slow = steady_with_law(model, self._slow, loads, amounts * self._acting(loads), laws, orders=orders)
         if self._tracked is not None:
-            moving = swept_with_law(model, self._tracked, loads, amounts, laws, orders=orders, above=above)
+            moving = swept_with_law(model, self._tracked, loads, amounts, laws, orders=orders)
         else:
             moving = steady_with_law(model, self._omega, loads, amounts, laws, orders=orders)
         both = np.concatenate([moving, slow])

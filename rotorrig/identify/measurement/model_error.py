@@ -21,6 +21,10 @@ change by tenths (Tiwari, Lees and Friswell, Shock and Vibration Digest 36 (2004
 identified). At its resonance a rotor is as far off as its damping, so there the error of its motion is no half a per
 cent: every damping sought may be another at a speed by a share of `prior.damping_over_speed`, as smooth over speed. The
 constant that is identified is what it is in the mean, as the data weigh it: at the resonance.
+
+Shaft angle is counted from a mark that moves with the shaft: by what the driven end moves past the keyphasor as the
+mark passes it, over `prior.mark_radius`, every angle is off, at all probes alike. In which direction the keyphasor
+stands no config says.
 """
 
 from dataclasses import dataclass
@@ -67,6 +71,15 @@ def changed_vectors(slopes: Complex, omega: Reals, sigma: Reals, *, share: float
     mean = weight @ basis / np.maximum(weight.sum(axis=1, keepdims=True), np.finfo(float).tiny)
     changes = basis[:, None] - mean
     return np.einsum("rpc,rcn->rpcn", slopes, changes).reshape(*slopes.shape[:2], -1)
+
+
+def mark_vectors(motion: Complex, at_mark: Complex, *, radius: float) -> Complex:
+    """Return vectors (row, probe, 2) m whose sum with independent standard normal amounts is the error.
+
+    Of the 1X `motion` (row, probe) [m] told from a mark at `radius` [m] about an axis that moves by `at_mark` (row, 2)
+    [m] along x and y: where it is at angle zero.
+    """
+    return 1j * motion[:, :, None] * at_mark.real[:, None, :] / radius
 
 
 def harmonic_motion(motion: Complex, order: int) -> Complex:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.measurement.model_error import Shrinkage, changed_vectors, error_vectors, harmonic_motion
+from rotorrig.identify.measurement.model_error import Shrinkage, error_vectors, harmonic_motion
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
 from rotorrig.rig.config import RPM
@@ -108,14 +108,13 @@ class Measurement:
         response: OrderTrackedResponse,
         *,
         order: int = 1,
-        by_damping: NDArray[np.complex128] | None = None,
+        known: NDArray[np.complex128] | None = None,
     ) -> "Measurement":
         """Return the same with the error, at this order, of a model that predicts `model` (row + 1, probe) [m] at 1X.
 
         It is a share of its motion, which is what a vector, as stated, has beyond that of the slow roll: `model_error`
-        and `repeatability` of the priors in the rig of the `response`, above 1X `harmonic_error`. At 1X the dampings
-        sought may change over speed, if the slopes `by_damping` (row + 1, probe, coefficient) m of the vectors are
-        known: by a share of `damping_over_speed` of each.
+        and `repeatability` of the priors in the rig of the `response`, above 1X `harmonic_error`. At 1X comes what is
+        `known` of that error's shape, (row + 1, probe, column) m, as of ExtendedProblem.known_error.
         """
         prior, motion = response.rig.prior, model[:-1] - model[-1]
         share, repeatability = prior.model_error, prior.repeatability
@@ -125,8 +124,8 @@ class Measurement:
         parts = []
         if share or repeatability:
             parts.append(error_vectors(motion, omega, run, share=share, repeatability=repeatability))
-        if order == 1 and by_damping is not None and prior.damping_over_speed:
-            parts.append(changed_vectors(by_damping[:-1], omega, self.sigma[:-1], share=prior.damping_over_speed))
+        if order == 1 and known is not None and known.any():
+            parts.append(known[:-1])
         if not parts:
             return self.taken_for_exact()
         error = _pad_row(np.concatenate(parts, axis=-1))

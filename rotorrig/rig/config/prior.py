@@ -16,6 +16,7 @@ LATER_PRIORS = (
     "repeatability",
     "harmonic_error",
     "damping_over_speed",
+    "mark_radius",
 )  # keys that a config of before does not have
 Share = Annotated[float, BeforeValidator(read_share), Field(gt=0, le=1)]
 
@@ -54,4 +55,7 @@ class Prior(Part):
     #: of the bearings sought: share by which their damping at a speed may be another than the constant identified,
     #: smooth over speed; 0: it is constant
     damping_over_speed: Annotated[float, BeforeValidator(read_share)] = Field(0.1, ge=0, le=1)
+    #: of the keyphasor's mark: how far from the shaft's axis it is, at the driven end, whose motion moves it past the
+    #: probe; far off it does not move
+    mark_radius: Annotated[Length, Field(gt=0)] = 0.015
     line_hum: Length = 0.2e-6  # 0-peak, mains hum in a probe

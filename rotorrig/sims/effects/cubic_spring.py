@@ -1,8 +1,9 @@
 """A bearing whose stiffness grows with the deflection: a stop, a preloaded or bottoming spring.
 
-f = -k3 (x^2 + y^2) (x, y) about the centred journal: the resonance leans to higher speeds, up and down alike, and jumps
-where it leans over. Source: Yamamoto, Ishida, Linear and Nonlinear Rotordynamics (2012), ch. 6; Nayfeh, Mook, Nonlinear
-Oscillations (1979), section 4.1.
+f = -k3 (x^2 + y^2) (x, y) about the unloaded spring: the resonance leans to higher speeds, up and down alike, and jumps
+where it leans over. The rotor's weight has pushed it already, so that it is stiffer along gravity than across and makes
+twice-per-turn motion. Source: Yamamoto, Ishida, Linear and Nonlinear Rotordynamics (2012), ch. 6; Nayfeh, Mook,
+Nonlinear Oscillations (1979), section 4.1.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.places import bearing_groups, bearing_words
+from rotorrig.sims.effects.shaft_motion import at_rest
 from rotorrig.sims.rotor.model import RotorModel
 from rotorrig.sims.rotor.nonlinear import ForceLaw
 
@@ -28,12 +30,14 @@ class CubicSpring(Effect):
     title = "bearing stiffness that grows with deflection"
     orders = EVERY
     bearings: tuple[str, ...]
+    gravity: str  # as in RigConfig
 
     def force_laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:
-        """Return its force at every bearing."""
-        constants = np.array([theta["k3"]])
+        """Return its force at every bearing, about where its journal would be without weight."""
+        rest, constants = at_rest(model, self.gravity), np.array([theta["k3"]])
         return tuple(
-            ForceLaw(rows=model.bearing(name).rows, force=cubic, constants=constants) for name in self.bearings
+            ForceLaw(rows=rows, force=cubic, constants=constants, static=rows @ rest)
+            for rows in (model.bearing(name).rows for name in self.bearings)
         )
 
     def words(self, theta: Theta) -> str:
@@ -65,5 +69,6 @@ def effects(rig: RigConfig) -> tuple[CubicSpring, ...]:
         ),
     )
     return tuple(
-        CubicSpring(where=where, bearings=names, parameters=unknown) for where, names in bearing_groups(rig).items()
+        CubicSpring(where=where, bearings=names, gravity=rig.gravity, parameters=unknown)
+        for where, names in bearing_groups(rig).items()
     )

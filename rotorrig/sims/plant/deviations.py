@@ -7,11 +7,15 @@ Statistics (1981), ch. 1: data sets of high quality have tails like t with a few
 Where sizes come from:
 
 - coupling: catalogues of flexible couplings for 10 mm shafts, 1 kN/m of a rubber spider's softest to 100 of a beam's;
-  here about the softest, as kits are driven through a rubber sleeve;
+  here about the softest, as kits are driven through a rubber sleeve, with the loss factor of soft rubber;
 - supply: makers' data sheets of eddy-current drivers state 2 mV per volt of supply; half a volt of ripple is usual;
 - temperature: API 670 allows the scale factor 5 % more over some 40 K; a cabinet warms by 2 K. The gap likewise: 20
   um/m K of a plastic bracket 50 mm long;
 - noise: balls over rough races push in proportion to speed, through a ring that is a mass on a spring; estimates;
+- base plate: of aluminium, on feet, some 7 MN/m under a bearing of 34 kN/m: half a per cent of what the bearing does,
+  and more the nearer its natural frequency, three times a kit's highest speed; estimates;
+- keyphasor: a wheel of 15 mm radius on the motor's shaft, which follows a twentieth of what the driven end does; an
+  estimate;
 - damping: grease of which a tenth of the viscosity is lost as it warms; an estimate;
 - geometry: 1 mm read off a tape, ISO 286 h9 of a 10 mm bar: 0.36 %, here 0.2 %; the rest estimates: a hub pressed on
   stiffens the shaft like 5 % of diameter (Nelson and Crandall, ch. 2.3 of Ehrich, Handbook of Rotordynamics (1992)), a
@@ -37,11 +41,15 @@ FURTHEST = 10.0  # sigmas: one in 3000 is further off; what is, is drawn in
 
 COUPLING_STIFFNESS = 1000.0  # N/m
 COUPLING_SPREAD = 0.7  # of its logarithm
+COUPLING_LOSS, LOSS_SPREAD = 0.1, 0.4  # and of its logarithm
 SUPPLY_RIPPLE = 5e-4  # V: 2 mV/V of 0.25 V
 GAIN_DRIFT = 2e-3
 GAP_DRIFT = 2e-6  # m
 NOISE_GROWTH = 1.0
 DAMPING_GROWTH = 0.1
+BASE_SHARE = 5e-3
+BASE_FREQUENCY, BASE_SPREAD = 150.0, 0.2  # Hz, and of its logarithm
+MARK_LEAD = 0.05 / 0.015  # rad/m
 REFERENCE = 230.0  # rad/s, of growth with speed
 WARMING = 600.0  # s, of first order, from when the plant is switched on
 
@@ -64,11 +72,16 @@ def draw_unmodelled(rig: RigConfig, seed: int) -> Unmodelled:
     probes = range(len(rig.probes))
     return Unmodelled(
         coupling_stiffness=COUPLING_STIFFNESS * math.exp(draw_tailed(seed, "coupling stiffness", COUPLING_SPREAD)),
+        coupling_loss=COUPLING_LOSS * math.exp(draw_tailed(seed, "coupling loss", LOSS_SPREAD)),
         supply_ripple=abs(draw_tailed(seed, "supply ripple", SUPPLY_RIPPLE)),
         gain_drift=tuple(draw_tailed(seed, f"gain drift {i}", GAIN_DRIFT) for i in probes),
         gap_drift=tuple(draw_tailed(seed, f"gap drift {i}", GAP_DRIFT) for i in probes),
         noise_growth=abs(draw_tailed(seed, "noise growth", NOISE_GROWTH)),
         damping_growth=draw_tailed(seed, "damping growth", DAMPING_GROWTH),
+        base_share=abs(draw_tailed(seed, "base plate", BASE_SHARE)),
+        base_frequency=BASE_FREQUENCY * math.exp(draw_tailed(seed, "base frequency", BASE_SPREAD)),
+        mark_lead=abs(draw_tailed(seed, "mark lead", MARK_LEAD)),
+        keyphasor_direction=float(stream(seed, "keyphasor direction").uniform(0.0, math.tau)),
     )
 
 

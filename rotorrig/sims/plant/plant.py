@@ -17,7 +17,7 @@ from rotorrig.sims.plant.faults import apply_deviations, apply_sensors, apply_st
 from rotorrig.sims.plant.integrate import ShaftMotion
 from rotorrig.sims.plant.motor import Motor
 from rotorrig.sims.plant.places import sense, sought_bearings, true_bearing
-from rotorrig.sims.plant.sensors import FULL_SCALE_COUNTS, VOLTS_PER_COUNT, Sensors, make_chain
+from rotorrig.sims.plant.sensors import FULL_SCALE_COUNTS, VOLTS_PER_COUNT, Mounting, Sensors, make_chain
 from rotorrig.sims.plant.shaft import Rotor, build
 from rotorrig.sims.plant.streams import stream
 from rotorrig.sims.plant.truth import Truth
@@ -50,6 +50,7 @@ class Plant:
         shaken = tuple(bearing.position for bearing in sought_bearings(rig))  # those whose balls rattle
         hunting = stream(truth.seed, "hunting", run=truth.run)
         self._motor = Motor(step=step, hunting=truth.noise.hunting, rng=hunting)
+        self._mounting = Mounting(rig, truth, sample_rate=self.sample_rate)
         self._shaft = ShaftMotion(
             rotor,
             step=step,
@@ -60,7 +61,7 @@ class Plant:
             random_at=shaken,
             damping=tuple((b.position, *_damping_growth(truth, b)) for b in sought_bearings(rig)),
             forces=acting,
-            watched=tuple(p.position for p in rig.probes),
+            watched=self._mounting.watched,
         )
         chain = apply_sensors(rig, truth, make_chain(rig, truth))
         self._sensors = Sensors(rig, truth, chain, sample_rate=self.sample_rate)
@@ -121,11 +122,13 @@ class Plant:
         if self._growth:  # of an empty stretch too: see below
             rattle += self._growth * speed[:, None, None] * self._colour(rattle)
         s = self._sense
-        at_probes = self._shaft.run(s * angle, s * speed, s * alpha, rattle)
+        deflections = self._shaft.run(s * angle, s * speed, s * alpha, rattle)
         self._samples += samples
         last = slice(self._substeps - 1, None, self._substeps)
         # in one piece, as an empty stretch is: else the first samples would be kept waiting for another compilation
-        return self._sensors.counts(np.ascontiguousarray(at_probes[last]), np.ascontiguousarray(angle[last]))
+        deflections, angle = np.ascontiguousarray(deflections[last]), np.ascontiguousarray(angle[last])
+        seen = self._mounting.at_probes(deflections), angle, self._mounting.at_keyphasor(deflections, angle)
+        return self._sensors.counts(*seen)
 
     def _colour(self, white: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return noise that is as `white` at low frequency and falls off beyond the corner: first order."""

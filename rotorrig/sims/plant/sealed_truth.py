@@ -30,7 +30,9 @@ def unseal(path: Path) -> Truth:
         got = table.get("schema", "no schema") if isinstance(table, dict) else f"a JSON {type(table).__name__}"
         raise DataError(f"{path}: holds {got}, want a sealed truth of schema {SCHEMA}")
     del table["schema"]
-    table = {"unmodelled": asdict(Unmodelled()), "geometry": asdict(Geometry()), **table}  # older ones had none
+    for name, none in (("unmodelled", asdict(Unmodelled())), ("geometry", asdict(Geometry()))):
+        if isinstance(got := table.get(name, {}), dict):
+            table[name] = none | got  # older ones had less
     try:
         truth: Truth = _decode(Truth, table, "truth")
         check_faults(truth.faults)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
 
 from rotorrig.rig.config import RigConfig
+from rotorrig.sims.plant.deviations import REFERENCE
 from rotorrig.sims.plant.force_laws import Coordinate, Deflection, Slope
 from rotorrig.sims.plant.places import SAME_PLACE
 from rotorrig.sims.plant.truth import Truth
@@ -121,7 +122,9 @@ def build(rig: RigConfig, truth: Truth, *, extra: Iterable[Coordinate] = ()) -> 
     M_r, G_r, K_r, weight = T.T @ M @ T, T.T @ G @ T, T.T @ Ks @ T, T.T @ (M @ translation)
     D = MATERIAL_DAMPING * K_r
     C_b, K_b = _bearings(truth, rig, stations, len(weight))
-    K_b += np.diag(np.tile(_more_springs(truth, rig, stations, slopes, len(weight)), 2))
+    springs = _more_springs(truth, rig, stations, slopes, len(weight))
+    K_b += np.diag(np.tile(springs, 2))
+    C_b += np.diag(np.tile(_coupling_damping(truth, stations, len(weight)), 2))
     return Rotor(
         M=linalg.block_diag(M_r, M_r),
         C=linalg.block_diag(D, D) + C_b,
@@ -247,6 +250,14 @@ def _bearings(
         K[here] += [[b.kxx, b.kxy], [b.kyx, b.kyy]]
         C[here] += [[b.cxx, b.cxy], [b.cyx, b.cyy]]
     return C, K
+
+
+def _coupling_damping(truth: Truth, stations: list[float], n: int) -> NDArray[np.float64]:
+    """Return the dashpots (n,) to the ground of a coupling whose rubber loses a share of what it is pushed with."""
+    damping = np.zeros(n)
+    healthy = truth.unmodelled
+    damping[_nearest(stations, 0.0)] = healthy.coupling_loss * healthy.coupling_stiffness / REFERENCE
+    return damping
 
 
 def _more_springs(

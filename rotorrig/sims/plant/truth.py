@@ -60,11 +60,16 @@ class Unmodelled:
     """What any healthy rig does besides, and no nameplate speaks of; nothing of it by default. See `deviations`."""
 
     coupling_stiffness: float = 0.0  # N/m, sideways, between the motor's shaft and the driven end
+    coupling_loss: float = 0.0  # loss factor of that stiffness, as a dashpot that has it at the reference speed
     supply_ripple: float = 0.0  # V, 0-peak, at twice the mains' frequency on every driver's output
     gain_drift: tuple[float, ...] = ()  # per probe, relative, once warm
     gap_drift: tuple[float, ...] = ()  # m, per probe, once warm
     noise_growth: float = 0.0  # of the bearings' force with speed: coloured, over the white one, at the reference
     damping_growth: float = 0.0  # of the sought bearings' damping per reference speed, relative to that at it
+    base_share: float = 0.0  # of what a bearing sought does, that the base plate does under it and the probes by it
+    base_frequency: float = 0.0  # Hz, of the base plate
+    mark_lead: float = 0.0  # rad/m, by which the mark comes early as the driven end moves on with the surface it is on
+    keyphasor_direction: float = 0.0  # rad from x to y, in which the keyphasor stands
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.base_fit import AssessedFit, fit_base
+from rotorrig.identify.extended_model.jacobian import vectors_by
+from rotorrig.identify.extended_model.known_error import known_error
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.measurement.model_error import LENGTH, Shrinkage, changed_vectors, error_vectors
 from rotorrig.identify.measurement.whitened_rows import measure
@@ -57,8 +59,8 @@ def test_a_damping_that_changes_is_the_constant_where_it_tells_and_alike_at_like
 def test_the_slopes_by_damping_are_those_of_the_prediction(quiet: OrderTrackedResponse) -> None:
     fit = fit_base([Recording(quiet)])
     problem, p = fit.problem, fit.polished.p
-    (slopes,) = problem.by_damping(p)
     names = problem.parameters.base
+    (slopes,) = vectors_by(problem.model, p, names.dampings)
     assert [names.names[i] for i in names.dampings] == ["cxx", "cyy"]
     for column, i in enumerate(names.dampings):
         more, less = p.copy(), p.copy()
@@ -68,6 +70,23 @@ def test_the_slopes_by_damping_are_those_of_the_prediction(quiet: OrderTrackedRe
         (one,), (other,) = (problem.model.predict(q, orders=(1,)) for q in (more, less))
         difference = (one[1] - other[1]) / np.log(ratio)
         np.testing.assert_allclose(slopes[..., column], difference, atol=3e-4 * np.abs(difference).max())
+
+
+@pytest.mark.parametrize("direction", [0.0, 1.0, 2.5])
+def test_a_mark_that_moves_with_the_driven_end_turns_all_vectors_alike(
+    quiet: OrderTrackedResponse, direction: float
+) -> None:
+    """By what the end moves across the keyphasor as the mark is there, over 15 mm: a part of the error known."""
+    fit = fit_base([Recording(quiet)])
+    model, p = fit.problem.model, fit.polished.p
+    (known,), (z,) = known_error(model, p), model.predict(p, orders=(1,))
+    end = model.rotor(p).z.tolist().index(0.0)
+    across = np.array([-np.sin(direction), np.cos(direction)])
+    x, y = model.motion_at(model.recordings[0], p, model.rotor(p).centreline[:, end]).real.T
+    lead = (across[0] * x + across[1] * y) / 0.015
+    turned = z[1] * np.exp(-1j * lead[:, None])
+    assert np.abs(lead).max() > 1e-4
+    np.testing.assert_allclose(z[1] - known[..., -2:] @ across, turned, atol=2 * np.abs(z[1]).max() * lead.max() ** 2)
 
 
 def test_noise_and_error_together_come_out_white(blind_response: OrderTrackedResponse) -> None:

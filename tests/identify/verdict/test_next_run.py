@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.identify.causes.stepwise_selection import Selection, select
-from rotorrig.identify.extended_model.keyphasor_edge import MarkEdge
 from rotorrig.identify.extended_model.model import ExtendedModel
+from rotorrig.identify.extended_model.nuisance_effects import MarkEdge
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.forecast import share_of_limit

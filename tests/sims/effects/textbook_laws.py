@@ -91,7 +91,7 @@ def turning_spring(turn: Turn, motion: Motion, p: NDArray, before: NDArray, afte
 def cubic_spring(rig: RigConfig, truth: Truth, values: Values) -> tuple[Force, ...]:
     """Return the cubic part of the springs of each bearing sought."""
     constants = (values["k3"],)
-    return tuple(Force(on=at(b.position), law=cube, constants=constants, from_rest=True) for b in sought_bearings(rig))
+    return tuple(Force(on=at(b.position), law=cube, constants=constants) for b in sought_bearings(rig))
 
 
 @law

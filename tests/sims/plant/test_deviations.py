@@ -72,6 +72,15 @@ def test_the_coupling_holds_the_driven_end_as_a_spring(rk4: RigConfig) -> None:
         assert np.linalg.inv(held.K)[plane, plane] == pytest.approx(1 / (2e4 + 1 / c), rel=1e-9)
 
 
+def test_the_coupling_s_rubber_loses_a_share_of_its_stiffness_at_the_reference(rk4: RigConfig) -> None:
+    plain = build(rk4, with_unmodelled(rk4, coupling_stiffness=2e4))
+    lossy = build(rk4, with_unmodelled(rk4, coupling_stiffness=2e4, coupling_loss=0.2))
+    end, added = plain.station(0.0), 230 * (lossy.C - plain.C)
+    assert np.diag(added)[[end, end + plain.n]] == pytest.approx([0.2 * 2e4] * 2)
+    assert np.count_nonzero(added) == 2
+    np.testing.assert_array_equal(lossy.K, plain.K)
+
+
 def test_the_supply_ripples_at_twice_the_mains_in_all_probes_alike(rk4: RigConfig) -> None:
     wave = volts_of(Plant(rk4, with_unmodelled(rk4, supply_ripple=4e-3)), 1.0)
     tone = 2 * np.mean(

@@ -54,8 +54,16 @@ class Sensors:
         self._has_crosstalk = not np.array_equal(chain.mixing, np.eye(len(chain.mixing)))
         self._taken = 0  # samples so far: the tones' clock
 
-    def counts(self, at_probes: NDArray[np.float64], theta: NDArray[np.float64]) -> NDArray[np.int32]:
-        """Return counts (sample, channel) for deflections (sample, probe, 2) [m] and shaft angles (sample,) [rad]."""
+    def counts(
+        self,
+        at_probes: NDArray[np.float64],
+        theta: NDArray[np.float64],
+        at_keyphasor: NDArray[np.float64] | None = None,
+    ) -> NDArray[np.int32]:
+        """Return counts (sample, channel) for deflections (sample, probe, 2) [m] and shaft angles (sample,) [rad].
+
+        `at_keyphasor` are the angles that the keyphasor sees, unless it sees `theta`.
+        """
         volts = self._rng.standard_normal((len(theta), self.channels)) * self._rms
         clock = self._per_sample * (self._taken + np.arange(len(theta)))
         near = _approach(at_probes, theta, clock, self._chain)
@@ -66,7 +74,7 @@ class Sensors:
         if self._low_pass:
             near = self._low_pass.filter(near)
         _add_probes(near, clock, self._chain, volts)
-        _add_keyphasor(theta, self._keyphasor, volts)
+        _add_keyphasor(theta if at_keyphasor is None else at_keyphasor, self._keyphasor, volts)
         self._taken += len(theta)
         return digitise(volts)
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from rotorrig.sims.rotor.model import Direction, Load, RotorModel
 from rotorrig.sims.rotor.nonlinear.force_harmonics import OVERTONES
 from rotorrig.sims.rotor.nonlinear.force_law import ForceLaw
-from rotorrig.sims.rotor.nonlinear.harmonic_balance import forces, phasor, slopes
-from rotorrig.sims.rotor.steady import load_columns
+from rotorrig.sims.rotor.nonlinear.harmonic_balance import forces, overtones, phasor, slopes
+from rotorrig.sims.rotor.steady import steady_derivatives
 
 Reals = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -91,6 +91,7 @@ def overtone_derivatives(
     changes: Sequence[LawChange],
     omega: Reals,
     u: Reals,
+    F: Reals,
     du: Reals,
     dF: Reals,
     *,
@@ -98,13 +99,16 @@ def overtone_derivatives(
 ) -> Complex:
     """Return the derivatives of the steady response to an overtone of the force, 2 or 3, (n, probe, change).
 
-    The motions u (n, part) at speeds (n,) change by `du`, the forces on them by `dF` (n, part, change).
+    The motions u (n, part) at speeds (n,) change by `du`, the forces F on them by `dF` (n, part, change).
     """
     places = 2 * len(laws)
     if u.shape[1] == 3 * places:  # the force was evaluated without overtones
         dF = _with_overtones(laws, changes, omega, u, du)
     units = [Load(pattern=row.astype(complex), law="constant", order=order) for law in laws for row in law.rows]
-    by: Complex = load_columns(model, omega, units) @ phasor(dF, places, order)
+    directions = {i: c.direction for i, c in enumerate(changes) if c.direction is not None}
+    answers = steady_derivatives(model, omega, loads=units, directions=list(directions.values()), order=order)
+    by: Complex = answers.z @ phasor(dF, places, order)
+    by[..., list(directions)] += np.einsum("cnpl,nl->npc", answers.by, overtones(laws, omega, u, F, order))
     return by
 
 

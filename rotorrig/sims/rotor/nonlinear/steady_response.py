@@ -112,7 +112,7 @@ def steady_law_derivatives(
     du[:, len(at) : 3 * len(at)] += np.concatenate([direct[:, n:].real, direct[:, n:].imag], axis=1)
     A = np.concatenate([z[:, None, n:, len(loads) :], overtone_compliance(model, omega, laws)], axis=1)
     du, dF = solve_tangent(A, at @ flexibility, slopes(laws, omega, u), du, dF)
-    by = {n: overtone_derivatives(model, laws, changes, omega, u, du, dF, order=n) for n in orders if n > 1}
+    by = {n: overtone_derivatives(model, laws, changes, omega, u, F, du, dF, order=n) for n in orders if n > 1}
     by[1] = direct[:, :n] + z[:, :n, len(loads) :] @ phasor(dF, len(at))
     return LawDerivatives(np.einsum("spl,sl->sp", z[:, :n], weights), by)
 

@@ -1,7 +1,7 @@
 """Derivatives of a swept response under force laws, by changes of the rotor, its loads or the laws.
 
 At 1X they are those of the time stepping itself, the force solved for anew under every change. Above, the change of
-the force's harmonic is taken to act as in steady motion at the speed in the middle of a row.
+the force's harmonic, and that of the rotor, is taken to act as in steady motion at the speed in the middle of a row.
 """
 
 from collections.abc import Sequence
@@ -78,10 +78,10 @@ def _overtone_derivatives(
     """Return the derivatives of the response at orders above 1, (row, probe, change) each."""
     rows = sweep.rows
     middle = rows.turn_index[:, rows.turn_index.shape[1] // 2]
-    omega, u = rows.turns.omega[middle], motion.u[middle]
+    omega, u, F = rows.turns.omega[middle], motion.u[middle], motion.F[middle]
     known, law_force = np.zeros((2, *u.shape, len(changes)))
     known[:, : forcing.motion.shape[1]] = forcing.motion[middle]
     law_force[..., forcing.law_columns] = forcing.law_force[middle]
     A = np.concatenate([compliance[middle, None], motion.overtones[middle]], axis=1)
     du, dF = solve_tangent(A, sweep.mean, slope[middle], known, law_force)
-    return {n: overtone_derivatives(sweep.model, sweep.laws, changes, omega, u, du, dF, order=n) for n in orders}
+    return {n: overtone_derivatives(sweep.model, sweep.laws, changes, omega, u, F, du, dF, order=n) for n in orders}

@@ -40,14 +40,12 @@ def swept_with_law(
     laws: Sequence[ForceLaw],
     *,
     orders: Sequence[int] = (1,),
-    above: RotorModel | None = None,
 ) -> Complex:
     """Return the response of the rows to the loads times their amounts (load,) and the laws, (row, probe, order) m.
 
     `orders` are 0 and above: of order 0 it is the shift of the mean by the mean force, real. Loads of other orders than
-    1 have their linear response. `above` is another model for the orders above 1, of much the same rotor: kept while
-    `model` changes, it saves solving that. Raises as swept_response, DataError if the force does not converge at too
-    many turns or is beyond bounds at an order.
+    1 have their linear response. Raises as swept_response, DataError if the force does not converge at too many turns
+    or is beyond bounds at an order.
     """
     amounts = np.asarray(amounts, dtype=complex)
     first = [i for i, load in enumerate(loads) if load.order == 1]
@@ -58,13 +56,12 @@ def swept_with_law(
         if order == 1:
             by_order.append(sweep.at_probes(motion))
             continue
-        rotor = model if above is None or order == 0 else above
         same = [i for i, load in enumerate(loads) if load.order == order]
-        linear = swept_columns(rotor, rows, loads=[loads[i] for i in same], order=order) @ amounts[same] if same else 0
+        linear = swept_columns(model, rows, loads=[loads[i] for i in same], order=order) @ amounts[same] if same else 0
         F = overtones(laws, rows.turns.omega, motion.u, motion.F, order)
         if not np.isfinite(F).all():
             raise DataError(f"law: its force at {order}X is beyond bounds, want a bounded motion")
-        by_order.append(linear + _overtone_response(rotor, rows, laws, F, order))
+        by_order.append(linear + _overtone_response(model, rows, laws, F, order))
     return np.stack(by_order, axis=-1)
 
 

@@ -85,7 +85,7 @@ def test_derivatives_are_those_of_the_response(model, small, rows, law, swept):
         want = (plus - minus) / (2 * (moved if k == 4 else h))
         if np.abs(want[..., 0]).max() > 1e-6 * np.abs(ahead[0]).max():
             assert error(by[1][..., k], want[..., 0]) < 1e-3, k
-        if law.force is cubic and k != 2:  # above 1X the rotor stays as it is
+        if law.force is cubic:
             assert error(by[2][..., k], want[..., 1]) < (0.2 if swept else 1e-3), k
 
 
