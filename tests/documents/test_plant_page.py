@@ -27,9 +27,9 @@ def test_mechanisms_that_differ_show_it_and_each_effect_is_still_of_its_fault(na
 
 
 def test_most_mechanisms_are_further_from_their_effect_than_noise_would_hide() -> None:
-    """Of 21 that differ a dozen by 1 % and more; the others are absorbed by what any identification fits."""
+    """Of 21 that differ more than half by 1 % and more; the others are absorbed by what any identification fits."""
     differ = [KEPT[name] for name, m in MECHANISMS.items() if m.effect and not m.is_definition]
-    assert sum(figure >= 0.01 for figure in differ) >= 12
+    assert sum(figure >= 0.01 for figure in differ) > len(differ) / 2
 
 
 def test_a_figure_is_that_of_the_code() -> None:
