@@ -1,5 +1,4 @@
 // Unpacks plotly.js, draws every figure of the page from the data beside it, and fits them to window and paper.
-"use strict";
 // the buttons are listed one by one: the default set has one that would send the figure to a server
 const buttons = [["zoom2d", "pan2d", "resetScale2d"], ["toImage"]];
 // on a telephone they would lie over titles and legends, and fingers need none
@@ -21,9 +20,13 @@ async function unpack() {
   document.head.append(script);
 }
 
-function draw(canvas) {
+function figureOf(canvas) {
   const source = document.querySelector(`script[data-figure="${canvas.id}"]`);
-  const figure = JSON.parse(source.textContent);
+  return inUnit(JSON.parse(source.textContent)); // units.js
+}
+
+function draw(canvas) {
+  const figure = figureOf(canvas);
   canvas.style.height = figure.layout.height + "px";
   Plotly.newPlot(canvas, figure.data, figure.layout, config);
   // the words above the plot say what it shows; its letters one by one say nothing
@@ -50,7 +53,17 @@ async function main() {
 }
 
 const logarithmic = document.getElementById("log-amplitude");
-globalThis.rotorReport = { drawn: main() };
+globalThis.rotorReport = { drawn: main(), redraw };
+
+// What shows amplitudes, in another unit.
+function redraw() {
+  for (const canvas of document.querySelectorAll("[data-amplitude] .canvas")) {
+    if (!canvas.data) continue;
+    const { data, layout } = figureOf(canvas);
+    Plotly.react(canvas, data, layout, config);
+  }
+  if (logarithmic?.checked) logarithmic.dispatchEvent(new Event("change"));
+}
 
 logarithmic?.addEventListener("change", () => {
   const type = logarithmic.checked ? "log" : "linear";

@@ -21,8 +21,11 @@ from rotorrig.balancing import Balance
 from rotorrig.rig.config import RigConfig
 
 
-def write_balance_sheet(path: Path, balance: Balance, rig: RigConfig) -> None:
-    """Write the sheet of a balance. Raises DataError if the file cannot be written."""
+def write_balance_sheet(path: Path, balance: Balance, rig: RigConfig, *, units: str = "") -> None:
+    """Write the sheet of a balance, amplitudes in `units` as `write_report`.
+
+    Raises DataError if the file cannot be written.
+    """
     prediction = balance.prediction
     probes = np.unique(prediction.probe).tolist()
     polars = "".join(polar_plot(prediction, p, rig, share=1 / max(len(probes), 3), small=True) for p in probes)
@@ -33,6 +36,7 @@ def write_balance_sheet(path: Path, balance: Balance, rig: RigConfig) -> None:
         heading=rig.name,
         source=balance.source.source,
         look="sheet",
+        units=units,
         body="\n".join(
             [
                 f'<section class="banner" aria-labelledby="mount"><h2 id="mount">Add</h2>{mounting(balance)}</section>',

@@ -27,10 +27,12 @@ def write_page(
     conventions: str,
     unscripted: str = "All text, tables and drawings are here.",
     look: str = "",
+    units: str = "",
 ) -> None:
     """Write a page of a kind, "Rotor report", about a rig and the recording `source`; "": a live rig.
 
-    `body` and `conventions` are HTML, `look` a class of report.css. Raises DataError if it cannot be written.
+    `body` and `conventions` are HTML, `look` a class of report.css; `units`, of AMPLITUDE_UNITS, are those in which
+    amplitudes are told until the reader chooses others. Raises DataError if it cannot be written.
     """
     page = Template(read_asset("report.html")).substitute(
         title=escape(f"{heading}: {kind[0].lower()}{kind[1:]}"),
@@ -41,7 +43,9 @@ def write_page(
         look=look,
         style=read_asset("report.css"),
         plotly=_pack_plotly(),
+        switch=read_asset("units.js"),
         script=read_asset("report.js"),
+        units=escape(units),
         body=body,
         conventions=conventions,
         unscripted=escape(unscripted),

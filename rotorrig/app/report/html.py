@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
+from rotorrig.app.text import AMPLITUDE_UNITS
+
+AMPLITUDE = AMPLITUDE_UNITS[0]  # what says so is told in the unit the reader chooses: units.js
 STACKED = 4  # columns: a table of as many is wider than a telephone
 
 
@@ -52,17 +55,22 @@ def table(
     *,
     marked: Iterable[int] = (),
     mark: str = "marked",
+    amplitudes: Iterable[int] = (),
 ) -> str:
     """Return a table; the first cell of a row heads it. On a narrow screen, rows of many cells are stacked.
 
-    Rows whose index is in `marked` stand out in the way of the class `mark` of report.css.
+    Rows whose index is in `marked` stand out in the way of the class `mark` of report.css. A column whose heading has
+    the unit of amplitudes holds nothing but them, and so do those numbered in `amplitudes`.
     """
-    marks = set(marked)
+    marks, told = set(marked), {i for i, name in enumerate(header) if AMPLITUDE in name}.union(amplitudes)
     head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in header)
     stacked = len(header) >= STACKED
     body = ""
     for i, (first, *rest) in enumerate(rows):
-        names = [f' data-name="{escape(name)}"' if stacked else "" for name in header[1:]]
+        names = [
+            (f' data-name="{escape(name)}"' if stacked else "") + (" class=amplitude" if i in told else "")
+            for i, name in enumerate(header[1:], start=1)
+        ]
         cells = "".join(f"<td{name}>{escape(cell)}</td>" for name, cell in zip(names, rest, strict=True))
         body += f'<tr{f" class={mark}" if i in marks else ""}><th scope="row">{escape(first)}</th>{cells}</tr>'
     inside = f"{_caption(caption)}<thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
@@ -84,9 +92,10 @@ def plot(name: str, figure: go.Figure, *, caption: str, label: str, share: float
     `label` is for screen readers and for pages without JavaScript. `share` is its share of the paper width in print.
     """
     data = _lighten(figure).to_json().replace("<", "\\u003c")  # so that no text in the data can end the script element
+    switched = " data-amplitude" if figure.layout.meta else ""
     return (
-        f'<figure class="plot" aria-labelledby="{name}-caption"><figcaption id="{name}-caption">{escape(caption)}'
-        f'</figcaption><p class="heard">{escape(label)}</p>'
+        f'<figure class="plot"{switched} aria-labelledby="{name}-caption">'
+        f'<figcaption id="{name}-caption">{escape(caption)}</figcaption><p class="heard">{escape(label)}</p>'
         f'<div id="{name}" class="canvas" data-share="{share:g}" style="min-height:{figure.layout.height}px"></div>'
         f'<script type="application/json" data-figure="{name}">{data}</script></figure>'
     )

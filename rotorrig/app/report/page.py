@@ -48,11 +48,13 @@ def write_report(
     balance: Balance | None = None,
     operating: SpeedWindow | None = None,
     recording: WaveformSource | None = None,
+    units: str = "",
 ) -> None:
     """Write the report of a response, with what is given: fit, diagnosis, investigation that led to it, balance, run.
 
     `truth` maps names of estimates to the simulated rig's own values in SI, for a column beside the estimates;
-    `operating` are the speeds whose margins to the critical speeds are told.
+    `operating` are the speeds whose margins to the critical speeds are told, `units` those of AMPLITUDE_UNITS in which
+    amplitudes are until the reader chooses others.
     Raises DataError if fit, diagnosis, balance or recording belong to another run, or the file cannot be written.
     """
     identification = fits_of(identification, response) if identification else None
@@ -90,6 +92,7 @@ def write_report(
         heading=response.rig.name,
         source=response.source.source,
         body=_body((verdict, first_screen(response, identification, diagnosis)), [part for part in parts if part]),
+        units=units,
         unscripted="All text, tables and drawings are here; “values” expands the data of a Bode plot.",
         conventions='Amplitudes are 0-peak, phases lag, ± is one standard deviation: see <a href="#conventions">'
         "Conventions</a>.",

@@ -1,3 +1,5 @@
+from .amplitude_units import AMPLITUDE_UNITS as AMPLITUDE_UNITS
+from .amplitude_units import read_amplitude_unit as read_amplitude_unit
 from .balancing import CONVENTION as CONVENTION
 from .balancing import Highest as Highest
 from .balancing import comparison_rows as comparison_rows

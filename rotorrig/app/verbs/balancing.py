@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from rotorrig.app.terminal import out, tell
-from rotorrig.app.verbs.arguments import OUT, AsJson, Force
+from rotorrig.app.verbs.arguments import OUT, AsJson, Force, Units
 from rotorrig.app.verbs.output_guard import Output
 from rotorrig.rig import DataError
 
@@ -40,13 +40,16 @@ def balance(
     page: Annotated[
         Path | None, typer.Option(help="also write one sheet to print, .html"), Output(kind="report")
     ] = None,
+    units: Units = None,
     force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Say which mass to put where, by runs with trial masses, by the fitted model, or by both."""
     from rotorrig.app.commands.balancing import HoleOptions, balance_responses, show_balance
+    from rotorrig.app.text import read_amplitude_unit
     from rotorrig.balancing import balance_table, write_balance
 
+    shown = read_amplitude_unit(units, where="--units") if units else ""
     at_hand = HoleOptions(holes=holes, masses=masses, radius=radius, first=first_hole, most=most_holes)
     found, rig = balance_responses(
         responses, fit=fit, after=after, planes=planes, speeds=speeds, holes=at_hand, min_max=min_max
@@ -55,7 +58,7 @@ def balance(
     if page:
         from rotorrig.app.report import write_balance_sheet
 
-        write_balance_sheet(page, found, rig)
+        write_balance_sheet(page, found, rig, units=shown)
     if as_json:
         tell("", {"file": str(out_file), **balance_table(found)}, as_json=True)
         return

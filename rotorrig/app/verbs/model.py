@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from rotorrig.app.terminal import err, out, tell, working
-from rotorrig.app.verbs.arguments import OUT, AsJson, Force, Response, Seed, load_config
+from rotorrig.app.verbs.arguments import OUT, AsJson, Force, Response, Seed, Units, load_config
 from rotorrig.app.verbs.output_guard import Output
 
 Responses = Annotated[
@@ -123,17 +123,20 @@ def report(
     run: Annotated[
         Path | None, typer.Option(help="run.mcap the response was tracked from: adds its cascade and time bases")
     ] = None,
+    units: Units = None,
     force: Force = False,
 ) -> None:
     """Write one self-contained HTML file: verdict, Bode plots, values, provenance."""
     from rotorrig.acquisition.files import open_recording
     from rotorrig.app.report import write_report
+    from rotorrig.app.text import read_amplitude_unit
     from rotorrig.balancing import read_balance
     from rotorrig.identify import read_diagnosis, read_identification
     from rotorrig.processing import SpeedWindow
     from rotorrig.processing.files import read_response
 
     operating = SpeedWindow.read_one_or_two(operating_speed, where="--operating-speed") if operating_speed else None
+    shown = read_amplitude_unit(units, where="--units") if units else ""
     with working(f"writing {out_file.name}"), open_recording(run) if run else nullcontext() as recording:
         write_report(
             out_file,
@@ -143,6 +146,7 @@ def report(
             balance=read_balance(balance) if balance else None,
             operating=operating,
             recording=recording,
+            units=shown,
         )
     out.print(f"{out_file}: open in any browser")
 

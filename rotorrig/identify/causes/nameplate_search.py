@@ -4,6 +4,9 @@ The unknowns of an effect are searched together with the base's stiffness, dampi
 first recording, their speed taken as steady, in three stages. Gather: at each of the effect's starts, where a full step
 of all these unknowns would lead. Cluster: the lowest few of them that are apart. Descend: from each, with nuisances
 pinned at their priors; the lowest then with every unknown free. It begins at the nameplate and at the base's fit.
+
+An effect that may be of either sign, as a spring that hardens or softens, is linear where it is next to nothing. From
+there it is scored once more as any other, on all rows and orders: at 2X it may show before it does at 1X.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -47,7 +50,24 @@ def search_from_nameplate(
         begin[search.index] = fit.p[: len(search.index)]
         lam = polished.chi2 * (1 - fit.chi2 / search.chi2)
         scores.append(Score(effect=effect, lam=lam, step=np.zeros(0), visible=0.0, begin=begin))
+    either = [effect for effect in able if all(q.low < 0 < q.high for q in effect.parameters)]
+    scores += [score for effect in either if go_on() and (score := _score_from_nothing(problem, polished, effect))]
     return sorted(scores, key=lambda score: -score.lam)
+
+
+def _score_from_nothing(problem: ExtendedProblem, polished: Solution, effect: Effect) -> Score | None:
+    """Score an effect by what a full step of all unknowns promises from its smallest start; None without a motion."""
+    larger = problem.extended((*problem.effects, effect))
+    theta = min(effect.starts, key=lambda start: max(abs(value) for value in start.values()))
+    p = np.append(polished.p, [theta[q.name] / q.size for q in effect.parameters])
+    free = np.setdiff1d(np.arange(len(p)), list(larger.parameters.frozen))
+    low, high = (bound[free] for bound in larger.bounds)
+    try:
+        r = larger.residual(p)
+        promise = LinearModel(larger.jacobian(p, free), r, p[free], (low, high)).full_promise
+    except NO_MOTION:
+        return None
+    return Score(effect=effect, lam=promise + polished.chi2 - float(r @ r), step=np.zeros(0), visible=0.0, begin=p)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

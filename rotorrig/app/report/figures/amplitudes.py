@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from rotorrig.app.plot_data import Curve, curves, thin_curve
-from rotorrig.app.report.figures.look import COLOURS, apply_look, dots
+from rotorrig.app.report.figures.look import COLOURS, apply_look, dots, of_amplitudes
 from rotorrig.processing import OrderTrackedResponse
 
 MOST = 160  # points of a run: a panel is half as wide as the page
@@ -32,7 +32,7 @@ def order_amplitudes(response: OrderTrackedResponse, order: float) -> go.Figure:
                 figure.add_trace(_noise_trace(curve, legend=p == 0), **place)
     figure.update_yaxes(rangemode="tozero", title="µm 0-peak", col=1)
     figure.update_xaxes(title="speed, rpm", row=rows)
-    apply_look(figure, height=80 + 210 * rows)
+    apply_look(of_amplitudes(figure, "y"), height=80 + 210 * rows)
     figure.update_layout(legend_y=1.0 + 0.12 / rows, margin_t=56)  # above the panels' titles
     return figure
 

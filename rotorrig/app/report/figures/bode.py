@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from rotorrig.app.plot_data import CriticalSpeed, Curve, curves, thin_curve
-from rotorrig.app.report.figures.look import COLOURS, apply_look, base_line, dots, line
+from rotorrig.app.report.figures.look import COLOURS, apply_look, base_line, dots, line, of_amplitudes
 from rotorrig.app.text import resonance_text
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import RPM
@@ -51,7 +51,7 @@ def bode(
         quarters = np.arange(-360, 811, 90)  # an axis may begin anywhere; its labels stay within 0 .. 360
         figure.update_yaxes(title="lag, °", tickvals=quarters, ticktext=quarters % 360, row=2, col=1)
     figure.update_xaxes(title="speed, rpm", row=len(heights), col=1)
-    apply_look(figure, height=height)
+    apply_look(of_amplitudes(figure, "y", axes=["y"]), height=height)
     _mark(figure, resonances)
     return figure
 

@@ -4,6 +4,7 @@ Backgrounds are transparent and text takes its colour from the page (report.css)
 and print. Blue is run-up, orange run-down; the pair is safe for colour-blind readers.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import plotly.graph_objects as go
@@ -37,6 +38,15 @@ def apply_look(figure: go.Figure, *, height: int) -> go.Figure:
     )
     figure.update_xaxes(gridcolor=GRID, zeroline=False, automargin=True)
     figure.update_yaxes(gridcolor=GRID, zeroline=False, automargin=True)
+    return figure
+
+
+def of_amplitudes(figure: go.Figure, values: str, *, axes: Sequence[str] = ()) -> go.Figure:
+    """Say which values of a figure's traces, "y", "r" or "z", are amplitudes in µm 0-peak, for units.js.
+
+    Those of the traces on these `axes`, "y", or of all.
+    """
+    figure.update_layout(meta={"amplitude": values} | ({"axes": list(axes)} if axes else {}))
     return figure
 
 

@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data import OrderSpectrum, residual_grid, whirl_grid
-from rotorrig.app.report.figures.look import apply_look
+from rotorrig.app.report.figures.look import apply_look, of_amplitudes
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import UM
 
@@ -48,7 +48,8 @@ def whirl_map(
         return None
     quiet = SIGMA_CEILING * noise * UM if np.isfinite(noise) else 0.0
     ceiling = float(np.max(grid, initial=quiet, where=np.isfinite(grid)))
-    return _map(labels, edges, grid, unit="µm", limits=(0.0, ceiling), colours=MICROMETRE_COLOURS)
+    figure = _map(labels, edges, grid, unit="µm", limits=(0.0, ceiling), colours=MICROMETRE_COLOURS)
+    return of_amplitudes(figure, "z")
 
 
 def full_spectrum_map(spectrum: OrderSpectrum) -> go.Figure:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rotorrig.app.plot_data import Curve, curves, lag_degrees, model_path, nice, thin_curve, thin_indices
 from rotorrig.app.report.figures.bode import DOTS
-from rotorrig.app.report.figures.look import COLOURS, GRID, LINE, apply_look, base_line, dots, line
+from rotorrig.app.report.figures.look import COLOURS, GRID, LINE, apply_look, base_line, dots, line, of_amplitudes
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import RigConfig
 
@@ -65,7 +65,7 @@ def _radius(curve: Curve, axis: go.layout.polar.AngularAxis) -> dict[str, Any]:
 def apply_polar_look(figure: go.Figure, rig: RigConfig, probe: str, *, height: int) -> None:
     """Lay out a polar plot of a probe's vectors, by their phase lag."""
     angle = rig.probe(probe).angle
-    apply_look(figure, height=height)
+    apply_look(of_amplitudes(figure, "r"), height=height)
     figure.update_layout(margin={"l": 40, "r": 40, "t": 34, "b": 46}, showlegend=False, modebar_orientation="h")
     figure.update_polars(
         bgcolor="rgba(0,0,0,0)",

@@ -3,7 +3,7 @@
 import numpy as np
 import plotly.graph_objects as go
 
-from rotorrig.app.report.figures.look import COLOURS, SHEER, apply_look, dots, line
+from rotorrig.app.report.figures.look import COLOURS, SHEER, apply_look, dots, line, of_amplitudes
 from rotorrig.balancing import DIRECTIONS, Prediction
 from rotorrig.rig.config import RPM, UM
 
@@ -31,7 +31,7 @@ def predicted(prediction: Prediction, probe: int, *, small: bool = False) -> go.
         before, after = (np.round(np.abs(z[rows]) * UM, 3) for z in (prediction.before, prediction.after))
         figure.add_scatter(x=rpm, y=before, name=f"before, {DIRECTIONS[way]}", **dots(way))
         figure.add_scatter(x=rpm, y=after, name=f"predicted, {DIRECTIONS[way]}", **line(way))
-    apply_look(figure, height=SMALL if small else HEIGHT)
+    apply_look(of_amplitudes(figure, "y"), height=SMALL if small else HEIGHT)
     figure.update_xaxes(title="speed, rpm")
     figure.update_yaxes(title=f"1X at {prediction.probes[probe]}, µm 0-peak", rangemode="tozero")
     if small:

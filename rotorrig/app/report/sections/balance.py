@@ -65,7 +65,8 @@ def vibration(prediction: Prediction, rig: RigConfig) -> str:
 def highest_table(prediction: Prediction) -> str:
     """Return the largest amplitudes before and after."""
     rows = [[each.probe, each.before, each.after, each.band] for each in highest_rows(prediction)]
-    return table("Largest 1X amplitude, µm 0-peak", ["probe", "before", "predicted", "95 % band there"], rows)
+    header = ["probe", "before", "predicted", "95 % band there"]
+    return table("Largest 1X amplitude, µm 0-peak", header, rows, amplitudes=(1, 2, 3))
 
 
 def amplitude_plot(prediction: Prediction, probe: int, *, share: float, small: bool = False) -> str:
@@ -94,7 +95,7 @@ def polar_plot(prediction: Prediction, probe: int, rig: RigConfig, *, share: flo
 
 def _largest(prediction: Prediction, probe: int) -> str:
     largest = next(each for each in highest_rows(prediction) if each.probe == prediction.probes[probe])
-    return f"At most {largest.before} before, {largest.after} predicted, in µm."
+    return f"At most {largest.before} µm 0-peak before, {largest.after} µm 0-peak predicted."
 
 
 def planes_drawn(balance: Balance, rig: RigConfig) -> str:
@@ -117,4 +118,5 @@ def compared(balance: Balance) -> str:
     if balance.comparison is None:
         return ""
     header = ["probe", "inside 95 %", "largest measured", "largest predicted"]
-    return table("The run after, µm 0-peak", header, comparison_rows(balance)) + paragraph(comparison_sentence(balance))
+    after = table("The run after, µm 0-peak", header, comparison_rows(balance), amplitudes=(2, 3))
+    return after + paragraph(comparison_sentence(balance))

@@ -30,7 +30,8 @@ def full_spectrum_section(response: OrderTrackedResponse) -> Section | None:
         for one in spectra
     ]
     caption = "Full spectrum at the largest 1X, µm 0-peak"
-    return section("full-spectrum", "Full spectrum", paragraph(_FULL), *plots, table(caption, header, rows))
+    largest = table(caption, header, rows, amplitudes=range(2, len(header)))
+    return section("full-spectrum", "Full spectrum", paragraph(_FULL), *plots, largest)
 
 
 def _words(one: OrderSpectrum) -> str:

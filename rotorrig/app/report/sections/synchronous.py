@@ -124,7 +124,7 @@ def _numbers(response: OrderTrackedResponse, probe: int, models: Models) -> str:
     main = curves(response, probe, prediction=models.best)
     before = curves(response, probe, prediction=models.before) if models.before is not None else main
     rows = [cells for one, base in zip(main, before, strict=True) for cells in _number_rows(one, base, models)]
-    header = ["run", "rpm", "µm 0-peak", "± 1 σ", "phase lag"]
+    header = ["run", "rpm", "µm 0-peak", "± 1 σ, µm 0-peak", "phase lag"]
     header += ["model, µm 0-peak", "phase lag"] if models.best is not None else []
     header += ["base model, µm 0-peak", "phase lag"] if models.before is not None else []
     caption = f"Probe {response.probes[probe]}, 1X at {NUMBERS} speeds of each run, with the peak"
@@ -215,7 +215,7 @@ def peak_words(response: OrderTrackedResponse, probe: int, models: Models) -> st
         if top := _peak(response, probe, run):
             sentences.append(f"Run {response.runs[run].name}: peak {top[0]} µm 0-peak at {top[1]} rpm, lag {top[2]}.")
         if models.best is not None and (top := _peak(response, probe, run, models.best)):
-            sentences.append(f"Model: {top[0]} µm at {top[1]} rpm.")
+            sentences.append(f"Model: {top[0]} µm 0-peak at {top[1]} rpm.")
     return " ".join(sentences)
 
 
