@@ -59,6 +59,11 @@ function numbers(values) { // as Plotly writes them: plain, or packed with their
 
 const scaled = (values, by) => values.map((one) => (Array.isArray(one) ? scaled(one, by) : one === null ? null : one * by));
 
+function round(value) { // down to 1, 2 or 5 of its decade
+  const decade = 10 ** Math.floor(Math.log10(value));
+  return decade * [5, 2, 1].find((first) => first * decade <= value);
+}
+
 // A figure from the page with its amplitudes in the unit chosen; layout.meta says which they are.
 function inUnit(figure) {
   const { amplitude, axes } = figure.layout.meta ?? {}, by = UNITS.get(unit);
@@ -75,7 +80,8 @@ function inUnit(figure) {
     if (axis.title?.text) axis.title.text = axis.title.text.replace(WRITTEN, unit);
     if (axis.ticksuffix) axis.ticksuffix = axis.ticksuffix.replace("µm", unit);
   }
-  if (figure.layout.polar?.radialaxis?.tickvals) Object.assign(figure.layout.polar.radialaxis, { tickmode: "auto", nticks: 4 });
+  const radius = figure.layout.polar?.radialaxis;
+  if (radius?.tickvals) radius.tickvals = [1, 2, 3].map((n) => n * round(radius.tickvals[0] * by)); // none at the centre
   return figure;
 }
 

@@ -102,6 +102,18 @@ def test_figures_are_drawn_in_it(tab: Tab, report: Path, figure: str, which: str
     assert "µm" not in tab.run(f"document.getElementById('{figure}').textContent")
 
 
+def test_a_polar_plot_has_round_numbers_and_none_at_its_centre(tab: Tab, report: Path) -> None:
+    opened(tab, report)
+    choose(tab, "mil pp")
+    ticks = json.loads(
+        tab.run("JSON.stringify(document.getElementById('first-polar').layout.polar.radialaxis.tickvals)")
+    )
+    first = float(f"{ticks[0]:.1e}".split("e")[0])
+    assert first in (1.0, 2.0, 5.0)
+    assert ticks == pytest.approx([ticks[0], 2 * ticks[0], 3 * ticks[0]])
+    assert ticks[2] <= values(tab, "first-polar", "r").max() * 1.5
+
+
 def test_lags_and_spectra_stay_as_they_are(tab: Tab, report: Path) -> None:
     opened(tab, report)
     lag = "document.getElementById('first-bode')._fullData.find(t => t.yaxis === 'y2')"
