@@ -60,18 +60,19 @@ def table(
     """Return a table; the first cell of a row heads it. On a narrow screen, rows of many cells are stacked.
 
     Rows whose index is in `marked` stand out in the way of the class `mark` of report.css. A column whose heading has
-    the unit of amplitudes holds nothing but them, and so do those numbered in `amplitudes`.
+    the unit of amplitudes holds nothing but them and cells with a unit of their own, and so do those numbered in
+    `amplitudes`.
     """
     marks, told = set(marked), {i for i, name in enumerate(header) if AMPLITUDE in name}.union(amplitudes)
     head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in header)
     stacked = len(header) >= STACKED
     body = ""
     for i, (first, *rest) in enumerate(rows):
-        names = [
-            (f' data-name="{escape(name)}"' if stacked else "") + (" class=amplitude" if i in told else "")
-            for i, name in enumerate(header[1:], start=1)
-        ]
-        cells = "".join(f"<td{name}>{escape(cell)}</td>" for name, cell in zip(names, rest, strict=True))
+        cells = ""
+        for column, (name, cell) in enumerate(zip(header[1:], rest, strict=True), start=1):
+            named = f' data-name="{escape(name)}"' if stacked else ""
+            kind = " class=amplitude" if column in told and "µm" not in cell else ""
+            cells += f"<td{named}{kind}>{escape(cell)}</td>"
         body += f'<tr{f" class={mark}" if i in marks else ""}><th scope="row">{escape(first)}</th>{cells}</tr>'
     inside = f"{_caption(caption)}<thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
     return scrolling(caption, f"<table{' class=stacked' if stacked else ''}>{inside}</table>")

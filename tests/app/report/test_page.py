@@ -1,6 +1,7 @@
 """The report says what its inputs say: the inputs are closed forms with known peaks, see tests/app/conftest.py."""
 
 import dataclasses
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.plot_data.curves import curves
 from rotorrig.app.plot_data.diagnosis_of_response import part_of
+from rotorrig.app.report.html import table
 from rotorrig.app.report.page import write_report
 from rotorrig.balancing import Balance
 from rotorrig.identify.diagnosis import Diagnosis, Verdict
@@ -485,3 +487,10 @@ def test_of_amplitudes_alone_no_phase_is_shown(tmp_path: Path, response: OrderTr
 def _written(folder: Path, response: OrderTrackedResponse) -> str:
     write_report(folder / "whole.html", response=response)
     return (folder / "whole.html").read_text()
+
+
+def test_a_cell_with_a_unit_of_its_own_is_no_amplitude_to_switch() -> None:
+    page = table(
+        "Misfits", ["where", "largest, µm 0-peak", "at"], [["1x", "3.2", "9"], ["gap", "7.7 µm of shift", "8"]]
+    )
+    assert re.findall(r"<td class=amplitude>([^<]*)</td>", page) == ["3.2"]

@@ -90,7 +90,7 @@ def misfits(diagnosis: Diagnosis) -> str:
             f"{m.probe}, {m.order:g}X, {m.run}",
             f"{m.speed_from * RPM:.0f} to {m.speed_to * RPM:.0f}",
             f"{m.sigma:.3g}",
-            f"{m.residual * UM:.3g}",
+            f"{m.residual * UM:.3g}" + ("" if m.order else " µm of shift"),
             "–" if math.isnan(m.relative) else f"{100 * m.relative:+.1f} %",
             "–" if math.isnan(m.phase) else f"{math.degrees(m.phase):+.1f}°",
             "–" if math.isnan(m.backward) else f"{100 * m.backward:.0f} %",
