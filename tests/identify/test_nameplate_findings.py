@@ -82,6 +82,7 @@ def test_two_probes_in_a_bracket_move_together(hurried_rig: RigConfig) -> None:
         "repeatability = 0",
         "harmonic_error = 0",
         "damping_over_speed = 0",
+        'mark_radius = "10 m"',
     )
     found = judged(swept(exact, Geometry(probe_shifts=(0.0, 0.0, BRACKET, BRACKET))))
     assert found.verdict in (Verdict.NAMED, Verdict.TIED)

@@ -3,6 +3,7 @@
 import math
 import time
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from rich.progress import Progress
@@ -12,8 +13,8 @@ from rotorrig.acquisition.sweep import Step
 from rotorrig.app.commands import diagnose
 from rotorrig.app.commands.sweep import record_sweep
 from rotorrig.app.report import write_report
+from rotorrig.app.terminal import operator_for, progress_bars, tables
 from rotorrig.app.terminal import out as console
-from rotorrig.app.terminal import progress_bars, tables
 from rotorrig.app.viewer import write_result_rrd
 from rotorrig.identify import Diagnosis, Identification, identify, write_diagnosis, write_identification
 from rotorrig.processing import OrderTrackedResponse, track
@@ -123,10 +124,14 @@ def _sweep(rig: RigConfig, folder: Path, case: Case, rate: float, bars: Progress
     def show(step: Step, fraction: float, speed: float) -> None:
         bars.update(task, completed=fraction, note=f"{speed * RPM:.0f} rpm")
 
+    say = partial(bars.console.print, markup=False, highlight=False, soft_wrap=True)
     part_path(folder / "run.mcap").unlink(missing_ok=True)  # of a demo that was killed: it can be made again
     with simulated_bench(rig.text, seed=case.seed, hidden=folder / SEALED, rate=rate) as ports:
         bars.update(task, description="sweeping")
-        result = record_sweep(rig, out=folder / "run.mcap", ports=ports, overwrite=True, progress=show)
+        operator = operator_for((), say=say, yes=True)
+        result = record_sweep(
+            rig, out=folder / "run.mcap", ports=ports, overwrite=True, progress=show, operator=operator
+        )
     bars.update(task, completed=1.0, note=f"{result.seconds:.0f} s recorded")
 
 

@@ -7,6 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from threadpoolctl import threadpool_limits
+
 from rotorrig.acquisition import Event
 from rotorrig.acquisition.files import RecordingWriter
 from rotorrig.acquisition.sweep import (
@@ -144,6 +146,8 @@ def record_sweep(
     """
     steps = steps_of(rig, plan, trial=trial)
     with ExitStack() as stack:
+        # BLAS's own threads spin between the small products of every block, on a core that others need
+        stack.enter_context(threadpool_limits(1, user_api="blas"))
         daq = stack.enter_context(connect.daq(rig, at=ports.daq if ports else None))
         info = daq.open()
         live = stack.enter_context(_live_view(rig, info)) if view else None

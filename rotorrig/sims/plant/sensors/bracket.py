@@ -25,13 +25,12 @@ class Brackets:
     def move(self, towards: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return by how much each bracket has moved (sample, probe) [m], for the shaft's motion towards its probe.
 
-        Both count from where the shaft was at the first sample: then all stood still.
+        Both count from where the shaft was at the first sample: then all stood still. An empty stretch compiles.
         """
-        if not len(towards):
-            return towards
-        if self._rest is None:
+        if self._rest is None and len(towards):
             self._rest = towards[0].copy()
-        return _follow(towards - self._rest, self._brackets, self._h, self._state)
+        off = towards - (np.zeros(towards.shape[1]) if self._rest is None else self._rest)
+        return _follow(off, self._brackets, self._h, self._state)
 
 
 @njit(cache=True)

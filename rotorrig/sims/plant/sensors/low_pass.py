@@ -23,12 +23,14 @@ class LowPass:
         self._state: NDArray[np.float64] | None = None
 
     def filter(self, signal: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the next block (sample, column) as it comes out; before the first sample it stood still."""
-        if not len(signal):
-            return signal
-        if self._state is None:
+        """Return the next block (sample, column) as it comes out; before the first sample it stood still.
+
+        An empty block compiles.
+        """
+        if self._state is None and len(signal):
             self._state = np.stack([signal[0], signal[0], np.zeros_like(signal[0])])
-        return _filter(np.ascontiguousarray(signal), self._delay, self._h, self._state)
+        state = np.zeros((3, len(self._delay))) if self._state is None else self._state
+        return _filter(np.ascontiguousarray(signal), self._delay, self._h, state)
 
 
 @njit(cache=True)
