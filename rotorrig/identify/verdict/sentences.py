@@ -78,8 +78,11 @@ def _attempt(after: Adequacy, causes: Sequence[Cause], predictions: Predictions)
     if not labels:
         return f"None of the known causes explains it: {_figures(after)}"
     if not predictions.better:
-        errors = f"{micrometres(predictions.after.error)} um, not {micrometres(predictions.before.error)} um"
-        better = f"does not clearly predict data no fit saw ({predictions.on}) better: to {errors}"
+        after_it, before_it = (micrometres(each.error) for each in (predictions.after, predictions.before))
+        without = "as without" if after_it == before_it else f"{before_it} um without"
+        better = (
+            f"does not clearly predict data no fit saw ({predictions.on}) any better: off by {after_it} um, {without}"
+        )
         return f"With {labels} it fits better, but {better}"
     if predictions.agreement and not predictions.agreed:
         parts = f"{predictions.agreement.between}, p = {predictions.agreement.p:.2g}"

@@ -73,7 +73,9 @@ def test_a_cause_that_predicts_worse_is_said_to() -> None:
     worse = Prediction(error=3e-6, floor=5e-7, expected=5e-7, sigmas=6.0, blocks=np.full(9, 36.0))
     words = said(Verdict.UNEXPLAINED, BOW, bought=replace(BOUGHT, after=worse))
     assert "With bow it fits better, but does not clearly predict data no fit saw" in words
-    assert "better: to 3 um, not 2 um" in words
+    assert "any better: off by 3 um, 2 um without" in words
+    alike = said(Verdict.UNEXPLAINED, BOW, bought=replace(BOUGHT, after=replace(worse, error=2e-6)))
+    assert "any better: off by 2 um, as without" in alike
 
 
 @pytest.mark.parametrize("verdict", [Verdict.ADEQUATE, Verdict.CANNOT_TELL])
