@@ -15,8 +15,27 @@ Written by `make docs` from the code itself; do not edit. The [how-to](python.md
 SI unless a name says otherwise; amplitudes are 0-peak, phases lag ([conventions](conventions.md)). What a user can get
 wrong raises `rr.DataError` or `rr.ConfigError`, both `rr.RigError`, with one sentence.
 """
-FUNCTIONS = (python.read, python.simulate, python.track, python.identify, python.diagnose, python.report, query)
-CLASSES = (python.Recording, python.Response, ResponsePlots, python.Identification, python.Diagnosis, python.Rotor)
+FUNCTIONS = (
+    python.read,
+    python.simulate,
+    python.track,
+    python.identify,
+    python.diagnose,
+    python.balance,
+    python.predict,
+    python.report,
+    query,
+)
+CLASSES = (
+    python.Recording,
+    python.Response,
+    ResponsePlots,
+    python.Identification,
+    python.Diagnosis,
+    python.Balance,
+    python.Prediction,
+    python.Rotor,
+)
 
 
 def text() -> str:

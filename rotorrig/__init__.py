@@ -1,7 +1,7 @@
 """Acquisition and identification for a rotor test rig; the README's Conventions hold throughout.
 
-`import rotorrig as rr` gives `rr.read`, `rr.track`, `rr.identify`, `rr.diagnose`, `rr.report`, `rr.simulate`,
-`rr.Rotor` and `rr.query` (docs/python.md). Nothing is loaded before it is asked for.
+`import rotorrig as rr` gives `rr.read`, `rr.track`, `rr.identify`, `rr.diagnose`, `rr.balance`, `rr.predict`,
+`rr.report`, `rr.simulate`, `rr.Rotor` and `rr.query` (docs/python.md). Nothing is loaded before it is asked for.
 """
 
 import lazy_loader

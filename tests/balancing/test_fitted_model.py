@@ -9,7 +9,7 @@ from rotorrig.balancing import Balance, Holes, Task, balance
 from rotorrig.identify.identification import Identification
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.errors import DataError
-from tests.balancing.conftest import TRIAL
+from tests.balancing.fits import TRIAL
 from tests.identify.swept import U
 
 MARK = np.radians(2.0)  # prior of the mark in configs/rk4.toml

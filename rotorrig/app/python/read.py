@@ -5,10 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from rotorrig.acquisition.files import KINDS, content_kind
+from rotorrig.app.python.balancing import Balance
 from rotorrig.app.python.recording import Recording
 from rotorrig.app.python.response import Response
 from rotorrig.app.python.results import Diagnosis, Identification
 from rotorrig.app.python.rotor import Rotor
+from rotorrig.balancing import read_balance
 from rotorrig.identify import read_diagnosis, read_identification
 from rotorrig.processing.files import read_response, read_table
 from rotorrig.rig import DataError
@@ -16,7 +18,7 @@ from rotorrig.rig.config import find_config, load
 
 
 def read(path: str | Path, *, config: str | Path | None = None, mapping: str | Path | None = None) -> Any:
-    """Return what a file holds: a `Recording`, `Response`, `Identification`, `Diagnosis`, `Rotor`, balance or journal.
+    """Return what a file holds, a `Recording`, `Response`, `Identification`, `Diagnosis`, `Balance`, `Rotor`, journal.
 
     A table of vectors of another program (CSV) wants the rig's `config` and the `mapping` of its columns, as `rotor
     import` does, and becomes a `Response`. Waveforms of other programs (CSV, UFF, TDMS, WAV) want `config`, and a
@@ -31,12 +33,15 @@ def read(path: str | Path, *, config: str | Path | None = None, mapping: str | P
     if config is not None:
         return _read_foreign(path, Path(config), Path(mapping) if mapping else None)
     kind = content_kind(path)
-    if kind in ("balance", "investigation"):
-        return _read_result(path, kind)
+    if kind == "investigation":
+        from rotorrig.investigation import read_journal
+
+        return read_journal(path)
     readers: dict[str, Callable[[Path], Any]] = {
         "run": Recording,
         "response": lambda file: Response.of(read_response(file)),
         "fit": lambda file: Identification.of(read_identification(file)),
+        "balance": lambda file: Balance.of(read_balance(file)),
         "diagnosis": lambda file: Diagnosis.of(read_diagnosis(file)),
         "config": Rotor.from_config,
         "ross": Rotor.from_ross,
@@ -47,16 +52,6 @@ def read(path: str | Path, *, config: str | Path | None = None, mapping: str | P
             "config=, the rig's TOML file"
         )
     return readers[kind](path)
-
-
-def _read_result(path: Path, kind: str) -> Any:
-    if kind == "balance":
-        from rotorrig.balancing import read_balance
-
-        return read_balance(path)
-    from rotorrig.investigation import read_journal
-
-    return read_journal(path)
 
 
 def _read_foreign(path: Path, config: Path, mapping: Path | None) -> Any:

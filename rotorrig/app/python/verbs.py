@@ -12,7 +12,7 @@ from typing import Literal
 
 from rotorrig.acquisition import RawRecording, WaveformSource
 from rotorrig.acquisition.files import open_recording
-from rotorrig.app.commands.diagnose import of_one_rig
+from rotorrig.app.python.given import OneResponse, PathLike, Responses, read_responses, rig_of
 from rotorrig.app.python.recording import Recording
 from rotorrig.app.python.response import Response
 from rotorrig.app.python.results import Diagnosis, Identification
@@ -21,14 +21,8 @@ from rotorrig.identify import Identification as Fits
 from rotorrig.identify import diagnose as judge
 from rotorrig.identify import identify as fit
 from rotorrig.identify.base_model import ObjectiveName, SearchName
-from rotorrig.processing import OrderTrackedResponse, Spacing, SpeedWindow, Tracking, pipeline
-from rotorrig.processing.files import read_response
-from rotorrig.rig import DataError
-from rotorrig.rig.config import RigConfig, find_config, load, read_quantity, read_trial_mass
-
-PathLike = str | Path
-OneResponse = PathLike | OrderTrackedResponse
-Responses = OneResponse | Sequence[OneResponse]
+from rotorrig.processing import Spacing, SpeedWindow, Tracking, pipeline
+from rotorrig.rig.config import RigConfig, read_quantity, read_trial_mass
 
 
 def track(
@@ -78,7 +72,7 @@ def identify(
 
     `config` replaces the model in the responses. Raises DataError, ConfigError.
     """
-    measured = _read_all(responses, config)
+    measured = read_responses(responses, config=config)
     return Identification.of(fit(measured, objective=objective, method=search, profile=profile, seed=seed))
 
 
@@ -96,8 +90,8 @@ def diagnose(
     `holdout` is a response that no fit sees. After `time_limit`, "5 min", it ends with the best so far. Raises
     DataError, ConfigError.
     """
-    used = _read_all(responses, config)
-    unseen = _read_all([holdout], used[0].rig)[0] if holdout is not None else None
+    used = read_responses(responses, config=config)
+    unseen = read_responses(holdout, config=used[0].rig)[0] if holdout is not None else None
     return Diagnosis.of(judge(used, holdout=unseen, model=model, seed=seed, go_on=_until(time_limit)))
 
 
@@ -111,7 +105,7 @@ def report(
     """Write the self-contained HTML report of a response. Raises DataError."""
     from rotorrig.app.report import write_report
 
-    measured = _read_all(response, None)[0]
+    measured = read_responses(response)[0]
     write_report(Path(path), response=measured, identification=identification, diagnosis=diagnosis)
     return Path(path)
 
@@ -137,7 +131,7 @@ def simulate(
     from rotorrig.app.commands.sweep import record_sweep
     from rotorrig.sims.plant import FaultSpec, draw, seal
 
-    rig = _rig(config)
+    rig = rig_of(config)
     specs = faults_of(rig) + tuple(FaultSpec(name=n, parameters=dict(p)) for n, p in (faults or {}).items())
     with tempfile.TemporaryDirectory(prefix="rotorrig-truth-") as scratch:
         sealed = Path(scratch) / "truth.json"
@@ -146,26 +140,6 @@ def simulate(
         with run_simulated_rig(rig, simulation, trial=trial) as ports:
             record_sweep(rig, out=Path(out), plan=plan, trial=trial, ports=ports, overwrite=overwrite)
     return Recording(out)
-
-
-def _rig(config: PathLike | RigConfig) -> RigConfig:
-    return config if isinstance(config, RigConfig) else load(find_config(Path(config)))
-
-
-def _read_all(responses: Responses, config: PathLike | RigConfig | None) -> list[OrderTrackedResponse]:
-    """Read what is given by path, and hold all of it to one rig."""
-    given = [responses] if isinstance(responses, (str, Path, OrderTrackedResponse)) else list(responses)
-    if not given:
-        raise DataError("no response was given, want at least one")
-    named = []
-    for number, one in enumerate(given, start=1):
-        if isinstance(one, OrderTrackedResponse):
-            named.append((f"response {number}", one))
-        elif isinstance(one, (str, Path)):
-            named.append((str(one), read_response(Path(one))))
-        else:
-            raise DataError(f"response {number}: is a {type(one).__name__}, want a response or the path of one")
-    return of_one_rig(named, config=None if config is None else _rig(config))
 
 
 def _until(time_limit: str | None) -> Callable[[], bool]:

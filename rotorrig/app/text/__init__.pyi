@@ -1,6 +1,7 @@
 from .amplitude_units import AMPLITUDE_UNITS as AMPLITUDE_UNITS
 from .amplitude_units import read_amplitude_unit as read_amplitude_unit
 from .balancing import CONVENTION as CONVENTION
+from .balancing import GMM as GMM
 from .balancing import Highest as Highest
 from .balancing import comparison_rows as comparison_rows
 from .balancing import comparison_sentence as comparison_sentence
@@ -62,6 +63,7 @@ from .tracking import tracking_line as tracking_line
 __all__ = [
     "CAUSES_TITLE",
     "CONVENTION",
+    "GMM",
     "NOTHING_PULLED",
     "NO_RESONANCE",
     "SHOWN",

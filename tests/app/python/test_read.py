@@ -75,7 +75,9 @@ def test_results_are_read_with_their_tables(
     write_diagnosis(tmp_path / "b.json", named)
     write_balance(tmp_path / "c.json", balanced)
     fit, diagnosis, balance = (rr.read(tmp_path / f"{name}.json") for name in "abc")
-    assert isinstance(fit, rr.Identification) and isinstance(diagnosis, rr.Diagnosis) and isinstance(balance, Balance)
+    assert (
+        isinstance(fit, rr.Identification) and isinstance(diagnosis, rr.Diagnosis) and isinstance(balance, rr.Balance)
+    )
     first = identification.fits[0].estimates[0]
     row = fit.to_pandas().iloc[0]
     assert (row["name"], row["value"], row["unit"]) == (first.name, first.value, first.unit)

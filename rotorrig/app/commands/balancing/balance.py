@@ -16,7 +16,6 @@ from rotorrig.app.text import (
 from rotorrig.balancing import Balance, Task, balance
 from rotorrig.identify import read_identification
 from rotorrig.processing import OrderTrackedResponse
-from rotorrig.rig import ConfigError
 from rotorrig.rig.config import RigConfig
 
 
@@ -55,8 +54,6 @@ def balance_responses(
     min_max: bool,
 ) -> tuple[Balance, RigConfig]:
     """Balance responses of one rig, and return that, too. Raises DataError, ConfigError."""
-    if holes.holes is not None and holes.holes < 1:
-        raise ConfigError(f"--holes: got {holes.holes}, want at least 1")
     every = read_responses([*paths, after] if after else paths)
     measured, last = every[: len(paths)], every[-1] if after else None
     identification = read_identification(fit) if fit else None

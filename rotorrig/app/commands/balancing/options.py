@@ -75,6 +75,8 @@ def read_holes(options: HoleOptions, planes: Sequence[str], radii: dict[str, flo
         return None
     if options.holes is None or options.masses is None:
         raise ConfigError("--holes and --masses: got one, want both or neither")
+    if options.holes < 1:
+        raise ConfigError(f"--holes: got {options.holes}, want at least 1")
     missing = [plane for plane in planes if plane not in radii]
     if missing:
         raise ConfigError(f"--radius: missing for '{missing[0]}', want the radius of its holes, such as '30 mm'")

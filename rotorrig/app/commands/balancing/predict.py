@@ -11,7 +11,7 @@ from rotorrig.app.commands.diagnose import read_responses
 from rotorrig.app.terminal import out, prediction_table, working
 from rotorrig.app.text import mass_text
 from rotorrig.balancing import DIRECTIONS, Prediction, influence_of_fit, predict_vibration, write_prediction
-from rotorrig.identify import read_identification
+from rotorrig.identify import Identification, read_identification
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import ConfigError, write_whole_text
 from rotorrig.rig.config import RPM, UM, read_trial_mass, trial_unbalance
@@ -32,15 +32,22 @@ def predict_with_masses(
 
     Raises DataError, ConfigError.
     """
-    responses = read_responses(paths)
     if not masses:
         raise ConfigError("--mass: missing, want at least one such as 'disk: 12 g mm at 90 deg'")
+    responses = read_responses(paths)
+    with working("predicting"):
+        prediction, added = predict_by_fit(responses, read_identification(fit), masses)
+    return prediction, added, responses[0]
+
+
+def predict_by_fit(
+    responses: Sequence[OrderTrackedResponse], identification: Identification, masses: Sequence[str]
+) -> tuple[Prediction, dict[str, complex]]:
+    """Predict the first response with masses on, and return these [kg m]. Raises DataError, ConfigError."""
     planes = responses[0].rig.unbalance_planes
     added = trial_unbalance([read_trial_mass(text, planes=planes) for text in masses])
-    with working("predicting"):
-        influence = influence_of_fit(read_identification(fit), responses, planes=tuple(added))
-        prediction = predict_vibration(influence, np.array(list(added.values())))
-    return prediction, added, responses[0]
+    influence = influence_of_fit(identification, responses, planes=tuple(added))
+    return predict_vibration(influence, np.array(list(added.values()))), added
 
 
 def write_predicted(

@@ -5,7 +5,6 @@ import json
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +16,8 @@ from rotorrig.identify.result_files import write_identification
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import ConfigError
-from tests.balancing.fits import fit_from
-from tests.identify.matched import sought
-from tests.identify.swept import C, K, U, swept_response
+from tests.balancing.fits import fit_from, three_runs
+from tests.identify.swept import U
 
 Run = Callable[..., tuple[int, str, str]]
 FILES = ("base.mcap", "trial.mcap", "after.mcap")
@@ -29,13 +27,10 @@ FILES = ("base.mcap", "trial.mcap", "after.mcap")
 def folder(rig_config: RigConfig, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Three runs - as it is, with 12 g mm at 90 degrees, balanced - and the fit of the first."""
     path = tmp_path_factory.mktemp("balancing")
-    rng, rig = np.random.default_rng(3), sought(rig_config)
-    for i, (name, trial) in enumerate(zip(FILES, (0j, 12e-6j, -U), strict=True)):
-        made = swept_response(rig, rng=rng, orders=(1,), trial=trial, speeds=(900, 2600), ramp=600)
-        made = replace(made, source=replace(made.source, source_hash=f"{i:016x}"))
-        write_response(path / name, made)
-        if not i:
-            write_identification(path / "fit.json", fit_from([made], [*K, *C]))
+    made = three_runs(rig_config)
+    for name, response in zip(FILES, made, strict=True):
+        write_response(path / name, response)
+    write_identification(path / "fit.json", fit_from(made[:1]))
     return path
 
 
