@@ -1,15 +1,18 @@
 """A Bode plot of one probe in Rerun: amplitude above phase lag against speed."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data import lag_degrees, nice
-from rotorrig.app.viewer.plots.axes import Panel, step_for
+from rotorrig.app.viewer.plots.axes import Panel, below_one_another, legend, step_for
 from rotorrig.rig.config import RPM, RigConfig
 
 SMALLEST_BODE = 10.0  # µm
 FASTEST = 4000.0  # rpm, where the config sets no limit
+MARKED = 52.0, 6.0  # view units: the middle of the first line of what marks say
 Colour = tuple[int, int, int]
 Panels = tuple[Panel, Panel]  # amplitude, phase lag
 
@@ -87,6 +90,15 @@ class BodePicture:
             places = places[np.isfinite(places).all(axis=1)]
             dots = rr.Points2D(places, colors=colour, radii=-radius, draw_order=order)
             self._stream.log(f"{self._path}/{part}/{name}", dots, static=self._static and not moving)
+
+    def marks(self, name: str, panels: Panels, marks: Sequence[tuple[float, str, Colour]]) -> None:
+        """Draw an upright line through both panels at each speed [rpm]; what they say stands at the top left."""
+        strips = [panel.place(np.array([rpm, rpm]), np.array(panel.y)) for rpm, _, _ in marks for panel in panels]
+        colours = [colour for _, _, colour in marks for _ in panels]
+        lines = rr.LineStrips2D(strips, colors=colours, radii=-0.6)
+        self._stream.log(f"{self._path}/{name}/lines", lines, static=self._static)
+        words = legend([(words, colour) for _, words, colour in marks], below_one_another(*MARKED))
+        self._stream.log(f"{self._path}/{name}/words", words, static=self._static)
 
     def _strips(self, path: str, strips: list[NDArray[np.float64]], colour: Colour, order: float) -> None:
         lines = rr.LineStrips2D(strips, colors=colour, radii=-0.9, draw_order=order)

@@ -8,11 +8,13 @@ from rotorrig.app.plot_data import (
     REFERENCE,
     SMALLEST_PATH,
     CentrelinePath,
+    CriticalSpeed,
     centreline_paths,
     clearance_circle,
     phase_window,
     residual_grid,
 )
+from rotorrig.app.text import resonance_text
 from rotorrig.app.viewer.plots import (
     BACKWARD,
     DOWN,
@@ -34,7 +36,7 @@ from rotorrig.app.viewer.plots import (
 )
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.processing.tracking import whirl_vectors
-from rotorrig.rig.config import UM
+from rotorrig.rig.config import RPM, UM
 
 BEFORE = (176, 132, 214)  # the model that was extended
 MAP_BINS = 100  # of the residual map: about four rows of a run in each
@@ -65,7 +67,13 @@ def _draw_bode(stream: rr.RecordingStream, result: Result, p: int) -> Panels:
             colour = MODEL_UP if up else MODEL_DOWN
             picture.line(f"{i}-model", panels, rpm, result.model[rows, p], colour, order=3.0 + order)
     _draw_runs(stream, result, f"bode/{name}", 172.0, 6.0)
+    picture.marks("critical", panels, [_critical_mark(each) for each in result.critical_speeds if each.probe == name])
     return panels
+
+
+def _critical_mark(critical: CriticalSpeed) -> tuple[float, str, Colour]:
+    words = f"{critical.run}: {resonance_text(critical.measured)}"
+    return critical.measured.omega.value * RPM, words, UP if critical.direction > 0 else DOWN
 
 
 def _draw_runs(stream: rr.RecordingStream, result: Result, path: str, x: float, y: float) -> None:

@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition import WaveformSource
 from rotorrig.app.plot_data import (
+    CriticalSpeed,
     SpeedSpectra,
     check_balance_of,
     check_run_of,
+    critical_speeds,
     fits_of,
     model_vectors,
     part_of,
@@ -73,6 +75,11 @@ class Result:
     def sweeps(self) -> list[int]:
         """The runs whose speed changes."""
         return sweeps(self.response)
+
+    @cached_property
+    def critical_speeds(self) -> tuple[CriticalSpeed, ...]:
+        """Critical speeds as measured, by probe and run."""
+        return critical_speeds(self.response)
 
     @cached_property
     def planes(self) -> list[tuple[Plane, list[int]]]:

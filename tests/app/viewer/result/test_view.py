@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rerun as rr
 from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
 
@@ -15,6 +16,7 @@ from rotorrig.app.viewer.open import Evidence, as_rrd, save_result
 from rotorrig.app.viewer.plots.residual import colour_sigmas
 from rotorrig.app.viewer.plots.spectrum_map import HEIGHT, WIDTH, image_of
 from rotorrig.app.viewer.result.cascade import tracked_cascades
+from rotorrig.app.viewer.result.curves import draw_bodes
 from rotorrig.app.viewer.result.data import result_of
 from rotorrig.app.viewer.result.opening import opening_rpm, read_opening
 from rotorrig.app.viewer.result.rotor import exaggeration
@@ -26,6 +28,7 @@ from rotorrig.identify.identification import Identification
 from rotorrig.identify.result_files import write_diagnosis, write_identification
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
 from tests.app.conftest import make_missing
 from tests.app.headless import headless_viewer, marked, needs_vulkan, views
@@ -93,6 +96,27 @@ def test_the_colours_named_are_those_there_are(response: OrderTrackedResponse, n
     assert "slow-roll compensated" in colour_words(result_of(response))
     unknown = dataclasses.replace(response, slow_roll=np.full_like(response.slow_roll, np.nan))
     assert "compensated" not in colour_words(result_of(unknown))
+
+
+def test_critical_speeds_are_marked_in_both_panels_with_their_amplification(
+    response: OrderTrackedResponse, tmp_path: Path
+) -> None:
+    result, path = result_of(response), str(tmp_path / "bode.rrd")
+    stream = rr.RecordingStream("bode")
+    stream.save(path)
+    (amplitude, lag), *_ = draw_bodes(stream, result)
+    stream.disconnect()
+    drawn = {str(chunk.entity_path): chunk.to_record_batch() for chunk in RrdReader(path).stream()}
+    (strips,) = drawn["/bode/1x/critical/lines"]["LineStrips2D:strips"].to_pylist()
+    (words,) = drawn["/bode/1x/critical/words"]["Points2D:labels"].to_pylist()
+    found = [each.measured for each in result.critical_speeds if each.probe == "1x"]
+    assert len(strips) == 2 * len(found) == 2 * len(words) > 0
+    for i, resonance in enumerate(found):
+        rpm = resonance.omega.value * RPM
+        for strip, panel in zip(strips[2 * i : 2 * i + 2], (amplitude, lag), strict=True):
+            assert np.allclose(strip, panel.place([rpm, rpm], panel.y), atol=1e-3)
+        assert f"{rpm:.0f} rpm, AF {resonance.amplification.value:.3g}" in words[i]
+    assert "upright lines: critical speeds as measured" in colour_words(result)
 
 
 def test_a_residual_of_eight_sigmas_is_red_and_what_was_not_measured_has_the_grids_colour() -> None:
@@ -189,6 +213,7 @@ def test_a_response_is_saved_with_what_was_made_of_it(saved: Path) -> None:
     entities = {str(chunk.entity_path) for chunk in RrdReader(str(saved)).stream()}
     bode = {"/bode/1x/amplitude/1-before", "/bode/1x/phase/1-model"}
     assert {"/residual/before/map", "/residual/after/map", *bode} <= entities
+    assert {"/bode/1x/critical/lines", "/bode/1x/critical/words"} <= entities
     assert {"/missing/words", "/missing/force/backward/law", "/missing/force/forward/measured"} <= entities
     assert {"/missing/place/curve", "/missing/motion/law", "/missing/motion/measured"} <= entities
 
