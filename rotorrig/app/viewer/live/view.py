@@ -23,7 +23,7 @@ from rotorrig.rig.probes import Block, DaqInfo
 
 WAITING_SAMPLES = 4_000_000  # scans that may wait; beyond, the oldest are dropped and the tracker sees a gap
 START_SECONDS = 30.0  # for the libraries to load, on a busy machine
-FAREWELL = 5.0  # s without progress after which a view that is to end is ended
+FAREWELL = 20.0  # s without progress after which a view that is to end is ended: a busy machine draws slowly
 
 log = logging.getLogger(__name__)
 
