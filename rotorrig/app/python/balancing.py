@@ -9,7 +9,7 @@ import numpy as np
 
 from rotorrig.app.commands.balancing import HoleOptions, predict_by_fit, read_task
 from rotorrig.app.python.card import Card
-from rotorrig.app.python.given import OneResponse, PathLike, Responses, listed, read_responses
+from rotorrig.app.python.given import OneResponse, PathLike, Responses, list_responses, read_responses
 from rotorrig.app.text import (
     GMM,
     correction_rows,
@@ -143,10 +143,10 @@ def balance(
     `after` is the response of a run with masses on, to hold against the prediction. Texts are as the command takes
     them: `speeds` "1500 rpm, 1800 to 2400 rpm", `radius` "30 mm", `masses` "1 g, 2 g". Raises DataError, ConfigError.
     """
-    every = read_responses([*listed(responses), *([] if after is None else [after])])
+    every = read_responses([*list_responses(responses), *([] if after is None else [after])])
     measured, last = (every, None) if after is None else (every[:-1], every[-1])
     at_hand = HoleOptions(holes=holes, masses=masses, radius=radius, first=first_hole, most=most_holes)
-    fit = _fit(identification)
+    fit = None if identification is None else _read_fit(identification)
     task = read_task(measured, planes=planes, speeds=speeds, holes=at_hand, min_max=min_max, fitted=fit is not None)
     return Balance.of(compute(measured, task, identification=fit, after=last))
 
@@ -160,11 +160,9 @@ def predict(responses: Responses, *, identification: PathLike | Fits, masses: st
     named = [masses] if isinstance(masses, str) else list(masses)
     if not named:
         raise ConfigError("masses: none was given, want at least one such as 'disk: 12 g mm at 90 deg'")
-    fit = _fit(identification)
-    assert fit is not None
-    prediction, _ = predict_by_fit(read_responses(responses), fit, named)
+    prediction, _ = predict_by_fit(read_responses(responses), _read_fit(identification), named)
     return Prediction.of(prediction)
 
 
-def _fit(identification: PathLike | Fits | None) -> Fits | None:
+def _read_fit(identification: PathLike | Fits) -> Fits:
     return read_identification(Path(identification)) if isinstance(identification, (str, Path)) else identification

@@ -19,14 +19,14 @@ def rig_of(config: PathLike | RigConfig) -> RigConfig:
     return config if isinstance(config, RigConfig) else load(find_config(Path(config)))
 
 
-def listed(responses: Responses) -> list[OneResponse]:
+def list_responses(responses: Responses) -> list[OneResponse]:
     """Return one response or several as a list."""
     return [responses] if isinstance(responses, (str, Path, OrderTrackedResponse)) else list(responses)
 
 
 def read_responses(responses: Responses, *, config: PathLike | RigConfig | None = None) -> list[OrderTrackedResponse]:
     """Read what is given by path, and hold all of it to one rig. Raises DataError, ConfigError."""
-    given = listed(responses)
+    given = list_responses(responses)
     if not given:
         raise DataError("no response was given, want at least one")
     named = []

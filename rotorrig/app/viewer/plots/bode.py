@@ -91,7 +91,7 @@ class BodePicture:
             dots = rr.Points2D(places, colors=colour, radii=-radius, draw_order=order)
             self._stream.log(f"{self._path}/{part}/{name}", dots, static=self._static and not moving)
 
-    def marks(self, name: str, panels: Panels, marks: Sequence[tuple[float, str, Colour]]) -> None:
+    def mark_speeds(self, name: str, panels: Panels, marks: Sequence[tuple[float, str, Colour]]) -> None:
         """Draw an upright line through both panels at each speed [rpm]; what they say stands at the top left."""
         strips = [panel.place(np.array([rpm, rpm]), np.array(panel.y)) for rpm, _, _ in marks for panel in panels]
         colours = [colour for _, _, colour in marks for _ in panels]

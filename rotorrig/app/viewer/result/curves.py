@@ -67,7 +67,8 @@ def _draw_bode(stream: rr.RecordingStream, result: Result, p: int) -> Panels:
             colour = MODEL_UP if up else MODEL_DOWN
             picture.line(f"{i}-model", panels, rpm, result.model[rows, p], colour, order=3.0 + order)
     _draw_runs(stream, result, f"bode/{name}", 172.0, 6.0)
-    picture.marks("critical", panels, [_critical_mark(each) for each in result.critical_speeds if each.probe == name])
+    marks = [_critical_mark(each) for each in result.critical_speeds if each.probe == name]
+    picture.mark_speeds("critical", panels, marks)
     return panels
 
 
