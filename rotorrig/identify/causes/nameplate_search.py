@@ -5,8 +5,7 @@ first recording, their speed taken as steady, in three stages. Gather: at each o
 of all these unknowns would lead. Cluster: the lowest few of them that are apart. Descend: from each, with nuisances
 pinned at their priors; the lowest then with every unknown free. It begins at the nameplate and at the base's fit.
 
-An effect that may be of either sign, as a spring that hardens or softens, is linear where it is next to nothing. From
-there it is scored once more as any other, on all rows and orders: at 2X it may show before it does at 1X.
+Those that are linear while small are scored for that as well: small_amounts.py.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -18,12 +17,10 @@ from scipy.ndimage import minimum_filter
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.causes.settings import SELECTION
+from rotorrig.identify.causes.small_amounts import NO_MOTION, score_small_amounts
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Index, LinearModel, Solution
-from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect
-
-NO_MOTION = (DataError, np.linalg.LinAlgError)  # at some unknowns a rotor has none, or none that is finite
 
 
 def search_from_nameplate(
@@ -50,24 +47,8 @@ def search_from_nameplate(
         begin[search.index] = fit.p[: len(search.index)]
         lam = polished.chi2 * (1 - fit.chi2 / search.chi2)
         scores.append(Score(effect=effect, lam=lam, step=np.zeros(0), visible=0.0, begin=begin))
-    either = [effect for effect in able if all(q.low < 0 < q.high for q in effect.parameters)]
-    scores += [score for effect in either if go_on() and (score := _score_from_nothing(problem, polished, effect))]
+    scores += score_small_amounts(problem, polished.p, able) if go_on() else []
     return sorted(scores, key=lambda score: -score.lam)
-
-
-def _score_from_nothing(problem: ExtendedProblem, polished: Solution, effect: Effect) -> Score | None:
-    """Score an effect by what a full step of all unknowns promises from its smallest start; None without a motion."""
-    larger = problem.extended((*problem.effects, effect))
-    theta = min(effect.starts, key=lambda start: max(abs(value) for value in start.values()))
-    p = np.append(polished.p, [theta[q.name] / q.size for q in effect.parameters])
-    free = np.setdiff1d(np.arange(len(p)), list(larger.parameters.frozen))
-    low, high = (bound[free] for bound in larger.bounds)
-    try:
-        r = larger.residual(p)
-        promise = LinearModel(larger.jacobian(p, free), r, p[free], (low, high)).full_promise
-    except NO_MOTION:
-        return None
-    return Score(effect=effect, lam=promise + polished.chi2 - float(r @ r), step=np.zeros(0), visible=0.0, begin=p)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

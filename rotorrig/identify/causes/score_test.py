@@ -69,6 +69,11 @@ def projection(problem: ExtendedProblem, p: Reals) -> tuple[Reals, Reals]:
     return Q, r - Q @ (Q.T @ r)
 
 
+def score_beyond(effect: Effect, columns: Reals, Q: Reals, r: Reals) -> Score:
+    """Score an effect by its columns (value, parameter), beside a `projection`."""
+    return _score(effect, columns, _beyond(columns, Q), r)
+
+
 def _beyond(columns: Reals, Q: Reals) -> Reals:
     """Return what of `columns` the basis Q cannot follow."""
     left = columns - Q @ (Q.T @ columns)

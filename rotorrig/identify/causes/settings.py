@@ -25,6 +25,7 @@ class SelectionSettings:
 
     # scores
     step: float = 1e-4  # of an unknown's size: differences
+    little: float = 2e-3  # of the size of what an effect is linear in: differences under a force law, which bends
     spanned: float = 1e-12  # of the loads' greatest singular value: less is rounding
     beyond_base: float = 1e-6  # of a column that the base cannot follow: less is rounding
     scored_together: int = 16  # candidates whose columns are projected at once: passes over the basis take time

@@ -29,6 +29,7 @@ class CubicSpring(Effect):
     name = "cubic_spring"
     title = "bearing stiffness that grows with deflection"
     orders = EVERY
+    linear_in = "k3"
     bearings: tuple[str, ...]
     gravity: str  # as in RigConfig
 

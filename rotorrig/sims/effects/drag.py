@@ -26,6 +26,7 @@ class Drag(Effect):
     name = "drag"
     title = "drag on a disk"
     orders = EVERY
+    linear_in = "c2"
     disk: str
 
     def force_laws(self, model: RotorModel, theta: Theta) -> tuple[ForceLaw, ...]:

@@ -30,6 +30,7 @@ class Pedestal(Effect):
     name = "pedestal"
     title = "pedestal with a resonance"
     orders = EVERY
+    linear_in = "lightness"
     scales_base = False
     bearings: tuple[str, ...]
     axis: int  # 0 along x, 1 along y

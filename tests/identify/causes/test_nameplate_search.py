@@ -11,6 +11,7 @@ from rotorrig.identify.causes import candidates
 from rotorrig.identify.causes.candidate_fit import Candidate, fit_candidate, plausible
 from rotorrig.identify.causes.nameplate_search import search_from_nameplate
 from rotorrig.identify.causes.score_test import Score
+from rotorrig.identify.causes.small_amounts import score_small_amounts
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -95,6 +96,23 @@ def test_a_pedestal_of_any_frequency_is_found_under_any_rotor(rig_config: RigCon
     best = best_fit(problem, base, [first, second])
     assert best.effect.label == "pedestal, x"
     assert_reached(best, {"omega": omega})
+
+
+@pytest.mark.parametrize("hertz", [20.5, 47.0])
+def test_a_pedestal_that_gives_way_by_little_is_found_at_its_frequency(rig_config: RigConfig, hertz: float) -> None:
+    """By a hundredth of the bearing's own compliance: a full amount, begun anywhere, does not come down to that."""
+    rig = draw_rig(SPRINGY["one disk"])
+    omega, k = 2 * np.pi * hertz, character(rig).stiffness
+    theta = {"lightness": omega**2 * 0.015 / k, "omega": omega, "damping ratio": 0.04, "compliance across": 0.0}
+    problem = recorded(rig_config, rig, "pedestal, x", theta, seed=13)
+    base = base_fit(problem)
+    (score,) = score_small_amounts(problem, base.p, [find(rig, "pedestal, x")])
+    names = problem.extended([score.effect]).parameters
+    assert score.begin is not None
+    assert names.of_effect(score.begin, 0)["omega"] == pytest.approx(omega, rel=0.07)
+    best = best_fit(problem, base, [score])
+    assert best.lam > 15
+    assert_reached(best, {"omega": omega, "lightness": theta["lightness"]})
 
 
 @pytest.mark.parametrize(
