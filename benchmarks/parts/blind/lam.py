@@ -95,7 +95,10 @@ def lam(
     effect = problem.effects[-1]
     rivals = [e for e in candidates(recordings) if e.label not in hidden.labels and is_another_cause(e, effect)]
     nearest, which = enough, ""
-    for search in (lambda: scores(base, best.p, rivals), lambda: search_from_nameplate(base, best, rivals)):
+    for search in (
+        lambda: scores(base, best.p, rivals),
+        lambda: search_from_nameplate(base, best, rivals, biased=True),
+    ):
         if nearest < VERDICT.nameable:
             break
         for effect in _promising(search(), left, enough=enough, bent=problem.curved):

@@ -3,7 +3,8 @@
 The unknowns of an effect are searched together with the base's stiffness, damping and unbalance, on some rows of the
 first recording, their speed taken as steady, in three stages. Gather: at each of the effect's starts, where a full step
 of all these unknowns would lead. Cluster: the lowest few of them that are apart. Descend: from each, with nuisances
-pinned at their priors; the lowest then with every unknown free. It begins at the nameplate and at the base's fit.
+pinned at their priors; the lowest then with every unknown free. It begins at the nameplate and at the base's fit. What
+promises most descends first, and what could not come near it is given up.
 
 Those that are linear while small are scored for that as well: small_amounts.py.
 """
@@ -19,7 +20,7 @@ from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.causes.small_amounts import NO_MOTION, score_small_amounts
 from rotorrig.identify.extended_model import ExtendedProblem
-from rotorrig.identify.least_squares import Index, LinearModel, Solution
+from rotorrig.identify.least_squares import Index, LinearModel, Solution, Stop, Worth, always
 from rotorrig.sims.effects import Effect
 
 
@@ -28,20 +29,25 @@ def search_from_nameplate(
     polished: Solution,
     candidates: Sequence[Effect],
     *,
+    biased: bool,
     go_on: Callable[[], bool] = lambda: True,
 ) -> list[Score]:
     """Score effects that need starts, beside those of `problem`, whose fit is `polished`, while `go_on`; best first.
 
-    The score is the share of chi2 that the candidate takes on those rows, of the chi2 of `polished`.
+    The score is the share of chi2 that the candidate takes on those rows, of the chi2 of `polished`. If that is not
+    `biased`, which what is adequate cannot be by much, it is where the search begins, and not at the nameplate too.
     """
     able = [effect for effect in candidates if effect.needs_starts]
     if not able:
         return []
-    search = _Search.of(problem, polished.p)
+    search = _Search.of(problem, polished.p, biased=biased)
+    gathered = [(effect, search.gather(effect)) for effect in able if go_on()]
     scores: list[Score] = []
-    for effect in able:
-        if not go_on() or (near := search.descend(effect)) is None:
+    lowest = search.pinned_chi2
+    for effect, starts in sorted(gathered, key=lambda each: min((s.chi2 for s in each[1]), default=np.inf)):
+        if not go_on() or (near := search.descend(effect, starts, lowest=lowest)) is None:
             continue
+        lowest = min(lowest, near.chi2)
         fit = search.free(effect, near)
         begin = np.append(polished.p, fit.p[len(search.index) :])
         begin[search.index] = fit.p[: len(search.index)]
@@ -64,30 +70,49 @@ class _Search:
     """The rows searched, and the base there."""
 
     problem: ExtendedProblem
+    marginal: ExtendedProblem  # the same with what nuisances do in its covariance, for fits with these pinned
     index: Index  # of its unknowns in those of the whole problem
-    bases: tuple[Reals, ...]  # where it begins: at the nameplate, and at the base's fit
+    bases: tuple[Reals, ...]  # where it begins: at the base's fit, and at the nameplate too if that may be biased
     chi2: float  # of the base
+    pinned_chi2: float  # of the base with nuisances pinned
 
     @classmethod
-    def of(cls, whole: ExtendedProblem, p: Reals) -> "_Search":
+    def of(cls, whole: ExtendedProblem, p: Reals, *, biased: bool) -> "_Search":
         problem, index = whole.thinned(p, count=SELECTION.searched_rows)
+        problem, marginal = (problem.expecting_error(p[index], pinned=pinned) for pinned in (False, True))
         names = problem.parameters
         nameplate = _as_loud(problem, problem.begin(names.base.space.nameplate, p[index][names.own]))
-        near = _solve(problem, p[index], 0.0, pinned=True)
+        near = _solve(marginal, p[index], 0.0, pinned=True)
         base = min((_solve(problem, start, 0.0) for start in (near.p, p[index])), key=lambda fit: fit.chi2)
-        return cls(problem=problem, index=index, bases=(nameplate, near.p), chi2=base.chi2)
+        bases = (nameplate, near.p) if biased else (near.p,)
+        return cls(problem=problem, marginal=marginal, index=index, bases=bases, chi2=base.chi2, pinned_chi2=near.chi2)
 
-    def descend(self, effect: Effect) -> Solution | None:
-        """Return the lowest fit of an effect with nuisances pinned; None if the rotor moves at none of its starts."""
-        problem = self.problem.extended((*self.problem.effects, effect))
+    def gather(self, effect: Effect) -> list[_Start]:
+        """Return the lowest starts of an effect that are apart, the best first."""
+        problem = self.marginal.extended((*self.problem.effects, effect))
+        clusters = [start for base in self.bases for start in _cluster(self._starts(problem, base, effect), effect)]
+        return sorted(clusters, key=lambda start: start.chi2)[: SELECTION.descents]
+
+    def descend(self, effect: Effect, starts: Sequence[_Start], *, lowest: float) -> Solution | None:
+        """Return the lowest fit of an effect from its starts with nuisances pinned; None if none is left.
+
+        One that could not come near `lowest`, the best such fit of any effect, is given up, and one that could not come
+        below that from a start before.
+        """
+        problem = self.marginal.extended((*self.problem.effects, effect))
+        needed = self.pinned_chi2 - SELECTION.rival_search * (self.pinned_chi2 - lowest)
         ends: list[Solution] = []
-        clusters = [start for base in self.bases for start in _cluster(self._gather(problem, base, effect), effect)]
-        for start in sorted(clusters, key=lambda start: start.chi2)[: SELECTION.descents]:
+        for start in starts:
+            target = min([needed, *(fit.chi2 for fit in ends)])
+
+            def worth(chi2: float, promise: float, target: float = target) -> bool:
+                return chi2 - SELECTION.promised_by_law * promise < target
+
             try:
-                ends.append(_solve(problem, start.p, start.chi2, pinned=True))
+                ends.append(_solve(problem, start.p, start.chi2, pinned=True, worth=worth))
             except NO_MOTION:
                 continue
-        return min(ends, key=lambda fit: fit.chi2, default=None)
+        return min((fit for fit in ends if fit.stop is not Stop.GIVEN_UP), key=lambda fit: fit.chi2, default=None)
 
     def free(self, effect: Effect, near: Solution) -> Solution:
         """Return the fit with every unknown free, to its end: what pinned nuisances spoil promises nothing there."""
@@ -97,8 +122,8 @@ class _Search:
         except NO_MOTION:
             return near
 
-    def _gather(self, problem: ExtendedProblem, base: Reals, effect: Effect) -> Iterator[_Start]:
-        """Yield every start of the effect beside a base."""
+    def _starts(self, problem: ExtendedProblem, base: Reals, effect: Effect) -> Iterator[_Start]:
+        """Yield every start of the effect beside a base, and where a full step from there leads."""
         names = problem.parameters
         free = np.setdiff1d(np.arange(len(names)), [*names.pinned, *names.frozen])
         low, high = (bound[free] for bound in problem.bounds)
@@ -132,11 +157,14 @@ def _cluster(starts: Iterator[_Start], effect: Effect) -> list[_Start]:
     return [every[i] for i in np.flatnonzero(lowest)]
 
 
-def _solve(problem: ExtendedProblem, start: Reals, chi2: float, *, pinned: bool = False) -> Solution:
+def _solve(
+    problem: ExtendedProblem, start: Reals, chi2: float, *, pinned: bool = False, worth: Worth = always
+) -> Solution:
     return problem.solve(
         np.clip(start, *problem.bounds),
         fixed=problem.parameters.pinned if pinned else {},
         tolerance=max(SELECTION.pinned_settled, SELECTION.searched_within * chi2),
         max_steps=SELECTION.searched_steps if pinned else SELECTION.steps_of_searched,
+        worth=worth,
         damped=True,
     )

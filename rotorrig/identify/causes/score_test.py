@@ -23,9 +23,14 @@ class Score:
 
     effect: Effect
     lam: float  # by how much chi2 would fall
-    step: Reals  # (parameter,) of the effect, in its sizes, that would do it
+    step: Reals  # (parameter,) of the effect, in its sizes, that would do it; empty of one that was searched for
     visible: float  # lambda of the effect at its typical size: what this data could show of it
     begin: Reals | None = None  # (parameter,) of the problem with it, of one without a first order: where to begin
+
+    @property
+    def was_searched(self) -> bool:
+        """Whether it was searched for among full amounts."""
+        return self.begin is not None and not self.step.size
 
 
 def scores(problem: ExtendedProblem, p: Reals, candidates: Sequence[Effect]) -> list[Score]:

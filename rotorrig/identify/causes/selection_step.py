@@ -53,13 +53,14 @@ def try_candidates(
     plain = fit_with_pinned_nuisances(problem, polished.p) if nuisances_biased(problem, polished.p) else None
     searched = first and (wrong or (bool(scored) and scored[0].lam > SELECTION.detected))
     later = bool(scored) and plain is not None and excess - scored[0].lam < SELECTION.reached * excess
-    laws = search_from_nameplate(problem, polished, candidates, go_on=go_on) if searched and not later else []
+    search = partial(search_from_nameplate, problem, polished, candidates, biased=wrong, go_on=go_on)
+    laws = search() if searched and not later else []
     promising = _promising(sorted((*scored, *laws), key=lambda s: -s.lam))
     progress(0.3)
     fit_all = partial(_fit_all, problem, polished, plain, go_on=go_on)
     tried = fit_all(promising, (), progress=lambda share: progress(0.3 + 0.5 * share))
     if searched and not any(_explains(candidate, excess) for candidate in tried):
-        laws = search_from_nameplate(problem, polished, candidates, go_on=go_on) if later else laws
+        laws = search() if later else laws
         late = [s for s in _promising(laws if later else scored) if s not in promising]
         tried = fit_all(late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
     if go_on():
@@ -132,14 +133,15 @@ def _explains(candidate: Candidate, excess: float) -> bool:
 def _promising(scored: Sequence[Score]) -> list[Score]:
     """Return the scores whose causes are fitted: of every kind the best, of the best kind a few.
 
-    Unless a force law leads, those that score nearly alike come by the number of their unknowns: few of them are soon
-    fitted, and then the long fits of the others can be given up.
+    Those that score nearly alike come by the number of their unknowns: few of them are soon fitted, and then the long
+    fits of the others can be given up. Where one leads that was searched for, only those begun at a small amount, which
+    are soon fitted too, come before it.
     """
     if not scored:
         return []
     law = SELECTION.rival_search * max((s.lam for s in scored if s.begin is not None), default=0.0)
     least = max(SELECTION.detected / 2, SELECTION.promising * scored[0].lam)
-    high = [s for s in scored if s.lam > (least if s.begin is None else max(least, law))]
+    high = [s for s in scored if s.lam > (max(least, law) if s.was_searched else least)]
     kinds: dict[str, int] = {}
     kept = []
     for s in high:
@@ -147,8 +149,10 @@ def _promising(scored: Sequence[Score]) -> list[Score]:
         if kinds[s.effect.name] <= (SELECTION.of_best if s.effect.name == high[0].effect.name else 1):
             kept.append(s)
     kept = kept[: SELECTION.fitted]
-    if not kept or kept[0].begin is not None:
+    if not kept:
         return kept
+    if kept[0].was_searched:
+        return sorted(kept, key=lambda s: s.begin is None or s.was_searched)
     rivals = [s for s in kept if s.lam > SELECTION.rival * kept[0].lam]
     return sorted(rivals, key=lambda s: len(s.effect.parameters)) + kept[len(rivals) :]
 

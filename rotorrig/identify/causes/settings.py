@@ -47,6 +47,7 @@ class SelectionSettings:
     biased: float = 4.0  # sigmas of a prior: a nuisance further off is biased by a cause the model lacks
 
     # search from the nameplate
+    scanned_rows: int = 240  # of the first recording, for what a small amount would do: a weak resonance is narrow
     searched_rows: int = 80  # of the first recording, up and down: 80 rpm apart either way on the RK4
     searched_steps: int = 25  # of a descent with pinned nuisances
     searched_within: float = 1e-3  # of chi2: where a descent ends

@@ -2,7 +2,7 @@
 
 A pedestal that gives way by little does so in proportion, whatever its frequency, and a spring may harden by little as
 well as soften. What a fit finds from a full amount need not come down to that. So what a small amount would do is
-scored at every start of the other unknowns: by all rows of the first recording at 1X, their speed taken as steady, and
+scored at every start of the other unknowns: by some rows of the first recording at 1X, their speed taken as steady, and
 where that is best by all rows and orders.
 """
 
@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes.score_test import Score, projection, score_beyond
@@ -26,14 +27,15 @@ def score_small_amounts(problem: ExtendedProblem, p: Reals, candidates: Sequence
     able = [effect for effect in candidates if effect.linear_in]
     if not able:
         return []
-    steady, index = problem.thinned(p, count=len(problem.recordings[0].rows))
+    steady, index = problem.thinned(p, count=SELECTION.scanned_rows)
     scan, whole = _Fitted.of(steady, p[index]), _Fitted.of(problem, p)
     found = []
     for effect in able:
         begun = _at_starts_of_others(effect)
         try:
-            best = max(begun, key=lambda each: scan.score(each).lam) if len(begun) > 1 else begun[0]
-            found.append(replace(whole.score(best), effect=effect))
+            before = scan.residual_without(effect)
+            best = max(begun, key=lambda each: scan.score(each, before).lam) if len(begun) > 1 else begun[0]
+            found.append(replace(whole.score(best, whole.residual_without(effect)), effect=effect))
         except NO_MOTION:
             continue
     return found
@@ -61,14 +63,21 @@ class _Fitted:
         Q, r = projection(problem, p)
         return cls(problem=problem, p=p, Q=Q, r=r)
 
-    def score(self, effect: Effect) -> Score:
-        """Score an effect by a little of what it is linear in; it begins with what that promises."""
-        larger = self.problem.extended((*self.problem.effects, effect))
+    def residual_without(self, effect: Effect) -> Reals:
+        """Return the residual with an effect at nothing: computed as with a little of it, rounding apart."""
+        return self._residual(effect, [q.at_zero / q.size for q in effect.parameters])
+
+    def score(self, effect: Effect, before: Reals) -> Score:
+        """Score an effect by a little of what it is linear in, `before` that; it begins with what that promises."""
         nothing, low, high = np.array(
             [(q.at_zero / q.size, q.low / q.size, q.high / q.size) for q in effect.parameters]
         ).T
         little = SELECTION.little * np.array([q.name == effect.linear_in for q in effect.parameters])
-        before, after = (larger.residual(np.append(self.p, own)) for own in (nothing, nothing + little))
+        after = self._residual(effect, nothing + little)
         columns = np.outer((after - before) / SELECTION.little, little > 0)
         score = score_beyond(effect, columns, self.Q, self.r)
         return replace(score, begin=np.append(self.p, np.clip(nothing + score.step, low, high)))
+
+    def _residual(self, effect: Effect, own: ArrayLike) -> Reals:
+        larger = self.problem.extended((*self.problem.effects, effect))
+        return larger.residual(np.append(self.p, own))

@@ -44,7 +44,7 @@ def columns(model: ExtendedModel, p: Reals, free: Index) -> Reals:
 
 
 def vectors_by(model: ExtendedModel, p: Reals, which: Index) -> list[Complex]:
-    """Return d vectors / d p of 1X by unknowns of the base, (row + 1, probe, column) m of every recording."""
+    """Return d vectors / d p of 1X by unknowns that are not differenced, (row + 1, probe, column) m per recording."""
     moving = model.moving(p)
     lawful = LawColumns(model, p, moving, which) if moving.laws else None
     return [_exact(model, recording, p, which, moving, lawful)[1] for recording in model.recordings]

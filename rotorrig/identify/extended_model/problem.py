@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from rotorrig.identify.base_model import BASE_MODEL, Reals, thin_rows
-from rotorrig.identify.extended_model.jacobian import columns
+from rotorrig.identify.extended_model.jacobian import columns, vectors_by
 from rotorrig.identify.extended_model.known_error import known_error
 from rotorrig.identify.extended_model.model import Complex, ExtendedModel
 from rotorrig.identify.extended_model.settings import ORDERS
@@ -52,9 +52,17 @@ class ExtendedProblem:
         """Return the same problem of other vectors per recording, order -> (row + 1, probe) [m], with their noise."""
         return self.on([r.instead(z) for r, z in zip(self.recordings, vectors, strict=True)])
 
-    def expecting_error(self, p: Reals) -> "ExtendedProblem":
-        """Return the same problem with the model's own error, of its motion at `p`, in the covariance."""
-        each = zip(self.recordings, self.model.predict(p, orders=(1,)), self.known_error(p), strict=True)
+    def expecting_error(self, p: Reals, *, pinned: bool = False) -> "ExtendedProblem":
+        """Return the same problem with the model's own error, of its motion at `p`, in the covariance.
+
+        For fits with nuisances `pinned` at their priors it holds, to the first order, what these do at 1X as well.
+        """
+        known = self.known_error(p)
+        if pinned:
+            which = np.array(sorted(self.parameters.pinned), dtype=np.intp)
+            moved = [z * self.parameters.prior_sigma[which] for z in vectors_by(self.model, p, which)]
+            known = [np.concatenate(both, axis=-1) for both in zip(known, moved, strict=True)]
+        each = zip(self.recordings, self.model.predict(p, orders=(1,)), known, strict=True)
         return self.on([recording.expecting_error(z, known) for recording, z, known in each])
 
     def known_error(self, p: Reals) -> list[Complex]:

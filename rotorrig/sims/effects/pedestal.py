@@ -16,6 +16,7 @@ from rotorrig.sims.effects.places import bearing_groups, bearing_words
 from rotorrig.sims.rotor.model import Added, RotorModel, with_added, with_coordinates
 
 HZ = 2 * math.pi  # rad/s
+ACROSS = tuple(float(share) for share in np.geomspace(0.02, 1.0, 16))  # looked at from where a fit ended
 LOOKED_AT = tuple(HZ * float(f) for f in np.geomspace(9.0, 65.0, 32))  # rad/s: 7 % apart, a resonance's width
 
 
@@ -79,10 +80,16 @@ def effects(rig: RigConfig) -> tuple[Pedestal, ...]:
             starts=LOOKED_AT,
         ),
         Parameter(name="damping ratio", unit="", low=0.005, high=0.15, size=0.02, at_zero=0.03, starts=(0.03,)),
-        Parameter(name="compliance across", unit="", low=0.0, high=1.0, size=0.1, starts=(0.1,)),
+        Parameter(name="compliance across", unit="", low=0.0, high=1.0, size=0.1, starts=(0.1, 0.3)),
     )
     return tuple(
-        Pedestal(where=f"{where + ', ' if where else ''}{'xy'[axis]}", bearings=names, axis=axis, parameters=unknown)
+        Pedestal(
+            where=f"{where + ', ' if where else ''}{'xy'[axis]}",
+            bearings=names,
+            axis=axis,
+            parameters=unknown,
+            initial_guesses=tuple({"compliance across": share} for share in ACROSS),
+        )
         for where, names in bearing_groups(rig).items()
         for axis in (0, 1)
     )
