@@ -30,6 +30,8 @@ class BaseFitSettings:
     same: float = 0.01  # in working coordinates: unknowns so near to one another are one start
     begun: float = 0.01  # of chi2 of the first recording: where a refinement in it ends, and that in all begins
     settled: float = 0.1  # of chi2 of all, where a fit for a diagnosis ends: a step of a third of a standard deviation
+    wrong: float = 1.1  # times its noise: a fit that is worse need not come as near to its minimum,
+    roughly: float = 1e-4  # of chi2 is near enough: along its nuisances it wanders on for long, for next to nothing
 
 
 BASE_FIT = BaseFitSettings()
@@ -43,6 +45,7 @@ class SearchOptions:
     method: SearchName = "vector"
     seed: int = 0
     tolerance: float = LEAST_SQUARES.tolerance  # of chi2, in all recordings
+    share: float = 0.0  # of all of it, where that is more
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,7 +113,7 @@ def search_and_refine(
     best = _best(begun.problem, _refine_starts(begun, optima, near))
     problem = problem.expecting_error(best.p)
     start = problem.solve_linear(best.p, problem.parameters.free)  # other orders and recordings have not been looked at
-    return searched, problem, problem.solve(start, tolerance=options.tolerance)
+    return searched, problem, problem.solve(start, tolerance=options.tolerance, share=options.share)
 
 
 def _refine_starts(base: BaseProblem, optima: list[Reals], near: Reals | None) -> Iterator[Solution]:
@@ -165,12 +168,14 @@ def fit_base(recordings: Sequence[Recording], effects: Sequence[KnownEffect] = (
     Where rows scatter more than their covariance says, the recordings of the result have the noise they show.
     """
     base = BaseProblem.of(recordings, effects)
-    options = SearchOptions(seed=seed, tolerance=BASE_FIT.settled)
+    options = SearchOptions(seed=seed, tolerance=BASE_FIT.settled, share=BASE_FIT.roughly)
     with threadpool_limits(1, user_api="blas"):
         _, fitted, polished = search_and_refine(base, options)
         problem = with_scatter(fitted, polished.p)
         if problem is not fitted:
-            polished = problem.solve(polished.p, tolerance=options.tolerance)
+            polished = problem.solve(polished.p, tolerance=options.tolerance, share=options.share)
+        if polished.chi2 < BASE_FIT.wrong * polished.dof:
+            polished = problem.solve(polished.p, tolerance=options.tolerance, jacobian=polished.jacobian)
     return assess_fit(problem, polished)
 
 
