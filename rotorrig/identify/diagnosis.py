@@ -137,16 +137,18 @@ def diagnose(
         extended = start
         if selection.problem is not start.problem:
             extended = base_fit.assess_fit(selection.problem, selection.polished)
-        predictions = gain.predict_unseen(selection, unseen)
+        wrong = misstated(selection)
+        predictions = gain.predict_unseen(selection, unseen, adequate=extended.adequacy.adequate, misstated=wrong)
         if start.adequacy.adequate and not is_supported(selection, predictions):
             selection, extended = selection.without_causes(), start
+            wrong = misstated(selection)
         verdict = conclude(
             selection,
             adequate_before=start.adequacy.adequate,
             adequate_after=extended.adequacy.adequate,
             visible=visible_share(selection),
             predictions=predictions,
-            misstated=misstated(selection),
+            misstated=wrong,
         )
         progress("next run", 0.8)
         further = _find_next_run(verdict, selection, not_possible)
@@ -236,7 +238,8 @@ def _assemble(
     adequacy, selection = base.adequacy, found.selection
     check = check_nameplate(extended.polished, extended.problem)
     pulled = found.pulled_far(check)
-    named = () if verdict is Verdict.UNEXPLAINED else pulled  # what is not explained may pull at it
+    whole = verdict is not Verdict.UNEXPLAINED and extended.adequacy.adequate
+    named = pulled if whole else ()  # what is not explained, by a law that explains nearly all too, may pull at it
     ties, of_nameplate = effect_ties(found), nameplate_ties(found, named)
     causes = rank_causes(selection, predictions.by_label if predictions else {})
     source = responses[0].source

@@ -11,7 +11,12 @@ from rotorrig.identify.adequacy import Adequacy
 from rotorrig.identify.causes import SELECTION, Candidate, plausible
 from rotorrig.identify.discovery.force_over_speed import ForceOverSpeed, reconstruct_force
 from rotorrig.identify.discovery.force_search import grid
-from rotorrig.identify.discovery.place_probability import PlaceProfile, place_probability, profile_place
+from rotorrig.identify.discovery.place_probability import (
+    PlaceProfile,
+    estimate_place,
+    place_probability,
+    profile_place,
+)
 from rotorrig.identify.discovery.settings import DISCOVERY
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution
@@ -54,11 +59,16 @@ class MissingForce:
 
 
 def missing_force(
-    problem: ExtendedProblem, tried: Sequence[Candidate], fit: Solution, profile: PlaceProfile | None
+    problem: ExtendedProblem,
+    tried: Sequence[Candidate],
+    fit: Solution,
+    profile: PlaceProfile | None,
+    *,
+    profiled: bool = True,
 ) -> MissingForce:
     """Return what was found, the first of `tried` in its final fit; `problem` is that without it.
 
-    `profile` is that of its place; None of a reading.
+    `profile` is that of its place; None of a reading. Its rivals' places are `profiled` as well, or estimated.
     """
     best, effect = replace(tried[0], polished=fit), tried[0].effect
     rivals = [c for c in tried[1:] if plausible(c) and best.evidence - c.evidence < VERDICT.nameable]
@@ -89,7 +99,7 @@ def missing_force(
         place=place,
         place_sigma=sigma,
         places=grid(rig),
-        probability=place_probability(profile, _profiles(rivals, best), grid(rig)),
+        probability=place_probability(profile, _profiles(rivals, best, profiled=profiled), grid(rig)),
         rivals=told,
         over_speed=reconstruct_force(problem, best),
         shortfall="",
@@ -106,9 +116,8 @@ def shortfall(
     price = SELECTION.detected + 2 * float(np.log(tries))
     if not plausible(found) or found.evidence < SELECTION.enough or found.lam < price:
         return "it explains no more than chance might"
-    left = (found.polished.chi2 - found.polished.dof) / max(before.chi2 - before.dof, 1.0)
-    if not after.adequate and left > 1 - DISCOVERY.explained:
-        return f"it leaves {100 * min(left, 1.0):.0f} % of the misfit"
+    if leaves_too_much(before, found, after):
+        return f"it leaves {100 * min(_left(before, found), 1.0):.0f} % of the misfit"
     lower = predictions.better and predictions.after.error < predictions.before.error
     if not lower or predictions.after.over_expected > DISCOVERY.over_expected:
         return (
@@ -124,6 +133,16 @@ def shortfall(
     return ""
 
 
+def leaves_too_much(before: Solution, found: Candidate, after: Adequacy) -> bool:
+    """Say whether what was found leaves more of the misfit than a law may."""
+    return not after.adequate and _left(before, found) > 1 - DISCOVERY.explained
+
+
+def _left(before: Solution, found: Candidate) -> float:
+    """Return the share of the misfit that is left."""
+    return (found.polished.chi2 - found.polished.dof) / max(before.chi2 - before.dof, 1.0)
+
+
 def _spread(missing: MissingForce) -> float:
     """Return the standard deviation of the place over all laws, no less than that of its own."""
     mean = missing.places @ missing.probability
@@ -135,11 +154,14 @@ def _place_sigma(found: Candidate, profile: PlaceProfile) -> float:
     return min(profile.sigma * profile.scale**0.5, found.problem.recordings[0].rig.shaft.length)
 
 
-def _profiles(rivals: Sequence[Candidate], best: Candidate) -> list[tuple[float, PlaceProfile]]:
+def _profiles(rivals: Sequence[Candidate], best: Candidate, *, profiled: bool) -> list[tuple[float, PlaceProfile]]:
     """Return the profiles of other forces that explain nearly as much, with how far each is behind in evidence."""
     rig = best.problem.recordings[0].rig
     forces = [each for each in rivals if isinstance(each.effect, FoundForce)]
-    return [(best.evidence - each.evidence, profile_place(each, grid(rig))) for each in forces]
+    return [
+        (best.evidence - each.evidence, profile_place(each, grid(rig)) if profiled else estimate_place(each))
+        for each in forces
+    ]
 
 
 def _relative_sigma(law: Law, found: Candidate) -> float:

@@ -31,16 +31,21 @@ class PlaceProfile:
         return min(self.chi2, key=self.chi2.__getitem__)
 
 
-def move_to_best_place(found: Candidate, places: Reals) -> tuple[Candidate, PlaceProfile | None]:
+def move_to_best_place(
+    found: Candidate, places: Reals, *, profiled: bool = True
+) -> tuple[Candidate, PlaceProfile | None]:
     """Return a fit at the best place of its profile, and the profile; None for a reading.
 
-    Law and place bend each other, and a fit may end beside the best place. Raises LinAlgError.
+    Law and place bend each other, and a fit may end beside the best place. Without being `profiled` it stays where it
+    is. Raises LinAlgError.
     """
     if not isinstance(found.effect, FoundForce):
         return found, None
+    if not profiled:
+        return found, estimate_place(found)
     profile = profile_place(found, places)
     for _ in range(DISCOVERY.moves):
-        if found.polished.chi2 - profile.chi2[profile.best] < DISCOVERY.within:
+        if found.polished.chi2 - profile.chi2[profile.best] < DISCOVERY.within * profile.scale:
             break
         fit = refit(found.problem, profile.p[profile.best])
         if not fit.chi2 < found.polished.chi2:
@@ -63,17 +68,13 @@ def place_probability(best: PlaceProfile, rivals: Sequence[tuple[float, PlacePro
 
 
 def profile_place(found: Candidate, places: Reals) -> PlaceProfile:
-    """Fit at places on both sides of that of a fit, until none further on is likely. Raises LinAlgError."""
-    effect, names = found.effect, found.problem.parameters
-    assert isinstance(effect, FoundForce)
-    index = names.theta[-1].start
-    size = effect.parameters[0].size
-    spread = robust_sigma(found.problem, found.polished, index) / float(found.polished.sigma[index])
-    scale = max(found.polished.chi2 / found.polished.dof, spread**2, 1.0)
-    free = effect.place(names.of_effect(found.polished.p, len(names.effects) - 1))
-    sigma = float(found.polished.sigma[index]) * size
-    step = float(np.clip(sigma, DISCOVERY.step / 2, (places[-1] - places[0]) / (DISCOVERY.fits - 2)))
-    chi2, at = {free: found.polished.chi2}, {free: found.polished.p}
+    """Fit at places on both sides of that of a fit, until none further on is likely. Raises LinAlgError.
+
+    These fits end where no more is to be gained than tells: of a fit that is worse than the noise chi2 tells less.
+    """
+    known, index = estimate_place(found), found.problem.parameters.theta[-1].start
+    size, free = found.effect.parameters[0].size, known.best
+    step = float(np.clip(known.sigma, DISCOVERY.step / 2, (places[-1] - places[0]) / (DISCOVERY.fits - 2)))
     for way in (-1, 1):
         p, z = found.polished.p.copy(), free
         for _ in range(DISCOVERY.fits // 2):
@@ -81,16 +82,29 @@ def profile_place(found: Candidate, places: Reals) -> PlaceProfile:
             p[index] = z / size
             try:
                 fit = found.problem.solve(
-                    p, fixed={index: z / size}, tolerance=DISCOVERY.within, max_steps=DISCOVERY.rounds
+                    p, fixed={index: z / size}, tolerance=DISCOVERY.within * known.scale, max_steps=DISCOVERY.rounds
                 )
             except (DataError, np.linalg.LinAlgError):
                 break  # no motion is found there
             if not np.isfinite(fit.chi2):
                 break
-            p, chi2[z], at[z] = fit.p.copy(), fit.chi2, fit.p
-            if chi2[z] - min(chi2.values()) > DISCOVERY.unlikely * scale or z in (places[0], places[-1]):
+            p, known.chi2[z], known.p[z] = fit.p.copy(), fit.chi2, fit.p
+            behind = fit.chi2 - min(known.chi2.values())
+            if behind > DISCOVERY.unlikely * known.scale or z in (places[0], places[-1]):
                 break
-    return PlaceProfile(chi2=chi2, p=at, sigma=sigma, scale=scale)
+    return known
+
+
+def estimate_place(found: Candidate) -> PlaceProfile:
+    """Return the profile of a place by the curvature at its fit alone. Raises LinAlgError."""
+    effect, names = found.effect, found.problem.parameters
+    assert isinstance(effect, FoundForce)
+    index = names.theta[-1].start
+    spread = robust_sigma(found.problem, found.polished, index) / float(found.polished.sigma[index])
+    scale = max(found.polished.chi2 / found.polished.dof, spread**2, 1.0)
+    place = effect.place(names.of_effect(found.polished.p, len(names.effects) - 1))
+    sigma = float(found.polished.sigma[index]) * effect.parameters[0].size
+    return PlaceProfile(chi2={place: found.polished.chi2}, p={place: found.polished.p}, sigma=sigma, scale=scale)
 
 
 def _interpolate(profile: PlaceProfile, places: Reals) -> Reals:

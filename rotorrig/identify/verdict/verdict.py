@@ -11,7 +11,7 @@ from rotorrig.identify.causes import Candidate, Selection, SelectionStep, is_sig
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.cross_validation import Prediction
-from rotorrig.identify.verdict.gain import Predictions, is_too_much
+from rotorrig.identify.verdict.gain import Predictions, explains_nearly_all, is_too_much
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.sims.effects import Effect, Parameter, magnitudes
 
@@ -58,7 +58,7 @@ def conclude(
         if not adequate_before:
             return Verdict.UNEXPLAINED
         return Verdict.ADEQUATE if visible >= VERDICT.enough_visible else Verdict.CANNOT_TELL
-    explained = adequate_after or _nearly_all(selection, predictions)
+    explained = adequate_after or explains_nearly_all(selection, predictions.before, predictions.after)
     if not (explained and is_supported(selection, predictions)):
         return Verdict.UNEXPLAINED
     return Verdict.TIED if tied_labels(selection) else Verdict.NAMED
@@ -107,20 +107,6 @@ def _step_of(selection: Selection, effect: Effect) -> SelectionStep | None:
 
 def _rivals(step: SelectionStep, best: Candidate) -> list[Candidate]:
     return [c for c in step.tried[1:] if is_significant(c) and best.evidence - c.evidence < VERDICT.nameable]
-
-
-def _nearly_all(selection: Selection, predictions: Predictions) -> bool:
-    """Say whether the causes explain the residual as well as a law may be known, in unseen data too.
-
-    A pedestal rocks besides, a shaft is bent by no parabola; of a force law 3X is not followed, and 2X and 3X act back
-    on the first order only as if they came and went slowly. So all but a little of chi2 has to be explained, or of the
-    mean square of what is wrong with 1X in unseen data.
-    """
-    left = selection.polished.chi2 - selection.polished.dof
-    of_chi2 = left < VERDICT.left_over * (selection.base.chi2 - selection.base.dof)
-    before, after = predictions.before, predictions.after
-    of_motion = after.excess < VERDICT.left_over * before.excess
-    return (of_chi2 or of_motion) and after.over_expected < VERDICT.over_expected
 
 
 def visible_share(selection: Selection) -> float:

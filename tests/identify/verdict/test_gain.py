@@ -114,6 +114,6 @@ def test_what_was_chosen_predicts_as_it_was_fitted_in_the_end(rig: RigConfig, hi
     ranked = Candidate(problem=found.problem, polished=halfway, lam=900.0, evidence=890.0)
     step = SelectionStep(before=found.base, scores=(), tried=(ranked,))
     unseen = Unseen(found.start, found.base.p)
-    predicted = predict_unseen(replace(found, steps=(step,)), unseen)
+    predicted = predict_unseen(replace(found, steps=(step,)), unseen, adequate=True)
     assert predicted.after is predicted.by_label[BOW][1]
     assert predicted.after.error == unseen.measure(found.problem, found.polished.p).error
