@@ -4,11 +4,14 @@ A group is judged by its joint pull. Beyond `UNCERTAINTY.pulled` sigmas the one 
 prior, explains most: that is a finding, and what without its own leaves no pull is an alternative. The rest is judged
 with that prior taken away, so one wrong position does not make findings of all that the fit moved to make up for it.
 
-Members at their bound of zero, hubs and tilt stiffness, are not pulled: they are taken to be there.
+Members at their bound of zero, hubs and tilt stiffness, are not pulled: they are taken to be there. And what the data
+would need a statement to be off by may be more than any fit moves it, a bearing softer than none at all: that is no
+finding, for something else pulls there.
 """
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,7 +26,18 @@ from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 MOST = 3  # findings that are looked for
 SHOWN = {"m": ("mm", 1e3), "rad": ("deg", 180 / math.pi), "": ("%", 100.0)}
 
-Groups = Mapping[str, Mapping[str, tuple[Member, Reals]]]  # group -> title -> member, and its direction
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Statement:
+    """A member, its direction among the nuisances kept, and how far a fit may move it, in units of its nuisances."""
+
+    member: Member
+    direction: Reals
+    low: float
+    high: float
+
+
+Groups = Mapping[str, Mapping[str, _Statement]]  # group -> title -> statement
 
 
 def check_nameplate(best: Solution, problem: ExtendedProblem) -> NameplateCheck:
@@ -65,12 +79,18 @@ def nuisance_posterior(best: Solution, names: ExtendedParameters) -> tuple[list[
 
 
 def _directions(problem: ExtendedProblem, kept: list[str]) -> Groups:
-    """Return by group and title the members of which no nuisance is at its bound, and the direction of each."""
+    """Return by group and title the members of which no nuisance is at its bound."""
     names = problem.parameters
     sigma = dict(zip(names.names, names.stated_sigma, strict=True))
+    low, high = (dict(zip(names.names, bound, strict=True)) for bound in names.bounds)
     return {
         group: {
-            m.title: (m, np.array([1 / sigma[name] if name in m.nuisances else 0.0 for name in kept]))
+            m.title: _Statement(
+                member=m,
+                direction=np.array([1 / sigma[name] if name in m.nuisances else 0.0 for name in kept]),
+                low=max(low[name] for name in m.nuisances),
+                high=min(high[name] for name in m.nuisances),
+            )
             for m in members
             if set(m.nuisances) <= set(kept)
         }
@@ -78,24 +98,25 @@ def _directions(problem: ExtendedProblem, kept: list[str]) -> Groups:
     }
 
 
-def _pull(posterior: NuisancePosterior, group: str, members: Mapping[str, tuple[Member, Reals]]) -> Pull:
+def _pull(posterior: NuisancePosterior, group: str, members: Mapping[str, _Statement]) -> Pull:
     """Return the joint pull of a group and what the data say of each member alone."""
-    deviations = [describe_deviation(posterior, *of) for of in members.values()]
+    deviations = [_describe_deviation(posterior, each) for each in members.values()]
     deviations.sort(key=lambda deviation: -abs(deviation.pull))
     return Pull(group=group, sigmas=_joint_pull(posterior, members), deviations=tuple(deviations))
 
 
-def _joint_pull(posterior: NuisancePosterior, members: Mapping[str, tuple[Member, Reals]]) -> float:
-    return posterior.joint_pull([direction for member, direction in members.values()])
+def _joint_pull(posterior: NuisancePosterior, members: Mapping[str, _Statement]) -> float:
+    return posterior.joint_pull([each.direction for each in members.values()])
 
 
-def describe_deviation(posterior: NuisancePosterior, member: Member, direction: Reals) -> Deviation:
-    """Return what the data alone say of one member."""
-    along, length = posterior.along(direction), float(np.linalg.norm(direction))
+def _describe_deviation(posterior: NuisancePosterior, of: _Statement) -> Deviation:
+    """Return what the data alone say of one member; without pull or evidence if it cannot be off by as much."""
+    member, along, length = of.member, posterior.along(of.direction), float(np.linalg.norm(of.direction))
     value, sigma = along.value / length, along.sigma / length
     off, spread = member.deviation(value), sigma * member.slope(value)
     shown, factor = SHOWN.get(member.unit, (member.unit, 1.0))
-    possible = along.value > 0 or not member.one_sided
+    beyond = max(value - of.high, of.low - value)
+    possible = beyond < UNCERTAINTY.unsure * sigma and (value > 0 or not member.one_sided)
     return Deviation(
         kind=member.kind,
         where=member.where,
@@ -131,7 +152,9 @@ def _findings(posterior: NuisancePosterior, groups: Groups) -> list[NameplateFin
     while len(found) < MOST:
         pulls = {group: _joint_pull(posterior, members) for group, members in groups.items()}
         told = [
-            (group, describe_deviation(posterior, *of)) for group, members in groups.items() for of in members.values()
+            (group, _describe_deviation(posterior, each))
+            for group, members in groups.items()
+            for each in members.values()
         ]
         ranked = sorted((each for each in told if each[1].evidence > 0), key=lambda each: -each[1].evidence)
         best = next((each for each in ranked if pulls[each[0]] > UNCERTAINTY.pulled), None)
@@ -141,16 +164,16 @@ def _findings(posterior: NuisancePosterior, groups: Groups) -> list[NameplateFin
         instead = [
             other
             for name, other in ranked
-            if other is not deviation and _explains(posterior, groups[name][other.title][1], groups[group])
+            if other is not deviation and _explains(posterior, groups[name][other.title].direction, groups[group])
         ]
         found.append(
             NameplateFinding(group=group, sigmas=pulls[group], deviation=deviation, alternatives=tuple(instead))
         )
-        posterior = posterior.without_prior(groups[group][deviation.title][1])
+        posterior = posterior.without_prior(groups[group][deviation.title].direction)
         groups = {name: {t: of for t, of in part.items() if t != deviation.title} for name, part in groups.items()}
     return found
 
 
-def _explains(posterior: NuisancePosterior, direction: Reals, group: Mapping[str, tuple[Member, Reals]]) -> bool:
+def _explains(posterior: NuisancePosterior, direction: Reals, group: Mapping[str, _Statement]) -> bool:
     """Say whether a group is pulled no more once the prior along a direction is taken away."""
     return _joint_pull(posterior.without_prior(direction), group) <= UNCERTAINTY.pulled

@@ -103,6 +103,9 @@ def with_nameplate(
     if verdict is Verdict.UNEXPLAINED:
         told = "; ".join(finding.deviation.words for finding in pulled)
         return f"{concluded} The fit pulls at the config as well, perhaps for that same unknown reason: {told}."
+    if not after.adequate:
+        told = "; ".join(finding.deviation.words for finding in pulled)
+        return f"{concluded} The fit pulls at the config as well, perhaps for what is left unexplained: {told}."
     told = "; ".join(_with_rivals(finding, tied) for finding in pulled)
     if verdict in (Verdict.ADEQUATE, Verdict.CANNOT_TELL):
         return f"The config is wrong here: {told}. With that the model is adequate: {_figures(after)}."

@@ -1,4 +1,4 @@
-"""What a fit makes of its nuisances where it stands at a bound."""
+"""What a fit makes of its nuisances where it stands at a bound, and of what no fit could move so far."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.least_squares import Solution
-from rotorrig.identify.uncertainty.nameplate_pulls import nuisance_posterior
+from rotorrig.identify.uncertainty.nameplate_pulls import check_nameplate, nuisance_posterior
 from rotorrig.processing.response import OrderTrackedResponse
 
 ROWS = 400
@@ -41,3 +41,27 @@ def test_what_ended_at_its_bound_counts_as_held_there(
     sigma = names.stated_sigma[mine]
     expected = covariance[np.ix_(where, where)] / np.outer(sigma, sigma)
     assert posterior.covariance == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize(("off", "named"), [(0.3, True), (-5.0, False), (5.0, False)])
+def test_what_would_have_to_be_off_by_more_than_a_fit_moves_it_is_no_finding(
+    short: OrderTrackedResponse, hidden: np.ndarray, off: float, named: bool
+) -> None:
+    """A bearing of the pair by the coupling, to which the data tell its stiffness alone: 500 % softer is none."""
+    problem = ExtendedProblem(ExtendedModel([Recording(short)]))
+    names = problem.parameters
+    i = names.names.index("bearing left A x")
+    sigma = abs(off) / 6  # of the data: a pull of nearly six sigmas
+    figures = np.zeros((ROWS, len(names)))
+    figures[0, i] = 1 / sigma
+    figures[1 : len(names) + 1] = np.eye(len(names)) * (np.arange(len(names)) != i) / names.stated_sigma.clip(max=1.0)
+    priors = np.zeros((len(names.priors), len(names)))
+    priors[np.arange(len(names.priors)), names.priors] = 1 / names.prior_sigma[names.priors]
+    p = names.start(hidden)
+    p[i] = off / (1 + (sigma / names.prior_sigma[i]) ** 2)
+    jacobian = np.concatenate([figures, priors])
+    fit = Solution(p=p, covariance=np.eye(len(names)), jacobian=jacobian, chi2=float(ROWS), dof=ROWS)
+    told = check_nameplate(fit, problem)
+    (mine,) = (d for pull in told.pulls for d in pull.deviations if d.label == "bearing_stiffness, left A x")
+    assert mine.value == pytest.approx(off, rel=0.01)
+    assert (mine.label in [finding.deviation.label for finding in told.findings]) is named

@@ -6,6 +6,7 @@ from typing import Any, cast
 
 import pytest
 
+from rotorrig.identify.adequacy import Adequacy
 from rotorrig.identify.identification import Deviation, NameplateCheck, NameplateFinding
 from rotorrig.identify.verdict import nameplate
 from rotorrig.identify.verdict.nameplate import (
@@ -18,7 +19,7 @@ from rotorrig.identify.verdict.nameplate import (
 )
 from rotorrig.identify.verdict.sentences import with_nameplate
 from rotorrig.identify.verdict.verdict import Verdict
-from tests.identify.verdict.test_sentences import BOW, RIGHT, said
+from tests.identify.verdict.test_sentences import BOW, RIGHT, WRONG, said
 from tests.identify.verdict.test_verdict import ALONE, BEND, LUMP, NONE, Tried, selection
 
 
@@ -128,8 +129,10 @@ def test_the_prior_is_widened_where_that_explains_more_than_the_best_effect(
     assert found.instead == ((SPRING,) if evidence and not freed else ())
 
 
-def told(verdict: Verdict, *named: NameplateFinding, tied: tuple[tuple[str, ...], ...] = ()) -> str:
-    return with_nameplate(said(verdict, BOW), verdict, RIGHT, named, tied)
+def told(
+    verdict: Verdict, *named: NameplateFinding, tied: tuple[tuple[str, ...], ...] = (), after: Adequacy = RIGHT
+) -> str:
+    return with_nameplate(said(verdict, BOW), verdict, after, named, tied)
 
 
 def test_the_sentence_tells_what_of_the_config_is_wrong() -> None:
@@ -139,6 +142,7 @@ def test_the_sentence_tells_what_of_the_config_is_wrong() -> None:
     assert f"The config is wrong as well: {words}" in told(Verdict.NAMED, finding(5.0))
     assert "perhaps for that same unknown reason" in told(Verdict.UNEXPLAINED, finding(5.0))
     assert "; or disk is 3.0 ± 0.5 mm off" in told(Verdict.ADEQUATE, finding(5.0, DISK))
+    assert "perhaps for what is left unexplained: spring" in told(Verdict.NAMED, finding(5.0), after=WRONG)
     assert told(Verdict.ADEQUATE) == said(Verdict.ADEQUATE, BOW)
 
 
