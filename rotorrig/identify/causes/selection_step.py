@@ -1,7 +1,8 @@
 """One step of forward selection: score all candidates beside those a model has, and fit the promising ones.
 
 What scores high is fitted, one by one. Force laws and pedestals have no score of the first order: they are searched
-from the nameplate, and where an unmodelled cause has biased the base, only if nothing else explains it or promises to.
+from the nameplate, and where an unmodelled cause has biased the base, or is loud, only if nothing else explains it or
+promises to: what is faint may be explained by another that is like it, what is loud not down to the noise.
 """
 
 from collections.abc import Callable, Sequence
@@ -44,7 +45,7 @@ def try_candidates(
     first: bool,
     go_on: Callable[[], bool] = lambda: True,
 ) -> SelectionStep:
-    """Fit what scores high; where the base is biased, force laws only if nothing else explains the misfit.
+    """Fit what scores high; where the misfit is loud or biases the base, force laws only if nothing else explains it.
 
     Once `go_on` says no, nothing more is fitted.
     """
@@ -52,7 +53,8 @@ def try_candidates(
     excess = _excess(problem, polished)
     plain = fit_with_pinned_nuisances(problem, polished.p) if nuisances_biased(problem, polished.p) else None
     searched = first and (wrong or (bool(scored) and scored[0].lam > SELECTION.detected))
-    later = bool(scored) and plain is not None and excess - scored[0].lam < SELECTION.reached * excess
+    by_score = bool(scored) and excess - scored[0].lam < SELECTION.reached * excess
+    later = by_score and (plain is not None or excess > SELECTION.loud)
     search = partial(search_from_nameplate, problem, polished, candidates, biased=wrong, go_on=go_on)
     laws = search() if searched and not later else []
     promising = _promising(sorted((*scored, *laws), key=lambda s: -s.lam))

@@ -5,8 +5,8 @@ prior, explains most: that is a finding, and what without its own leaves no pull
 with that prior taken away, so one wrong position does not make findings of all that the fit moved to make up for it.
 
 Members at their bound of zero, hubs and tilt stiffness, are not pulled: they are taken to be there. And what the data
-would need a statement to be off by may be more than any fit moves it, a bearing softer than none at all: that is no
-finding, for something else pulls there.
+would need a statement to be off by may be more than can be, a bearing softer than none at all: that is no finding, for
+something else pulls there.
 """
 
 import math
@@ -24,17 +24,17 @@ from rotorrig.identify.uncertainty.nuisance_posterior import NuisancePosterior
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
 MOST = 3  # findings that are looked for
+SHARE_OFF = (-1.0, 2.0)  # of what is stated: from nothing to three times as much
 SHOWN = {"m": ("mm", 1e3), "rad": ("deg", 180 / math.pi), "": ("%", 100.0)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Statement:
-    """A member, its direction among the nuisances kept, and how far a fit may move it, in units of its nuisances."""
+    """A member, its direction among the nuisances kept, and how far it may be off, in units of its nuisances."""
 
     member: Member
     direction: Reals
-    low: float
-    high: float
+    possible: tuple[float, float]
 
 
 Groups = Mapping[str, Mapping[str, _Statement]]  # group -> title -> statement
@@ -83,13 +83,18 @@ def _directions(problem: ExtendedProblem, kept: list[str]) -> Groups:
     names = problem.parameters
     sigma = dict(zip(names.names, names.stated_sigma, strict=True))
     low, high = (dict(zip(names.names, bound, strict=True)) for bound in names.bounds)
+
+    def possible(m: Member) -> tuple[float, float]:
+        if not m.unit and not m.one_sided:
+            return SHARE_OFF
+        return max(low[name] for name in m.nuisances), min(high[name] for name in m.nuisances)
+
     return {
         group: {
             m.title: _Statement(
                 member=m,
                 direction=np.array([1 / sigma[name] if name in m.nuisances else 0.0 for name in kept]),
-                low=max(low[name] for name in m.nuisances),
-                high=min(high[name] for name in m.nuisances),
+                possible=possible(m),
             )
             for m in members
             if set(m.nuisances) <= set(kept)
@@ -115,8 +120,8 @@ def _describe_deviation(posterior: NuisancePosterior, of: _Statement) -> Deviati
     value, sigma = along.value / length, along.sigma / length
     off, spread = member.deviation(value), sigma * member.slope(value)
     shown, factor = SHOWN.get(member.unit, (member.unit, 1.0))
-    beyond = max(value - of.high, of.low - value)
-    possible = beyond < UNCERTAINTY.unsure * sigma and (value > 0 or not member.one_sided)
+    low, high = of.possible
+    possible = max(low - value, value - high) < UNCERTAINTY.unsure * sigma and (value > 0 or not member.one_sided)
     return Deviation(
         kind=member.kind,
         where=member.where,

@@ -34,7 +34,7 @@ class UncertaintySettings:
     inseparable: float = 0.99  # correlation from which two determined quantities are better known together
     limited: float = 0.9  # share of a variance that is the nameplate's, from which on less noise would not help
     pulled: float = 3.0  # sigmas: a group of the config's statements pulled further is a finding
-    unsure: float = 2.0  # sigmas by which a statement may be off by more than a fit may move it
+    unsure: float = 2.0  # sigmas by which a statement may be off by more than can be
     known: float = 0.1  # relative standard deviation up to which a combination is worth naming
     shown: float = 0.1  # relative change in an example
     profile: ProfileSettings = field(default_factory=ProfileSettings)
