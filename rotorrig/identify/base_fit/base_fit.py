@@ -30,8 +30,10 @@ class BaseFitSettings:
     same: float = 0.01  # in working coordinates: unknowns so near to one another are one start
     begun: float = 0.01  # of chi2 of the first recording: where a refinement in it ends, and that in all begins
     settled: float = 0.1  # of chi2 of all, where a fit for a diagnosis ends: a step of a third of a standard deviation
-    wrong: float = 1.1  # times its noise: a fit that is worse need not come as near to its minimum,
-    roughly: float = 1e-4  # of chi2 is near enough: along its nuisances it wanders on for long, for next to nothing
+    roughly: float = 1e-4  # of chi2, where it ends at first: how much rows scatter is not known yet
+    wrong: float = (
+        1e-5  # of chi2, where it ends at last if that is more: one that is wrong wanders on for next to nothing
+    )
 
 
 BASE_FIT = BaseFitSettings()
@@ -170,12 +172,10 @@ def fit_base(recordings: Sequence[Recording], effects: Sequence[KnownEffect] = (
     base = BaseProblem.of(recordings, effects)
     options = SearchOptions(seed=seed, tolerance=BASE_FIT.settled, share=BASE_FIT.roughly)
     with threadpool_limits(1, user_api="blas"):
-        _, fitted, polished = search_and_refine(base, options)
-        problem = with_scatter(fitted, polished.p)
-        if problem is not fitted:
-            polished = problem.solve(polished.p, tolerance=options.tolerance, share=options.share)
-        if polished.chi2 < BASE_FIT.wrong * polished.dof:
-            polished = problem.solve(polished.p, tolerance=options.tolerance, jacobian=polished.jacobian)
+        _, fitted, roughly = search_and_refine(base, options)
+        problem = with_scatter(fitted, roughly.p)
+        known = roughly.jacobian if problem is fitted else None
+        polished = problem.solve(roughly.p, tolerance=options.tolerance, share=BASE_FIT.wrong, jacobian=known)
     return assess_fit(problem, polished)
 
 

@@ -30,11 +30,16 @@ SHOWN = {"m": ("mm", 1e3), "rad": ("deg", 180 / math.pi), "": ("%", 100.0)}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Statement:
-    """A member, its direction among the nuisances kept, and how far it may be off, in units of its nuisances."""
+    """A member, and its direction among the nuisances kept."""
 
     member: Member
     direction: Reals
-    possible: tuple[float, float]
+
+    @property
+    def possible(self) -> tuple[float, float]:
+        """How far it may be off, in units of its nuisances."""
+        is_share = not self.member.unit and not self.member.one_sided
+        return SHARE_OFF if is_share else (-math.inf, math.inf)
 
 
 Groups = Mapping[str, Mapping[str, _Statement]]  # group -> title -> statement
@@ -82,19 +87,11 @@ def _directions(problem: ExtendedProblem, kept: list[str]) -> Groups:
     """Return by group and title the members of which no nuisance is at its bound."""
     names = problem.parameters
     sigma = dict(zip(names.names, names.stated_sigma, strict=True))
-    low, high = (dict(zip(names.names, bound, strict=True)) for bound in names.bounds)
-
-    def possible(m: Member) -> tuple[float, float]:
-        if not m.unit and not m.one_sided:
-            return SHARE_OFF
-        return max(low[name] for name in m.nuisances), min(high[name] for name in m.nuisances)
-
     return {
         group: {
             m.title: _Statement(
                 member=m,
                 direction=np.array([1 / sigma[name] if name in m.nuisances else 0.0 for name in kept]),
-                possible=possible(m),
             )
             for m in members
             if set(m.nuisances) <= set(kept)
