@@ -28,8 +28,8 @@ class Score:
     begin: Reals | None = None  # (parameter,) of the problem with it, of one without a first order: where to begin
 
     @property
-    def was_searched(self) -> bool:
-        """Whether it was searched for among full amounts."""
+    def begins_at_full_amount(self) -> bool:
+        """Whether it was searched for, and begins at neither nothing nor a small amount."""
         return self.begin is not None and not self.step.size
 
 

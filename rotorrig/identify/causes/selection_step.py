@@ -143,7 +143,7 @@ def _promising(scored: Sequence[Score]) -> list[Score]:
         return []
     law = SELECTION.rival_search * max((s.lam for s in scored if s.begin is not None), default=0.0)
     least = max(SELECTION.detected / 2, SELECTION.promising * scored[0].lam)
-    high = [s for s in scored if s.lam > (max(least, law) if s.was_searched else least)]
+    high = [s for s in scored if s.lam > (max(least, law) if s.begins_at_full_amount else least)]
     kinds: dict[str, int] = {}
     kept = []
     for s in high:
@@ -153,8 +153,8 @@ def _promising(scored: Sequence[Score]) -> list[Score]:
     kept = kept[: SELECTION.fitted]
     if not kept:
         return kept
-    if kept[0].was_searched:
-        return sorted(kept, key=lambda s: s.begin is None or s.was_searched)
+    if kept[0].begins_at_full_amount:
+        return sorted(kept, key=lambda s: s.begin is None or s.begins_at_full_amount)
     rivals = [s for s in kept if s.lam > SELECTION.rival * kept[0].lam]
     return sorted(rivals, key=lambda s: len(s.effect.parameters)) + kept[len(rivals) :]
 

@@ -92,9 +92,7 @@ class Effect:
     title: ClassVar[str]  # "residual shaft bow"
     orders: ClassVar[tuple[int, ...]] = (1,)  # of the vectors it may change
     linear: ClassVar[bool] = False  # what it adds to a fixed rotor is linear in the parameters, but grid-searched ones
-    linear_in: ClassVar[str] = (
-        ""  # of one with starts: the unknown it is linear in while that is small, if there is one
-    )
+    linear_in: ClassVar[str] = ""  # of one with starts: the unknown it is linear in while that is small, if any
     scales_base: ClassVar[bool] = True  # its matrices are by what the base's are by: a share of a bearing, say
     as_nuisance: ClassVar[bool] = False  # every fit has it as a nuisance too: then it is larger than the prior expects
     acts_on: ClassVar[frozenset[Target]] = frozenset()  # by the methods that its class overrides

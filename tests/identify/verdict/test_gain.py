@@ -117,3 +117,6 @@ def test_what_was_chosen_predicts_as_it_was_fitted_in_the_end(rig: RigConfig, hi
     predicted = predict_unseen(replace(found, steps=(step,)), unseen, adequate=True)
     assert predicted.after is predicted.by_label[BOW][1]
     assert predicted.after.error == unseen.measure(found.problem, found.polished.p).error
+    assert predicted.agreement is not None
+    too_much = predict_unseen(replace(found, steps=(step,)), unseen, adequate=True, misstated=3)
+    assert too_much.agreement is None and too_much.after.error == predicted.after.error

@@ -37,7 +37,7 @@ MOST_UNSOLVED = 0.01  # of the turns
 KEPT = 4  # motions under overtones: of the rows and the slow roll, at a point and at that before it
 SPEEDS = 128  # a sweep is divided into for the overtones: 25 rpm each on an RK4, half the width of its resonance
 
-_KNOWN: list[tuple[RotorModel, tuple[bytes, bytes], Complex]] = []
+_KNOWN: list[tuple[RotorModel, tuple[bytes, bytes], Complex]] = []  # rotor, speeds and places, motion: the latest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
