@@ -1,14 +1,14 @@
 """Balancing as functions: `balance` and `predict`, and what they return with its tables."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from rotorrig.app.commands.balancing import HoleOptions, predict_by_fit, read_task
-from rotorrig.app.python.card import Card
+from rotorrig.app.python.card import Card, Shown, values
 from rotorrig.app.python.given import OneResponse, PathLike, Responses, list_responses, read_responses
 from rotorrig.app.text import (
     GMM,
@@ -33,13 +33,13 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
-class Prediction(Predicted):
+class Prediction(Shown, Predicted):
     """Vibration predicted with masses on, as `rr.predict` and `balance.prediction` return it."""
 
     @classmethod
     def of(cls, prediction: Predicted) -> Self:
         """Return the same prediction with these views."""
-        return cls(**{field.name: getattr(prediction, field.name) for field in fields(prediction)})
+        return cls(**values(prediction))
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return a row for each speed, probe and direction; µm 0-peak, less slow roll, and degrees of phase lag."""
@@ -64,22 +64,15 @@ class Prediction(Predicted):
         lines = [(r.probe, f"{r.before} before, {r.after} after (95 %: {r.band})") for r in highest_rows(self)]
         return Card("Prediction, largest 1X amplitude, µm 0-peak", lines)
 
-    def __repr__(self) -> str:
-        return self._card.text
-
-    def _repr_html_(self) -> str:
-        return self._card.html
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
-class Balance(Correction):
+class Balance(Shown, Correction):
     """Which mass to put where, and what it will do, as `rr.balance` and `rr.read` return it."""
 
     @classmethod
     def of(cls, balance: Correction) -> Self:
         """Return the same balance with these views."""
-        given = {field.name: getattr(balance, field.name) for field in fields(balance)}
-        return cls(**given | {"prediction": Prediction.of(balance.prediction)})
+        return cls(**values(balance) | {"prediction": Prediction.of(balance.prediction)})
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return a row for each plane and method, and for the masses to mount.
@@ -116,12 +109,6 @@ class Balance(Correction):
         rows = [(plane, f"{amount} at {angle}, {by}") for plane, by, amount, _, angle, _ in correction_rows(self)]
         told = (*known_sentences(self), *hole_lines(self), mounted_sentence(self), grade_sentence(self))
         return Card("Balance: masses to add, from the mark in the sense of rotation", [*rows, *(("", t) for t in told)])
-
-    def __repr__(self) -> str:
-        return self._card.text
-
-    def _repr_html_(self) -> str:
-        return self._card.html
 
 
 def balance(

@@ -1,8 +1,12 @@
 """A thing in a few lines: as text for `repr`, as an HTML table for notebooks."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from html import escape
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,3 +37,24 @@ class Card:
         )
         title = f'<caption style="text-align:left"><b>{escape(self.title)}</b></caption>'
         return f"<table>{title}<tbody>{rows}</tbody></table>"
+
+
+class Shown:
+    """What shows itself by its card, in a terminal and in a notebook."""
+
+    __slots__ = ()
+
+    @property
+    def _card(self) -> Card:
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return self._card.text
+
+    def _repr_html_(self) -> str:
+        return self._card.html
+
+
+def values(result: "DataclassInstance") -> dict[str, Any]:
+    """Return the fields of a result as they are: those of the same result with views of this face."""
+    return {field.name: getattr(result, field.name) for field in fields(result)}

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rotorrig.acquisition.files import open_recording
-from rotorrig.app.python.card import Card
+from rotorrig.app.python.card import Card, Shown
 from rotorrig.processing import Waveforms
 from rotorrig.rig import DataError
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 SECONDS = 1.0  # of waveform that are read unless told otherwise
 
 
-class Recording:
+class Recording(Shown):
     """A recording in its file; it is opened for every question and closed again."""
 
     def __init__(self, path: str | Path) -> None:
@@ -72,9 +72,3 @@ class Recording:
             ("file", f"{self.path}{'' if self.complete else ' (cut short)'}"),
         ]
         return Card(f"Recording of {self.rig.name}", lines)
-
-    def __repr__(self) -> str:
-        return self._card.text
-
-    def _repr_html_(self) -> str:
-        return self._card.html

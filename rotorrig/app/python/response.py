@@ -1,13 +1,13 @@
 """`Response`: order vectors over speed with their ways out of this program."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from rotorrig.app.plot_data import slow_roll_known, vectors
-from rotorrig.app.python.card import Card
+from rotorrig.app.python.card import Card, Shown, values
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.processing.files import write_response
 from rotorrig.rig.config import RPM, UM
@@ -22,13 +22,13 @@ PathLike = str | Path
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
-class Response(OrderTrackedResponse):
+class Response(Shown, OrderTrackedResponse):
     """`OrderTrackedResponse` as `rr.read` and `rr.track` return it; it adds views and files, and changes nothing."""
 
     @classmethod
     def of(cls, response: OrderTrackedResponse) -> Self:
         """Return the same response with these views."""
-        return cls(**{field.name: getattr(response, field.name) for field in fields(response)})
+        return cls(**values(response))
 
     def to_xarray(self) -> "xr.Dataset":
         """Return a dataset of (speed, probe, order), SI, units in `attrs`; `displacement` is complex, raw, 0-peak.
@@ -92,9 +92,3 @@ class Response(OrderTrackedResponse):
                 ("largest 1X", f"{size[row, probe]:.3g} um 0-peak at {rpm[row]:.0f} rpm, {self.probes[probe]}, {raw}")
             )
         return Card(f"Response of {self.rig.name}", [*lines, ("source", self.source.source)])
-
-    def __repr__(self) -> str:
-        return self._card.text
-
-    def _repr_html_(self) -> str:
-        return self._card.html

@@ -1,11 +1,11 @@
 """`Identification` and `Diagnosis` with their tables, their reprs and their files."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from rotorrig.app.python.card import Card
+from rotorrig.app.python.card import Card, Shown, values
 from rotorrig.app.text import causes_to_list, estimate_text, misfit_sentence
 from rotorrig.identify import Diagnosis as Judgement
 from rotorrig.identify import Identification as Fits
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
-class Identification(Fits):
+class Identification(Shown, Fits):
     """What a fit found, as `rr.identify` and `rr.read` return it."""
 
     @classmethod
     def of(cls, identification: Fits) -> Self:
         """Return the same identification with these views."""
-        return cls(**{field.name: getattr(identification, field.name) for field in fields(identification)})
+        return cls(**values(identification))
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return a row for each fit and estimate, nuisances behind the others; SI, `unit` beside the value."""
@@ -59,21 +59,15 @@ class Identification(Fits):
         lines = [(estimate.name, estimate_text(estimate)) for estimate in fit.estimates]
         return Card(f"Identification, {fit.name}", [*lines, ("", misfit_sentence(fit))])
 
-    def __repr__(self) -> str:
-        return self._card.text
-
-    def _repr_html_(self) -> str:
-        return self._card.html
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
-class Diagnosis(Judgement):
+class Diagnosis(Shown, Judgement):
     """The verdict on a model with its evidence, as `rr.diagnose` and `rr.read` return it."""
 
     @classmethod
     def of(cls, diagnosis: Judgement) -> Self:
         """Return the same diagnosis with these views."""
-        return cls(**{field.name: getattr(diagnosis, field.name) for field in fields(diagnosis)})
+        return cls(**values(diagnosis))
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return a row for each cause tried, best first; errors on unseen data in µm 0-peak."""
@@ -106,9 +100,3 @@ class Diagnosis(Judgement):
     def _card(self) -> Card:
         causes = [(f"{i + 1}.", cause.words) for i, cause in enumerate(causes_to_list(self))]
         return Card(f"Diagnosis: {self.verdict}", [("", self.sentence), *causes])
-
-    def __repr__(self) -> str:
-        return self._card.text
-
-    def _repr_html_(self) -> str:
-        return self._card.html

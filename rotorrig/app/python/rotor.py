@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.app.python.card import Card
+from rotorrig.app.python.card import Card, Shown
 from rotorrig.rig import DataError, write_whole_text
 from rotorrig.rig.config import RPM, RigConfig, find_config, load, parse
 from rotorrig.rig.ross import config_text, read_ross, ross_rotor, ross_text
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 MAX_ELEMENT = 0.02  # m, of a rotor for ROSS
 
 
-class Rotor:
+class Rotor(Shown):
     """The nameplate rotor of a rig; effects in its config are no part of it."""
 
     def __init__(self, rig: RigConfig) -> None:
@@ -84,9 +84,3 @@ class Rotor:
             ("rotation", rig.rotation),
         ]
         return Card(f"Rotor of {rig.name}", lines)
-
-    def __repr__(self) -> str:
-        return self._card.text
-
-    def _repr_html_(self) -> str:
-        return self._card.html
