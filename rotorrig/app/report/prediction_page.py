@@ -13,15 +13,25 @@ from rotorrig.rig.config import RigConfig
 
 
 def write_prediction_page(
-    path: Path, prediction: Prediction, masses: Mapping[str, complex], *, rig: RigConfig, source: Provenance
+    path: Path,
+    prediction: Prediction,
+    masses: Mapping[str, complex],
+    *,
+    rig: RigConfig,
+    source: Provenance,
+    units: str = "",
 ) -> None:
-    """Write what `masses` [kg m] on the planes are predicted to do. Raises DataError if it cannot be written."""
+    """Write what `masses` [kg m] on the planes are predicted to do, amplitudes in `units` as `write_report`.
+
+    Raises DataError if it cannot be written.
+    """
     added = "; ".join(mass_text(plane, u) for plane, u in masses.items())
     write_page(
         path,
         kind="Predicted vibration",
         heading=rig.name,
         source=source.source,
+        units=units,
         body=paragraph(f"With {added} from the keyphasor mark in the sense of rotation.") + vibration(prediction, rig),
         conventions="Amplitudes are 0-peak, phases lag; angles are counted from the keyphasor mark.",
     )

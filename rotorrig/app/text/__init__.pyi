@@ -1,4 +1,5 @@
 from .amplitude_units import AMPLITUDE_UNITS as AMPLITUDE_UNITS
+from .amplitude_units import amplitude_factor as amplitude_factor
 from .amplitude_units import read_amplitude_unit as read_amplitude_unit
 from .balancing import CONVENTION as CONVENTION
 from .balancing import GMM as GMM
@@ -61,6 +62,7 @@ from .tracking import tracking_facts as tracking_facts
 from .tracking import tracking_line as tracking_line
 
 __all__ = [
+    "AMPLITUDE_UNITS",
     "CAUSES_TITLE",
     "CONVENTION",
     "GMM",
@@ -69,6 +71,7 @@ __all__ = [
     "SHOWN",
     "UNDETERMINED",
     "Highest",
+    "amplitude_factor",
     "bearing_coefficients",
     "belief_text",
     "bound_text",
@@ -112,6 +115,7 @@ __all__ = [
     "quality_lines",
     "quantity_text",
     "quantity_with_sigma",
+    "read_amplitude_unit",
     "resonance_text",
     "run_text",
     "search_line",

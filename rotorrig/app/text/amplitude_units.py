@@ -1,8 +1,11 @@
-"""Units in which a page tells amplitudes: as stated, or as a lab reads them."""
+"""Units in which pages and tables tell amplitudes: as stated, or as a lab reads them."""
 
 from rotorrig.rig import DataError
+from rotorrig.rig.config import UM
 
 AMPLITUDE_UNITS = ("µm 0-peak", "µm pp", "mil pp", "mil 0-peak")  # those of units.js, the first as pages are written
+
+MIL = 25.4e-6  # m
 
 
 def read_amplitude_unit(text: str, *, where: str) -> str:
@@ -18,3 +21,13 @@ def read_amplitude_unit(text: str, *, where: str) -> str:
     if unit not in AMPLITUDE_UNITS:
         raise DataError(f"{where}: got '{text}', want one of {', '.join(AMPLITUDE_UNITS)}")
     return unit
+
+
+def amplitude_factor(unit: str) -> float:
+    """Return by what an amplitude [m, 0-peak] is multiplied to be told in a unit of AMPLITUDE_UNITS.
+
+    >>> amplitude_factor("µm pp"), round(amplitude_factor("mil 0-peak") * 1e-6, 6)
+    (2000000.0, 0.03937)
+    """
+    length, way = unit.split()
+    return (1 / MIL if length == "mil" else UM) * (2 if way == "pp" else 1)

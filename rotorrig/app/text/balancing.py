@@ -1,6 +1,7 @@
 """Balancing in words: corrections, what of them is known, what the next run will show.
 
-Angles are from the keyphasor mark in the sense of rotation, and beside it against it; amplitudes are µm, 0-peak.
+Angles are from the keyphasor mark in the sense of rotation, and beside it against it; amplitudes are in a unit of
+AMPLITUDE_UNITS, µm 0-peak unless another is asked for.
 """
 
 import math
@@ -8,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rotorrig.app.text.amplitude_units import AMPLITUDE_UNITS, amplitude_factor
 from rotorrig.balancing import Balance, Combination, Correction, Prediction
-from rotorrig.rig.config import RPM, UM
+from rotorrig.rig.config import RPM
 
 GMM = 1e6  # g mm per kg m
 CONVENTION = "masses to add; angles from the keyphasor mark in the sense of rotation; ± is half the 95 % interval"
@@ -174,10 +176,11 @@ def _combination_text(combination: Combination, planes: tuple[str, ...]) -> str:
     return " with ".join([f"1 on {planes[first]}", *parts])
 
 
-def highest_rows(prediction: Prediction) -> list[Highest]:
+def highest_rows(prediction: Prediction, unit: str = AMPLITUDE_UNITS[0]) -> list[Highest]:
     """Return the largest amplitudes before and after, probe by probe, with the band and the speed."""
-    low, high = prediction.band
-    before, after = np.abs(prediction.before), np.abs(prediction.after)
+    factor = amplitude_factor(unit)
+    low, high = (factor * edge for edge in prediction.band)
+    before, after = (factor * np.abs(z) for z in (prediction.before, prediction.after))
     rows = []
     for i, name in enumerate(prediction.probes):
         mine = np.flatnonzero(prediction.probe == i)
@@ -186,9 +189,9 @@ def highest_rows(prediction: Prediction) -> list[Highest]:
             rows.append(
                 Highest(
                     probe=name,
-                    before=f"{_digits(before[b] * UM)} at {prediction.omega[b] * RPM:.0f} rpm",
-                    after=f"{_digits(after[a] * UM)} at {prediction.omega[a] * RPM:.0f} rpm",
-                    band=f"{_digits(low[a] * UM)} to {_digits(high[a] * UM)}",
+                    before=f"{_digits(before[b])} at {prediction.omega[b] * RPM:.0f} rpm",
+                    after=f"{_digits(after[a])} at {prediction.omega[a] * RPM:.0f} rpm",
+                    band=f"{_digits(low[a])} to {_digits(high[a])}",
                 )
             )
     return rows
@@ -228,7 +231,7 @@ def comparison_sentence(balance: Balance) -> str:
     return f"The run after is inside the 95 % region at {share}{where}."
 
 
-def comparison_rows(balance: Balance) -> list[tuple[str, str, str, str]]:
+def comparison_rows(balance: Balance, unit: str = AMPLITUDE_UNITS[0]) -> list[tuple[str, str, str, str]]:
     """Return probe, vectors inside, largest amplitude measured and predicted."""
     compared = balance.comparison
     if compared is None:
@@ -237,7 +240,8 @@ def comparison_rows(balance: Balance) -> list[tuple[str, str, str, str]]:
     for i, name in enumerate(compared.prediction.probes):
         mine = compared.prediction.probe == i
         if mine.any():
-            largest = [float(np.abs(v[mine]).max()) * UM for v in (compared.measured, compared.prediction.after)]
+            both = compared.measured, compared.prediction.after
+            largest = [float(np.abs(z[mine]).max()) * amplitude_factor(unit) for z in both]
             rows.append(
                 (name, f"{compared.inside[mine].sum()} of {mine.sum()}", f"{largest[0]:.3g}", f"{largest[1]:.3g}")
             )

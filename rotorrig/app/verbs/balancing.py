@@ -46,7 +46,7 @@ def balance(
 ) -> None:
     """Say which mass to put where, by runs with trial masses, by the fitted model, or by both."""
     from rotorrig.app.commands.balancing import HoleOptions, balance_responses, show_balance
-    from rotorrig.app.text import read_amplitude_unit
+    from rotorrig.app.text import AMPLITUDE_UNITS, read_amplitude_unit
     from rotorrig.balancing import balance_table, write_balance
 
     shown = read_amplitude_unit(units, where="--units") if units else ""
@@ -62,7 +62,7 @@ def balance(
     if as_json:
         tell("", {"file": str(out_file), **balance_table(found)}, as_json=True)
         return
-    show_balance(found)
+    show_balance(found, shown or AMPLITUDE_UNITS[0])
     out.print(f"{out_file}: the correction, and the vibration predicted with it", highlight=False, soft_wrap=True)
 
 
@@ -78,17 +78,20 @@ def predict(
         list[str] | None,
         typer.Option(help="mass to put on, 'disk: 24 g mm at 135 deg' from the keyphasor mark; repeatable"),
     ] = None,
+    units: Units = None,
     force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Predict the vibration of the first response with masses on, by the fitted model, with 95 % bands."""
     from rotorrig.app.commands.balancing import predict_with_masses, show_prediction, write_predicted
+    from rotorrig.app.text import AMPLITUDE_UNITS, read_amplitude_unit
 
+    shown = read_amplitude_unit(units, where="--units") if units else ""
     if out_file.suffix.lower() not in PREDICTED:
         raise DataError(f"{out_file}: has the ending '{out_file.suffix}', want one of {list(PREDICTED)}")
     prediction, masses, measured = predict_with_masses(responses, fit=fit, masses=mass or [])
-    write_predicted(out_file, prediction, masses, measured)
+    write_predicted(out_file, prediction, masses, measured, units=shown)
     if not as_json:
-        show_prediction(prediction, masses)
+        show_prediction(prediction, masses, shown or AMPLITUDE_UNITS[0])
     words = f"{out_file}: {len(prediction.omega)} vectors"
     tell(words, {"file": str(out_file), "vectors": len(prediction.omega)}, as_json=as_json)

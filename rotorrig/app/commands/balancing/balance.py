@@ -7,6 +7,7 @@ from rotorrig.app.commands.balancing.options import HoleOptions, read_bands, rea
 from rotorrig.app.commands.diagnose import read_responses
 from rotorrig.app.terminal import comparison_table, corrections_table, out, prediction_table, working
 from rotorrig.app.text import (
+    AMPLITUDE_UNITS,
     comparison_sentence,
     grade_sentence,
     hole_lines,
@@ -62,13 +63,13 @@ def balance_responses(
         return balance(measured, task, identification=identification, after=last), measured[0].rig
 
 
-def show_balance(balance: Balance) -> None:
-    """Print corrections, what of them is known, the masses to mount and what they will do."""
+def show_balance(balance: Balance, unit: str = AMPLITUDE_UNITS[0]) -> None:
+    """Print corrections, what of them is known, the masses to mount and what they will do, amplitudes in `unit`."""
     out.print(corrections_table(balance))
     for words in (*known_sentences(balance), *hole_lines(balance), mounted_sentence(balance)):
         out.print(words, highlight=False, markup=False)
-    out.print(prediction_table(balance.prediction))
+    out.print(prediction_table(balance.prediction, unit))
     out.print(grade_sentence(balance), highlight=False, markup=False)
     if balance.comparison:
-        out.print(comparison_table(balance))
+        out.print(comparison_table(balance, unit))
         out.print(comparison_sentence(balance), highlight=False, markup=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from rotorrig.app.commands.diagnose import read_responses
 from rotorrig.app.terminal import out, prediction_table, working
-from rotorrig.app.text import mass_text
+from rotorrig.app.text import AMPLITUDE_UNITS, mass_text
 from rotorrig.balancing import DIRECTIONS, Prediction, influence_of_fit, predict_vibration, write_prediction
 from rotorrig.identify import Identification, read_identification
 from rotorrig.processing import OrderTrackedResponse
@@ -51,9 +51,17 @@ def predict_by_fit(
 
 
 def write_predicted(
-    path: Path, prediction: Prediction, masses: dict[str, complex], measured: OrderTrackedResponse
+    path: Path,
+    prediction: Prediction,
+    masses: dict[str, complex],
+    measured: OrderTrackedResponse,
+    *,
+    units: str = "",
 ) -> None:
-    """Write a prediction for a response as CSV, JSON or picture by its path's ending. Raises DataError."""
+    """Write a prediction for a response as CSV, JSON or picture by its path's ending. Raises DataError.
+
+    The picture has its amplitudes in `units` as `write_report`; the files are µm 0-peak and SI.
+    """
     ending = path.suffix.lower()
     if ending == ".csv":
         write_whole_text(path, _table(prediction, masses))
@@ -62,14 +70,14 @@ def write_predicted(
     else:
         from rotorrig.app.report import write_prediction_page
 
-        write_prediction_page(path, prediction, masses, rig=measured.rig, source=measured.source)
+        write_prediction_page(path, prediction, masses, rig=measured.rig, source=measured.source, units=units)
 
 
-def show_prediction(prediction: Prediction, masses: dict[str, complex]) -> None:
-    """Print the largest amplitudes before and after."""
+def show_prediction(prediction: Prediction, masses: dict[str, complex], unit: str = AMPLITUDE_UNITS[0]) -> None:
+    """Print the largest amplitudes before and after, in `unit`."""
     words = "; ".join(mass_text(plane, u) for plane, u in masses.items())
     out.print(f"Vibration as measured, and what the fitted model says these change: {words}.", highlight=False)
-    out.print(prediction_table(prediction))
+    out.print(prediction_table(prediction, unit))
 
 
 def _table(prediction: Prediction, masses: dict[str, complex]) -> str:

@@ -99,6 +99,26 @@ def test_a_prediction_is_a_table_a_file_and_a_picture(rotor: Run) -> None:
     assert rotor("predict", "base.mcap", "--fit", "fit.json", *mass, "--out", "with.csv", "--force")[0] == 0
 
 
+def test_amplitudes_are_printed_in_the_unit_that_is_asked_for(rotor: Run) -> None:
+    """A mil is 25.4 um, and peak to peak is twice the amplitude."""
+    mass = ("--mass", "disk: 11 g mm at 214.4 deg")
+
+    def largest(*words: str) -> float:
+        code, out, err = rotor(*words, "--out", "units.html", "--force")
+        assert (code, err) == (0, "")
+        return float(next(line for line in out.splitlines() if line.split()[:1] == ["1x"]).split()[1])
+
+    predict = ("predict", "base.mcap", "--fit", "fit.json", *mass)
+    assert largest(*predict, "--units", "mil pp") == pytest.approx(2 * largest(*predict) / 25.4, rel=0.01)
+    assert 'data-units="mil pp"' in Path("units.html").read_text()
+    balance = ("balance", *FILES[:2], "--after", "after.mcap", "--out", "units.json", "--force", "--units", "um pp")
+    code, out, err = rotor(*balance)
+    assert (code, err) == (0, "")
+    assert "Largest 1X amplitude, µm pp" in out and "The run after, µm pp" in out
+    code, _, err = rotor(*predict, "--units", "inch", "--out", "units.html")
+    assert code == 1 and "--units: got 'inch'" in err
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
