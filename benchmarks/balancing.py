@@ -18,10 +18,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from benchmarks.parts.alone import Ending
 from benchmarks.parts.balancing.case_run import Case, Kind, run_case
-from benchmarks.parts.blind.limited import Ending, run_limited
 from benchmarks.parts.blind.records import append_record, open_records, read_newest, read_records, source_version
 from benchmarks.parts.case_arguments import case_parser, parse_cases
+from benchmarks.parts.jobs import run_limited
 from benchmarks.parts.shares import share, to_text
 
 ROOT = Path(__file__).parents[1]
@@ -44,7 +45,7 @@ def main() -> None:
     wanted = [Case(kind=kind, seed=first + i) for i in range(options.seeds) for kind in options.kind]
     version = source_version(later=frozenset({"app", "investigation"}))
     if not options.summary:
-        run(wanted, path, version, workers=options.workers)
+        run(wanted, path, version, options)
     names = {case.name for case in wanted}
     kept = [record for record in read_newest(path) if record["name"] in names]
     result = summarise(kept, wanted=len(wanted))
@@ -54,7 +55,7 @@ def main() -> None:
         print(json.dumps(result))
 
 
-def run(wanted: Sequence[Case], path: Path, version: str, *, workers: int) -> None:
+def run(wanted: Sequence[Case], path: Path, version: str, options: argparse.Namespace) -> None:
     """Run the cases of which `path` has no line of this version."""
     with open_records(path) as file:
         kept = read_records(path, version=version)
@@ -65,7 +66,7 @@ def run(wanted: Sequence[Case], path: Path, version: str, *, workers: int) -> No
             append_record(file, record | parts)
             print(f"{case.name}: {parts.get('error') or 'done'}", flush=True)
 
-        run_limited(run_case, jobs, workers=workers, limit=LIMIT, done=keep)
+        run_limited(run_case, jobs, workers=options.workers, scheduler=options.scheduler, limit=LIMIT, done=keep)
 
 
 def summarise(kept: Sequence[Record], *, wanted: int) -> dict[str, Any]:

@@ -24,6 +24,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from benchmarks.parts.alone import Ending
 from benchmarks.parts.blind.case_run import run_case
 from benchmarks.parts.blind.cases import (
     DESIGNS,
@@ -39,7 +40,6 @@ from benchmarks.parts.blind.cases import (
     shuffle,
 )
 from benchmarks.parts.blind.lam import template
-from benchmarks.parts.blind.limited import Ending, run_limited
 from benchmarks.parts.blind.page import page, text
 from benchmarks.parts.blind.records import (
     FOLDER,
@@ -57,6 +57,8 @@ from benchmarks.parts.blind.records import (
 )
 from benchmarks.parts.blind.rigs.deviants import DEVIANTS
 from benchmarks.parts.blind.score import KILLED, Score, score, summarise
+from benchmarks.parts.case_arguments import add_workers
+from benchmarks.parts.jobs import run_limited
 from rotorrig.rig import ConfigError
 
 ROOT = Path(__file__).parents[1]
@@ -139,7 +141,8 @@ def run_all(wanted: Sequence[Case], path: Path, *, number: int, options: argpars
                 append_record(file, line(job[0], parts, ending, version=version, number=number))
                 bars.update(task, advance=1, description=f"{job[0].design} {job[0].name}")
 
-            run_limited(run_case, jobs, workers=options.workers, limit=options.limit, done=keep)
+            where = {"workers": options.workers, "scheduler": options.scheduler}
+            run_limited(run_case, jobs, limit=options.limit, done=keep, **where)
     except KeyboardInterrupt:
         _leave("stopped", INTERRUPTED)
 
@@ -185,7 +188,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--summary", action="store_true", help="judge the examination's cases that are kept; run none")
     parser.add_argument("--write", action="store_true", help="write docs/blind.md from them")
     parser.add_argument("--json", action="store_true", help="end with one JSON object on the last line")
-    parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
+    add_workers(parser)
     parser.add_argument("--limit", type=float, default=LIMIT, help="seconds after which a case is killed")
     for name, default in EXTENT.items():
         words = "cases per fault" if name == "seeds" else f"{name} per design"

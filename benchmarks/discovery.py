@@ -18,12 +18,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from benchmarks.parts.alone import Ending
 from benchmarks.parts.blind.cases import Case
-from benchmarks.parts.blind.limited import Ending, run_limited
 from benchmarks.parts.blind.records import append_record, open_records, read_newest, read_records, source_version
 from benchmarks.parts.case_arguments import case_parser, parse_cases
 from benchmarks.parts.discovery.case_run import run_case
 from benchmarks.parts.discovery.wanted import wanted_cases
+from benchmarks.parts.jobs import run_limited
 from benchmarks.parts.shares import share, to_text
 
 ROOT = Path(__file__).parents[1]
@@ -46,7 +47,7 @@ def main() -> None:
     wanted = wanted_cases(seeds=options.seeds, first=first, hidden=options.hidden)
     version = source_version()
     if not options.summary:
-        run(wanted, path, version, workers=options.workers)
+        run(wanted, path, version, options)
     names = {case.name for case in wanted}
     result = summarise([record for record in read_newest(path) if record["name"] in names], wanted=len(wanted))
     for key, value in result.items():
@@ -55,7 +56,7 @@ def main() -> None:
         print(json.dumps(result))
 
 
-def run(wanted: Sequence[Case], path: Path, version: str, *, workers: int) -> None:
+def run(wanted: Sequence[Case], path: Path, version: str, options: argparse.Namespace) -> None:
     """Run the cases of which `path` has no line of this version."""
     with open_records(path) as file:
         kept = read_records(path, version=version)
@@ -68,7 +69,7 @@ def run(wanted: Sequence[Case], path: Path, version: str, *, workers: int) -> No
             told = parts.get("words") if path == DEVELOPED else "done"  # nobody looks at what is published
             print(f"{case.name}: {parts.get('error') or told or 'adequate'}", flush=True)
 
-        run_limited(run_case, jobs, workers=workers, limit=LIMIT, done=keep)
+        run_limited(run_case, jobs, workers=options.workers, scheduler=options.scheduler, limit=LIMIT, done=keep)
 
 
 def summarise(kept: Sequence[Record], *, wanted: int) -> dict[str, Any]:

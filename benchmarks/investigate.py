@@ -23,11 +23,12 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.parts.alone import Ending
 from benchmarks.parts.blind.cases import Case, draw_again, modelled, sizes
-from benchmarks.parts.blind.limited import Ending, run_limited
 from benchmarks.parts.blind.names import answer
 from benchmarks.parts.blind.records import append_record, open_records, read_newest, read_records, source_version
 from benchmarks.parts.case_arguments import case_parser, parse_cases
+from benchmarks.parts.jobs import run_limited
 from benchmarks.parts.shares import share
 from rotorrig.app.commands.investigate import investigate, prepare
 from rotorrig.app.commands.simulate import SimulatedRig
@@ -57,7 +58,7 @@ def main() -> None:
     )
     version = source_version(later=frozenset({"balancing"}))
     if not options.summary:
-        run(wanted, path, version, workers=options.workers)
+        run(wanted, path, version, options)
     kept = [r for r in read_newest(path) if any(r["name"] == c.name for c in wanted)]
     result = summarise(kept, wanted=len(wanted))
     for key, value in result.items():
@@ -72,7 +73,7 @@ def in_order(cases: Sequence[Case]) -> list[Case]:
     return [cases[i] for i in order]
 
 
-def run(wanted: Sequence[Case], path: Path, version: str, *, workers: int) -> None:
+def run(wanted: Sequence[Case], path: Path, version: str, options: argparse.Namespace) -> None:
     """Run the cases of which `path` has no line of this version."""
     with open_records(path) as file:
         kept = read_records(path, version=version)
@@ -83,7 +84,7 @@ def run(wanted: Sequence[Case], path: Path, version: str, *, workers: int) -> No
             append_record(file, {"version": version, "ending": ending, **about, **parts})
             print(f"{case.name}: {parts.get('verdict', ending)}", flush=True)
 
-        run_limited(run_case, jobs, workers=workers, limit=LIMIT, done=keep)
+        run_limited(run_case, jobs, workers=options.workers, scheduler=options.scheduler, limit=LIMIT, done=keep)
 
 
 def run_case(case: Case) -> Iterator[dict[str, Any]]:

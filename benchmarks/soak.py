@@ -22,7 +22,8 @@ from functools import partial
 from pathlib import Path
 from types import FrameType
 
-from benchmarks.parts.parallel import WorkerDied, in_parallel
+from benchmarks.parts.case_arguments import add_workers
+from benchmarks.parts.jobs import WorkerDied, in_parallel
 from benchmarks.parts.soak.cases import CASES
 from benchmarks.parts.soak.controllers import CONTROLLERS, ROOT
 from benchmarks.parts.soak.faults import Case, pairs, singles
@@ -78,7 +79,8 @@ def run_all(wanted: Sequence[Case], options: argparse.Namespace) -> None:
         print(f"{count}/{len(jobs)} {verdict.run}: {said}; {verdict.status}, {verdict.last_line[:90]}", file=sys.stderr)
 
     try:
-        in_parallel(partial(complete, version=version, folder=options.folder), jobs, workers=options.workers, done=told)
+        work = partial(complete, version=version, folder=options.folder)
+        in_parallel(work, jobs, workers=options.workers, scheduler=options.scheduler, done=told)
     except KeyboardInterrupt:
         _leave("stopped", 130)
     except WorkerDied as error:
@@ -124,7 +126,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--rounds", type=int, default=1, help="runs of each, at other moments (default 1)")
     parser.add_argument("--again", action="store_true", help="run also what is kept for this code")
     workers = 2 * (os.cpu_count() or 2)
-    parser.add_argument("--workers", type=int, default=workers, help="runs at a time (default: two a core)")
+    add_workers(parser, default=workers, of="runs at a time")
     parser.add_argument("--folder", type=Path, default=FOLDER, help="where results are kept")
     parser.add_argument("--summary", action="store_true", help="run nothing: figures of what is kept")
     parser.add_argument("--json", action="store_true", help="print the figures alone")

@@ -12,8 +12,14 @@ def case_parser(document: str, *, seeds: int, of: str) -> argparse.ArgumentParse
     parser.add_argument("--seeds", type=int, default=seeds, help=of)
     parser.add_argument("--summary", action="store_true", help="of the cases that are kept; run none")
     parser.add_argument("--json", action="store_true", help="end with one JSON object on the last line")
-    parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
+    add_workers(parser)
     return parser
+
+
+def add_workers(parser: argparse.ArgumentParser, *, default: int = 2, of: str = "processes") -> None:
+    """Add where the cases are run: in so many processes here, or in those of a Dask scheduler."""
+    parser.add_argument("--workers", type=int, default=default, help=f"{of} here (default {default})")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="tcp:// or tls:// of a Dask scheduler, instead of those")
 
 
 def parse_cases(parser: argparse.ArgumentParser) -> argparse.Namespace:

@@ -25,7 +25,7 @@ from rotorrig.rig import ConfigError
 ROOT = Path(__file__).parents[3]
 FOLDER = Path(__file__).parent / "results"
 LATER = frozenset({"app", "balancing", "investigation"})  # stages after the diagnosis: no case runs them
-PAGE_ALONE = {"score.py", "page.py", "records.py", "limited.py"}  # judge and print what is kept, and make no case
+PAGE_ALONE = {"score.py", "page.py", "records.py"}  # judge and print what is kept, and make no case
 
 Record = dict[str, Any]
 

@@ -1,13 +1,12 @@
 """Recordings of a lab: short sweeps of simulated RK4s, each with a hidden truth and noise of its own, made once."""
 
 import os
-import signal
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
 from benchmarks.parts.blind.run import record
-from benchmarks.parts.parallel import in_parallel
+from benchmarks.parts.jobs import in_parallel
 from rotorrig.acquisition.files import write_recording
 from rotorrig.rig.config import RigConfig, parse
 
@@ -45,5 +44,4 @@ def link_recordings(folder: Path, paths: Sequence[Path]) -> Path:
 
 
 def _make(path: Path) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     write_recording(path, record(brisk_rig(), seed=int(path.stem)), overwrite=True)

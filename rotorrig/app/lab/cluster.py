@@ -14,6 +14,7 @@ from rotorrig.rig import DataError
 
 Job = TypeVar("Job")
 
+TLS = "distributed.comm.tls"  # where Dask's config has its certificates
 PATIENCE = "20 s"  # for a scheduler's answer
 WAIT_FOR_WORKERS = 60.0  # s, of a scheduler that has none yet
 LOOK_AGAIN = 5.0  # s between two looks at how many workers a scheduler has
@@ -42,7 +43,7 @@ def connect(*, workers: int | None = None, scheduler: str | None = None) -> Iter
     """Open a client of a scheduler's address, or of `workers` local processes of one thread each, by default the cores.
 
     However the block is left, the local processes end. Raises DataError if the scheduler does not answer or has no
-    worker. TLS is as Dask's own config says (`distributed.comm.tls`), for an address that begins with tls://.
+    worker. TLS is as Dask's own config says (`TLS`), for an address that begins with tls://.
     """
     _silence()
     if scheduler:
@@ -69,6 +70,8 @@ def _remote(address: str) -> Iterator[Client]:
         client = Client(address, timeout=PATIENCE)
     except (OSError, ValueError, RuntimeError) as error:
         raise DataError(f"{address}: no scheduler answers, want one such as tcp://10.0.0.5:8786 ({error})") from error
+    except TypeError as error:  # what Dask makes of a config without keys
+        raise DataError(f"{address}: Dask's config has no certificate, want ca-file and client of {TLS}") from error
     with client:
         try:
             client.wait_for_workers(1, timeout=WAIT_FOR_WORKERS)

@@ -79,7 +79,8 @@ class ShaftMotion:
         A = rotor.M + h / 2 * rotor.C + h * h / 4 * rotor.K
         parts = (np.linalg.inv(A), rotor.C, rotor.K, rotor.G, rotor.D)
         coupled = any(part[:n, n:].any() or part[n:, :n].any() for part in parts[:3])
-        self._matrices = _Matrices(*(np.ascontiguousarray(part.T) for part in parts), coupled=coupled)
+        inverse, C, K, G, D = (np.ascontiguousarray(part.T) for part in parts)
+        self._matrices = _Matrices(inverse, C, K, G, D, coupled)
         self._laws = List.empty_list(types.FunctionType(LAW))
         for force in forces:
             self._laws.append(force.law)

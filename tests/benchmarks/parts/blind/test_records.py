@@ -30,7 +30,7 @@ RUN = """
 import sys, time
 from pathlib import Path
 from typing import Any
-from benchmarks.parts.blind.limited import run_limited
+from benchmarks.parts.jobs import run_limited
 from benchmarks.parts.blind.records import append_record, open_records, read_records
 
 path, names = Path(sys.argv[1]), [f"case-{i}" for i in range(int(sys.argv[2]))]

@@ -10,12 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.parts.parallel import WorkerDied, in_parallel
+from benchmarks.parts.jobs import WorkerDied, in_parallel
+from rotorrig.app.lab.cluster import connect
 
 ROOT = Path(__file__).parents[3]
 SLEEPING = """
-from benchmarks.parts.parallel import in_parallel
-from tests.benchmarks.parts.test_parallel import sleep_and_tell
+from benchmarks.parts.jobs import in_parallel
+from tests.benchmarks.parts.test_jobs import sleep_and_tell
 if __name__ == "__main__":
     in_parallel(sleep_and_tell, [r"{folder}"], workers=1)
 """
@@ -45,6 +46,12 @@ def test_results_come_in_the_order_of_the_jobs() -> None:
     told: list[int] = []
     assert in_parallel(double, [1, 2, 3], workers=2, done=told.append) == [2, 4, 6]
     assert sorted(told) == [2, 4, 6]
+
+
+def test_the_workers_may_be_those_of_a_scheduler() -> None:
+    with connect(workers=1) as client:
+        address = client.cluster.scheduler_address
+        assert in_parallel(double, [1, 2], scheduler=address) == [2, 4]
 
 
 def test_a_worker_that_dies_is_an_error_and_no_wait() -> None:

@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
-from benchmarks.parts.blind.limited import run_limited
+from benchmarks.parts.jobs import run_limited
 
 
 def job(kind: str) -> Iterator[dict[str, Any]]:
