@@ -44,7 +44,7 @@ async function plot(canvas, caption, traces, layout) {
 let walk = []; // points that are drawn: { run, value, low, high }, oldest first
 const trendOf = () => trends.find((trend) => trend.name === state.trend);
 const pointText = ({ run, value, low, high }) =>
-  `${timeText(run.t)}: ${withUnit(digits(value, 4), trendOf().unit)}${known(low) && known(high) ? ` (${digits(low, 4)} to ${digits(high, 4)})` : ""}, ${run.file}`;
+  `${timeText(run.t)}: ${withUnit(digits(value, 4), unitOf(trendOf()))}${known(low) && known(high) ? ` (${digits(low, 4)} to ${digits(high, 4)})` : ""}, ${run.file}`;
 const GROUPS = [["adequate", "#3182bd", "circle"], ["another verdict", "#e6792b", "diamond"], ["not diagnosed", "#808890", "square"]];
 const groupOf = (run) => (outcome(run) === "adequate" ? 0 : run.verdict ? 1 : 2);
 
@@ -75,21 +75,21 @@ async function showTrend() {
   if (!trend) at("trend-caption").textContent = "No run has values to follow.";
   if (!trend || !seen.has("trends")) return;
   const passed = new Set(shown);
-  walk = trend.points.map(([index, value, low, high]) => ({ run: byId.get(runs[index].id), value, low, high }))
+  walk = trend.points.map((point) => inUnit(trend, point)).map(([index, value, low, high]) => ({ run: byId.get(runs[index].id), value, low, high }))
     .filter(({ run }) => run.rig === rig && known(run.t) && passed.has(run)).sort((one, other) => one.run.t - other.run.t);
   Object.assign(at("point"), { max: Math.max(walk.length - 1, 0), value: walk.length });
   at("walk").hidden = at("trend-plot").hidden = walk.length === 0;
   const bars = walk.some(({ low }) => known(low)) ? "bars are 95 % intervals" : "no interval is stated for it";
-  const unit = trend.unit && `, ${trend.unit}`;
-  at("trend-caption").textContent = walk.length ? `${trend.label}${unit}: ${walk.length} runs of ${rig}; ${bars}` : `No run of ${rig} that passes the filter has a value of: ${trend.label}`;
+  const inWhat = trend.unit && `, ${unitOf(trend)}`;
+  at("trend-caption").textContent = walk.length ? `${trend.label}${inWhat}: ${walk.length} runs of ${rig}; ${bars}` : `No run of ${rig} that passes the filter has a value of: ${trend.label}`;
   sayPoint();
   if (!walk.length) return;
   const ends = [walk[0], walk.at(-1)].map(({ run }) => timeText(run.t));
-  const lines = (trend.lines[rig] ?? []).map(([y, name], i) => ({
+  const lines = (trend.lines[rig] ?? []).map(([value, name], i) => [inUnit(trend, [i, value])[1], name]).map(([y, name], i) => ({
     name: plotText(name), mode: "lines", x: ends, y: [y, y], line: { color: LINE, width: 1.5, dash: ["dash", "dot", "dashdot"][i % 3] }, hoverinfo: "skip",
   }));
   const groups = GROUPS.map((group, i) => traceOf(group, walk.filter(({ run }) => groupOf(run) === i)));
-  const layout = frame({ xaxis: axis({ type: "date" }), yaxis: axis({ title: { text: plotText(trend.unit || trend.label) } }), uirevision: trend.name + rig });
+  const layout = frame({ xaxis: axis({ type: "date" }), yaxis: axis({ title: { text: plotText(unitOf(trend) || trend.label) } }), uirevision: trend.name + rig + unitOf(trend) });
   const canvas = at("trend-plot");
   await plot(canvas, at("trend-caption"), [...lines, ...groups, ring()], layout);
   canvas.removeAllListeners?.("plotly_click");
@@ -153,9 +153,10 @@ async function drawBode(its) {
   at("bode-caption").textContent = `Probe ${probe} at 1X, ${raw ? "slow roll not subtracted in all of them" : "slow roll subtracted"}; lines are dashed where the speed falls`;
   const quarters = [...Array(13).keys()].map((i) => 90 * (i - 4));
   const layout = frame({
-    showlegend: false, xaxis: axis({ title: { text: "speed, rpm" }, anchor: "y2" }), yaxis: axis({ domain: [0.42, 1], title: { text: "µm 0-peak" }, rangemode: "tozero" }),
-    yaxis2: axis({ domain: [0, 0.36], title: { text: "lag, °" }, tickvals: quarters, ticktext: quarters.map((lag) => (lag + 360) % 360) }), uirevision: probe,
+    showlegend: false, xaxis: axis({ title: { text: "speed, rpm" }, anchor: "y2" }), yaxis: axis({ domain: [0.42, 1], title: { text: unit }, rangemode: "tozero" }),
+    yaxis2: axis({ domain: [0, 0.36], title: { text: "lag, °" }, tickvals: quarters, ticktext: quarters.map((lag) => (lag + 360) % 360) }), uirevision: probe + unit,
   });
+  at("peaks-unit").textContent = unit;
   at("peaks").replaceChildren(...drawn.map(({ run, curve }) => peakRow(run, curve)));
   await plot(at("bode-plot"), at("bode-caption"), drawn.flatMap((one) => bodeTraces(one, start)), layout);
 }
@@ -166,7 +167,7 @@ function bodeTraces({ run, curve, colour }, start) {
   const name = plotText(`${run.file}, ${curve.run}`);
   const look = { mode: "lines", line: { color: colour, width: 1.6, dash: curve.direction < 0 ? "dash" : "solid" }, x: curve.rpm, name };
   return [
-    { ...look, y: curve.amplitude, hovertemplate: "%{x:.0f} rpm: %{y:.2f} µm<extra>%{fullData.name}</extra>" },
+    { ...look, y: curve.amplitude.map(told), hovertemplate: `%{x:.0f} rpm: %{y:.3g} ${unit}<extra>%{fullData.name}</extra>` },
     { ...look, y: lag, yaxis: "y2", customdata: curve.lag, hovertemplate: "%{x:.0f} rpm: %{customdata:.1f}°<extra>%{fullData.name}</extra>" },
   ];
 }
@@ -183,7 +184,7 @@ function phaseStart(its) {
 
 function peakRow(run, curve) {
   const top = curve.amplitude.indexOf(Math.max(...curve.amplitude));
-  const cells = [curve.run, digits(curve.amplitude[top], 4), digits(curve.rpm[top], 4), digits(curve.lag[top], 3)];
+  const cells = [curve.run, digits(told(curve.amplitude[top]), 4), digits(curve.rpm[top], 4), digits(curve.lag[top], 3)];
   return make("tr", {}, make("th", { scope: "row" }, run.file), ...cells.map((cell) => make("td", {}, cell)));
 }
 

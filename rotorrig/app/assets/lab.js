@@ -67,6 +67,8 @@ function digits(number, count) {
   return text.includes("e") ? String(Number(text)) : text;
 }
 
+const told = (um) => (known(um) ? um * UNITS.get(unit) : um); // an amplitude [µm 0-peak] in the unit chosen
+const told3 = (um) => digits(told(um), 3);
 const withUnit = (text, unit) => text + (unit === "°" || !unit ? unit : ` ${unit}`);
 
 // The table
@@ -83,7 +85,7 @@ const COLUMNS = [
   estimate("kxx", "kxx, kN/m"), estimate("cxx", "cxx, N s/m"), estimate("u", "u, g mm"),
   { name: "critical", label: "critical speed, rpm", kind: "number", value: (run) => run.critical, cell: (run) => [digits(run.critical, 4), run.where && make("small", {}, run.where)] },
   { name: "q", label: "Q", kind: "number", value: (run) => run.q, cell: (run) => [digits(run.q, 3)] },
-  { name: "residual", label: "residual, µm", kind: "number", value: (run) => run.residual, cell: (run) => [digits(run.residual, 3)] },
+  { name: "residual", get label() { return `residual, ${unit}`; }, kind: "number", value: (run) => run.residual, cell: (run) => [told3(run.residual)] },
 ];
 
 function statusCell(run) {
@@ -162,14 +164,16 @@ function toggle(run) {
 
 // All that is known of a run: what the table has no column for
 const pointOf = ({ points }, run) => points.find(([index]) => index === run.index) ?? [];
+const unitOf = (trend) => (trend.unit === WRITTEN ? unit : trend.unit);
+const inUnit = (trend, [index, ...values]) => [index, ...(trend.unit === WRITTEN ? values.map(told) : values)];
 
 function valuesOf(run) {
   return trends.filter(({ group }) => group !== "Peaks").flatMap((trend) => {
-    const [, value, low, high] = pointOf(trend, run);
+    const [, value, low, high] = inUnit(trend, pointOf(trend, run));
     if (!known(value)) return [];
     const interval = known(low) && known(high) ? ` (${digits(low, 4)} to ${digits(high, 4)})` : "";
     const band = ["Fit", "Whole sweep"].includes(trend.group) ? "" : `, ${trend.group}`;
-    return [[trend.label + band, withUnit(digits(value, 4), trend.unit) + interval]];
+    return [[trend.label + band, withUnit(digits(value, 4), unitOf(trend)) + interval]];
   });
 }
 
@@ -180,7 +184,7 @@ function peaksOf(run) {
     if (known(value)) places.set(place.join(" "), { ...places.get(place.join(" ")), [kind]: value });
   }
   return [...places].map(([place, { peak, critical, factor }]) => {
-    const words = [known(peak) && `${digits(peak, 3)} µm`, known(critical) && `at ${digits(critical, 4)} rpm`, known(factor) && `Q ${digits(factor, 3)}`];
+    const words = [known(peak) && `${told3(peak)} ${unit}`, known(critical) && `at ${digits(critical, 4)} rpm`, known(factor) && `Q ${digits(factor, 3)}`];
     return [`largest 1X, ${place}`, words.filter(Boolean).join(", ").replace(", at", " at")];
   });
 }
@@ -279,6 +283,7 @@ function begin() {
   showBode();
 }
 
+offerUnits(() => { showTable(); showTrend(); showBode(); });
 begin();
 listen();
 // ms from the request to the table's first paint; the plots come after it

@@ -1,12 +1,7 @@
-// Amplitudes in the unit one reads: what the page states in µm 0-peak (a sentence of the diagnosis: um), and nothing
-// else, is told in the unit chosen.
+// Amplitudes of a report in the unit chosen (unit-choice.js): what the page states in µm 0-peak (a sentence of the
+// diagnosis: um), and nothing else, is told in it.
 "use strict";
-const WRITTEN = "µm 0-peak";
-const UNITS = new Map([[WRITTEN, 1], ["µm pp", 2], ["mil pp", 2 / 25.4], ["mil 0-peak", 1 / 25.4]]);
-const KEPT = "rotor-amplitude-unit"; // where the browser keeps the reader's choice for the next page
 const STATED = /(?:(\d[\d.]*)( ± )?(\d[\d.]*)?[ \u00a0])?[uµ]m 0-peak/g;
-const chooser = document.getElementById("units");
-let unit = WRITTEN;
 
 // A number of as many digits as it is written with, two at least.
 function told(number) {
@@ -85,20 +80,8 @@ function inUnit(figure) {
   return figure;
 }
 
-// The choice
-function choose(wanted) {
-  unit = UNITS.has(wanted) ? wanted : WRITTEN;
-  chooser.value = unit;
-  if (unit !== WRITTEN || written.size) tell();
-}
-
-chooser.append(...[...UNITS.keys()].map((name) => new Option(name)));
-chooser.closest("label").hidden = false;
-let kept = null;
-try { kept = localStorage.getItem(KEPT); } catch { /* a browser that keeps nothing */ }
-choose(kept ?? document.body.dataset.units);
-chooser.addEventListener("change", () => {
-  choose(chooser.value);
-  try { localStorage.setItem(KEPT, unit); } catch { /* as above */ }
+offerUnits(() => {
+  tell();
   globalThis.rotorReport?.redraw();
 });
+if (unit !== WRITTEN) tell();

@@ -43,7 +43,7 @@ def write_page(
         look=look,
         style=read_asset("report.css"),
         plotly=_pack_plotly(),
-        switch=read_asset("units.js"),
+        switch=read_asset("unit-choice.js") + read_asset("units.js"),
         script=read_asset("report.js"),
         units=escape(units),
         body=body,

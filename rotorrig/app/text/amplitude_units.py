@@ -3,7 +3,12 @@
 from rotorrig.rig import DataError
 from rotorrig.rig.config import UM
 
-AMPLITUDE_UNITS = ("µm 0-peak", "µm pp", "mil pp", "mil 0-peak")  # those of units.js, the first as pages are written
+AMPLITUDE_UNITS = (
+    "µm 0-peak",
+    "µm pp",
+    "mil pp",
+    "mil 0-peak",
+)  # those of unit-choice.js, the first as pages are written
 
 MIL = 25.4e-6  # m
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from rotorrig.app.terminal import err, progress_bars, tell
-from rotorrig.app.verbs.arguments import AsJson
+from rotorrig.app.verbs.arguments import AsJson, Units
 
 SHOWN_FAULTS = 3  # sentences on responses that could not be read
 
@@ -20,6 +20,7 @@ def page(
         typer.Option("--out", "-o", help="the folder to write the pages into", show_default="FOLDER/lab/page"),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="write into a folder that has other files, too")] = False,
+    units: Units = None,
     as_json: AsJson = False,
 ) -> None:
     """Write a lab's catalogue as pages: a table of all runs, trends, Bode plots of several runs in one.
@@ -27,13 +28,16 @@ def page(
     They open in a browser from the disk; pages of earlier are replaced.
     """
     from rotorrig.app.lab.page import write_lab_page
+    from rotorrig.app.text import read_amplitude_unit
 
+    shown = read_amplitude_unit(units, where="--units") if units else ""
     with progress_bars() as bars:
         task = bars.add_task("curves", total=1.0, note="")
         written = write_lab_page(
             folder,
             out_folder or folder / "lab" / "page",
             force=force,
+            units=shown,
             progress=lambda done: bars.update(task, completed=done),
         )
     runs = f"{written.runs} run{'s' if written.runs != 1 else ''}"

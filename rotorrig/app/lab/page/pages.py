@@ -22,7 +22,7 @@ from rotorrig.rig import DataError, write_whole_text
 from rotorrig.rig.config import Limits
 
 INDEX, PLOTLY = "index.html", "plotly.min.js"
-SCRIPTS = ("lab.js", "lab-plots.js")
+SCRIPTS = ("unit-choice.js", "lab.js", "lab-plots.js")
 MARK = '<meta name="generator" content="rotor lab page">'  # of an index that may be replaced
 
 
@@ -58,11 +58,16 @@ def check_page_folder(folder: Path, *, force: bool = False) -> None:
 
 
 def write_lab_page(
-    lab: Path, folder: Path, *, force: bool = False, progress: Callable[[float], None] = lambda _: None
+    lab: Path,
+    folder: Path,
+    *,
+    force: bool = False,
+    units: str = "",
+    progress: Callable[[float], None] = lambda _: None,
 ) -> LabPage:
     """Write the pages of a lab into a folder, the index last; `progress` is told the share of the curves done.
 
-    Raises DataError if there is no catalogue, or the folder holds something else (see `check_page_folder`).
+    `units`, of AMPLITUDE_UNITS, are those in which amplitudes are told until the reader chooses others. Raises DataError if there is no catalogue, or the folder holds something else (see `check_page_folder`).
     """
     check_page_folder(folder, force=force)
     catalogue = read_catalogue(lab)
@@ -80,7 +85,7 @@ def write_lab_page(
         _write_once(folder / name, read_asset(name))
     _write_once(folder / PLOTLY, get_plotlyjs())
     table = {"runs": rows, "trends": [{name: getattr(t, name) for name in t.__slots__} for t in trends]}
-    write_whole_text(folder / INDEX, _index(lab, table))
+    write_whole_text(folder / INDEX, _index(lab, table, units))
     return LabPage(index=folder / INDEX, runs=len(rows), curves=len(addresses), unread=tuple(unread))
 
 
@@ -111,7 +116,7 @@ def _write_once(path: Path, text: str) -> None:
         write_whole_text(path, text)
 
 
-def _index(lab: Path, table: object) -> str:
+def _index(lab: Path, table: object, units: str) -> str:
     name = lab.resolve().name or "lab"
     return Template(read_asset("lab.html")).substitute(
         mark=MARK,
@@ -119,5 +124,6 @@ def _index(lab: Path, table: object) -> str:
         heading=escape(name),
         written=f"{datetime.now().astimezone():%Y-%m-%d %H:%M %Z}",
         style=read_asset("report.css") + read_asset("lab.css"),
+        units=escape(units),
         runs=as_script(table),
     )

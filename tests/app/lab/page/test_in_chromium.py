@@ -98,6 +98,7 @@ def test_the_table_is_there_within_a_second_and_nothing_else_was_loaded(tab: Tab
     assert len(column(tab, "#rows th")) == 25
     assert {url.rpartition("/")[2].partition("#")[0] for url in tab.requests} == {
         "index.html",
+        "unit-choice.js",
         "lab.js",
         "lab-plots.js",
     }
@@ -294,6 +295,46 @@ def test_up_to_six_runs_are_overlaid_each_by_a_file_of_its_own(tab: Tab, page: P
     address = address_of(tab)
     opened(tab, page, address, height=5000)
     wait_for(tab, "document.getElementById('bode-plot').data?.length === 20")
+    assert tab.complaints == []
+
+
+def test_amplitudes_are_told_in_the_unit_chosen_and_nothing_else_changes(tab: Tab, page: Path) -> None:
+    in_mil = 2 / 25.4
+    draw_all(tab, page)
+    choose(tab, "quantity", tab.run("trends.find(({ name }) => name.startsWith('peak ')).name"))
+    wait_for(tab, "document.getElementById('trend-caption').textContent.includes('µm 0-peak')")
+
+    def told() -> list[Any]:
+        trend = "document.getElementById('trend-plot').data.find(({ name, y }) => name === 'adequate' && y.length)"
+        plot = "document.getElementById('bode-plot')"
+        words = ["#rows td:nth-of-type(11)", "#peaks td:nth-of-type(2)"]
+        amplitudes = [[float(text) for text in column(tab, which) if text != "–"] for which in words]
+        drawn = [tab.run(f"[...{trend}.y]"), tab.run(f"{plot}.data[0].y.map((y) => y ?? 0)")]
+        others = [
+            column(tab, "#rows td:nth-of-type(6)"),
+            tab.run(f"[...{plot}.data[0].x]"),
+            column(tab, "#peaks td")[2],
+        ]
+        return [[*amplitudes, *drawn], others]
+
+    before, others = told()
+    choose(tab, "units", "mil pp")
+    wait_for(tab, "document.getElementById('trend-caption').textContent.includes('mil pp')")
+    wait_for(tab, "document.getElementById('bode-plot').layout.yaxis.title.text === 'mil pp'")
+    after, same = told()
+    assert same == others
+    for one, other in zip(before, after, strict=True):
+        assert len(one) > 1
+        assert other == pytest.approx([value * in_mil for value in one], rel=0.02)  # of three digits
+    assert column(tab, "#head [data-column=residual]")[0].startswith("residual, mil pp")
+    assert "mil pp at" in column(tab, "#rows .all")[0]
+    assert column(tab, "#peaks-unit") == ["mil pp"]
+    tab.open(page, wait="rotorLab.shown")
+    assert column(tab, "#head [data-column=residual]")[0].startswith("residual, mil pp"), "the choice is kept"
+    tab.run("localStorage.clear()")
+    write_lab_page(page.parents[2], page.parent, units="µm pp")
+    tab.open(page, wait="rotorLab.shown")
+    assert column(tab, "#head [data-column=residual]")[0].startswith("residual, µm pp")
     assert tab.complaints == []
 
 
