@@ -1,4 +1,6 @@
 from .amplitude_units import AMPLITUDE_UNITS as AMPLITUDE_UNITS
+from .amplitude_units import AS_STATED as AS_STATED
+from .amplitude_units import AmplitudeUnit as AmplitudeUnit
 from .amplitude_units import amplitude_factor as amplitude_factor
 from .amplitude_units import read_amplitude_unit as read_amplitude_unit
 from .balancing import CONVENTION as CONVENTION
@@ -63,6 +65,7 @@ from .tracking import tracking_line as tracking_line
 
 __all__ = [
     "AMPLITUDE_UNITS",
+    "AS_STATED",
     "CAUSES_TITLE",
     "CONVENTION",
     "GMM",
@@ -70,6 +73,7 @@ __all__ = [
     "NO_RESONANCE",
     "SHOWN",
     "UNDETERMINED",
+    "AmplitudeUnit",
     "Highest",
     "amplitude_factor",
     "bearing_coefficients",

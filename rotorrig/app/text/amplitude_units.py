@@ -1,4 +1,7 @@
-"""Units in which pages and tables tell amplitudes: as stated, or as a lab reads them."""
+"""Units in which pages, pictures and tables tell amplitudes: as stated, or as a lab reads them."""
+
+import re
+from dataclasses import dataclass
 
 from rotorrig.rig import DataError
 from rotorrig.rig.config import UM
@@ -11,6 +14,50 @@ AMPLITUDE_UNITS = (
 )  # those of unit-choice.js, the first as pages are written
 
 MIL = 25.4e-6  # m
+STATED = re.compile(r"(\d[\d.]*)( ± )?(\d[\d.]*)?[ \u00a0][uµ]m 0-peak")  # as sentences have it; units.js too
+
+
+@dataclass(frozen=True, slots=True)
+class AmplitudeUnit:
+    """A unit of AMPLITUDE_UNITS, and that of lengths beside it: a place or an orbit is neither 0-peak nor pp."""
+
+    name: str = AMPLITUDE_UNITS[0]
+
+    @property
+    def by(self) -> float:
+        """What an amplitude [m, 0-peak] is multiplied by."""
+        return amplitude_factor(self.name)
+
+    @property
+    def length(self) -> str:
+        """The unit of a length, "µm" or "mil"."""
+        return self.name.split()[0]
+
+    @property
+    def by_length(self) -> float:
+        """What a length [m] is multiplied by."""
+        return 1 / MIL if self.length == "mil" else UM
+
+    def retell(self, words: str) -> str:
+        """Return a sentence with its amplitudes in this unit, to as many digits, two at least.
+
+        >>> AmplitudeUnit("mil pp").retell("off by 12.7 um 0-peak, 31 %")
+        'off by 1.00 mil pp, 31 %'
+        """
+        return STATED.sub(self._retold, words)
+
+    def _retold(self, found: "re.Match[str]") -> str:
+        value, between, sigma = found.groups(default="")
+        return f"{self._figure(value)}{between}{self._figure(sigma)} {self.name}"
+
+    def _figure(self, digits: str) -> str:
+        if not digits:
+            return ""
+        kept = max(len(digits.replace(".", "").lstrip("0")), 2)
+        return f"{float(digits) / UM * self.by:#.{kept}g}".rstrip(".")
+
+
+AS_STATED = AmplitudeUnit()
 
 
 def read_amplitude_unit(text: str, *, where: str) -> str:

@@ -42,7 +42,7 @@ Trial = Annotated[
 Plan = Annotated[str, typer.Option(help="sweep plan in the config", autocompletion=plans_of_the_config)]
 Units = Annotated[
     str | None,
-    typer.Option(help="amplitudes in 'um pp', 'mil pp' or 'mil 0-peak'; the page can switch", show_default=False),
+    typer.Option(help="amplitudes in 'um pp', 'mil pp' or 'mil 0-peak'; a page can switch", show_default=False),
 ]
 View = Annotated[bool, typer.Option("--view", help="show orbits, Bode plots, speed and time base live")]
 AsJson = Annotated[bool, typer.Option("--json", help="print the result as one JSON object")]

@@ -163,11 +163,14 @@ def view(
         Output(kind="rrd"),
     ] = None,
     force: Force = False,
+    units: Units = None,
 ) -> None:
     """Open a file in the Rerun viewer; a response together with what was made of it."""
+    from rotorrig.app.text import AS_STATED, AmplitudeUnit, read_amplitude_unit
     from rotorrig.app.viewer import Evidence, save_result, view_file
 
-    evidence = Evidence(fit=fit, diagnosis=diagnosis, balance=balance, run=run)
+    unit = AmplitudeUnit(read_amplitude_unit(units, where="--units")) if units else AS_STATED
+    evidence = Evidence(fit=fit, diagnosis=diagnosis, balance=balance, run=run, unit=unit)
     if out_file is None:
         view_file(file, evidence)
         return

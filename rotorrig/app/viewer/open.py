@@ -8,6 +8,7 @@ from pathlib import Path
 from rotorrig.acquisition import RawRecording
 from rotorrig.acquisition.files import open_recording, read_recording
 from rotorrig.app.terminal import working
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.app.viewer.live import LiveView, open_stream
 from rotorrig.app.viewer.live.data import history_of, split_into_steps
 from rotorrig.app.viewer.live.parts import LiveScene
@@ -30,11 +31,12 @@ class Evidence:
     diagnosis: Path | None = None  # diagnosis.json: verdict, residual, the extended model
     balance: Path | None = None  # balance.json: corrections, vectors before and after
     run: Path | None = None  # run.mcap: orbits and spectra as recorded
+    unit: AmplitudeUnit = AS_STATED  # in which amplitudes are told
 
     @property
     def given(self) -> bool:
-        """True if there is any."""
-        return bool(self.fit or self.diagnosis or self.balance or self.run)
+        """True if there is any, or another unit than the usual."""
+        return self.unit != AS_STATED or bool(self.fit or self.diagnosis or self.balance or self.run)
 
 
 ALONE = Evidence()
@@ -94,7 +96,7 @@ def _write_result(out: Path, response: OrderTrackedResponse, evidence: Evidence)
     diagnosis = read_diagnosis(evidence.diagnosis) if evidence.diagnosis else None
     balance = read_balance(evidence.balance) if evidence.balance else None
     with open_recording(evidence.run) if evidence.run else nullcontext() as recording:
-        write_result_rrd(out, response, identification, diagnosis, recording, balance)
+        write_result_rrd(out, response, identification, diagnosis, recording, balance, unit=evidence.unit)
 
 
 def write_recording_rrd(path: Path, recording: RawRecording) -> None:

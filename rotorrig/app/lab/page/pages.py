@@ -67,7 +67,8 @@ def write_lab_page(
 ) -> LabPage:
     """Write the pages of a lab into a folder, the index last; `progress` is told the share of the curves done.
 
-    `units`, of AMPLITUDE_UNITS, are those in which amplitudes are told until the reader chooses others. Raises DataError if there is no catalogue, or the folder holds something else (see `check_page_folder`).
+    `units`, of AMPLITUDE_UNITS, are those in which amplitudes are told until the reader chooses others. Raises
+    DataError if there is no catalogue, or the folder holds something else (see `check_page_folder`).
     """
     check_page_folder(folder, force=force)
     catalogue = read_catalogue(lab)

@@ -7,10 +7,11 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data import lag_degrees, nice
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.app.viewer.plots.axes import Panel, below_one_another, legend, step_for
 from rotorrig.rig.config import RPM, RigConfig
 
-SMALLEST_BODE = 10.0  # µm
+SMALLEST_BODE = 10e-6  # m
 FASTEST = 4000.0  # rpm, where the config sets no limit
 MARKED = 52.0, 6.0  # view units: the middle of the first line of what marks say
 Colour = tuple[int, int, int]
@@ -21,19 +22,27 @@ class BodePicture:
     """One probe: amplitude above phase lag against speed; the axes grow with what is drawn."""
 
     def __init__(
-        self, stream: rr.RecordingStream, path: str, *, title: str, fastest: float, static: bool = False
+        self,
+        stream: rr.RecordingStream,
+        path: str,
+        *,
+        title: str,
+        fastest: float,
+        static: bool = False,
+        unit: AmplitudeUnit = AS_STATED,
     ) -> None:
         self._stream = stream
+        self._by = unit.by
         self._path = path
         self._title = title
         self._static = static
-        self._largest = SMALLEST_BODE
+        self._largest = SMALLEST_BODE * unit.by
         self._fastest = fastest
         self._drawn: Panels | None = None
 
     def panels(self, largest: float, fastest: float, *, lag_from: float = 0.0) -> Panels:
-        """Return amplitude and phase axes that hold `largest` [µm] and `fastest` [rpm], drawn where they are new."""
-        self._largest, self._fastest = max(self._largest, nice(largest)), max(self._fastest, fastest)
+        """Return amplitude and phase axes that hold `largest` [m] and `fastest` [rpm], drawn where they are new."""
+        self._largest, self._fastest = max(self._largest, nice(largest * self._by)), max(self._fastest, fastest)
         wide: tuple[float, float] = (0.0, self._fastest)
         step = step_for(self._fastest, most=8)
         amplitude = Panel(
@@ -64,7 +73,7 @@ class BodePicture:
         """Draw z (point,) [m] as a line called `name` in both panels; a higher `order` lies on top."""
         amplitude, lag = panels
         lags = lag_degrees(z, start=lag.y[0])
-        self._strips(f"amplitude/{name}", amplitude.strips(rpm, np.abs(z) * 1e6), colour, order)
+        self._strips(f"amplitude/{name}", amplitude.strips(rpm, np.abs(z) * self._by), colour, order)
         self._strips(f"phase/{name}", lag.strips(rpm, lags, jump=180.0), colour, order)
 
     def dots(
@@ -84,7 +93,7 @@ class BodePicture:
         Those that are `moving` stand at the stream's time in a static picture too.
         """
         amplitude, lag = panels
-        values = np.abs(z) * 1e6, lag_degrees(z, start=lag.y[0])
+        values = np.abs(z) * self._by, lag_degrees(z, start=lag.y[0])
         for part, panel, y in zip(("amplitude", "phase"), (amplitude, lag), values, strict=True):
             places = panel.place(rpm, y)
             places = places[np.isfinite(places).all(axis=1)]

@@ -11,9 +11,10 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data import nice
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.app.viewer.plots.axes import INK, UP, Panel, step_for, texts
 
-SMALLEST_SPECTRUM = 1.0  # µm
+SMALLEST_SPECTRUM = 1e-6  # m
 TALLEST = 0.24  # of the height of the axes, for the largest amplitude
 WIDTH, HEIGHT = 186.0, 100.0
 Colour = tuple[int, int, int]
@@ -22,12 +23,21 @@ Colour = tuple[int, int, int]
 class CascadePicture:
     """Full spectra over speed; the scales grow with what is drawn."""
 
-    def __init__(self, stream: rr.RecordingStream, path: str, *, title: str, static: bool = False) -> None:
+    def __init__(
+        self,
+        stream: rr.RecordingStream,
+        path: str,
+        *,
+        title: str,
+        static: bool = False,
+        unit: AmplitudeUnit = AS_STATED,
+    ) -> None:
         self._stream = stream
         self._path = path
         self._title = title
         self._static = static
-        self._largest = SMALLEST_SPECTRUM  # µm
+        self._unit = unit
+        self._largest = SMALLEST_SPECTRUM * unit.by
         self._drawn: tuple[Panel, float] | None = None
 
     def draw(
@@ -38,10 +48,10 @@ class CascadePicture:
         *,
         colour: Colour = UP,
     ) -> None:
-        """Draw amplitude (row, bin) [µm 0-peak] at order (bin,), rising from -N to N, and rpm (row,)."""
+        """Draw amplitude (row, bin) in the unit at order (bin,), rising from -N to N, and rpm (row,)."""
         self._largest = max(self._largest, nice(float(np.nanmax(amplitude, initial=0.0))))
         panel = self._axes(order, rpm)
-        lift = TALLEST * HEIGHT / self._largest  # view units per µm
+        lift = TALLEST * HEIGHT / self._largest  # view units per unit
         strips = [piece for _, pieces in visible(panel, rpm, order, amplitude * lift) for piece in pieces]
         lines = rr.LineStrips2D(strips, colors=colour, radii=-0.7, draw_order=2.0)
         self._stream.log(f"{self._path}/spectra", lines, static=self._static)
@@ -66,7 +76,10 @@ class CascadePicture:
         tall = TALLEST * HEIGHT / 2
         bar = [[(WIDTH + 3, 4 + tall), (WIDTH + 3, 4)]]
         self._stream.log(f"{self._path}/scale/bar", rr.LineStrips2D(bar, colors=INK, radii=-1.2), static=self._static)
-        words = [(WIDTH - 14, 4 + tall / 2, f"{self._largest / 2:g} µm"), (WIDTH / 2, -5.0, self._title)]
+        words = [
+            (WIDTH - 14, 4 + tall / 2, f"{self._largest / 2:g} {self._unit.length}"),
+            (WIDTH / 2, -5.0, self._title),
+        ]
         words.append((-8.0, TALLEST * HEIGHT - 7.0, "rpm"))
         self._stream.log(f"{self._path}/scale/words", texts(words), static=self._static)
 

@@ -12,9 +12,10 @@ import rerun as rr
 from numpy.typing import ArrayLike, NDArray
 
 from rotorrig.app.plot_data import nice
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.app.viewer.plots.axes import GRID, INK, SOFT, Panel, step_for, texts, ticks
 
-SMALLEST = 1.0  # µm, the radius of the outer circle
+SMALLEST = 1e-6  # m, the radius of the outer circle
 CIRCLES, SPOKE = 4, 30.0  # at most so many circles; degrees between spokes
 APART = 0.2  # of the outer circle's radius: speed labels nearer to one another are left out
 EVERY = 100.0  # rpm: labelled speeds are multiples of it
@@ -23,7 +24,7 @@ Colour = tuple[int, int, int]
 
 
 class PolarPicture:
-    """Vectors of one probe in µm 0-peak and degrees of phase lag; the outer circle grows with what is drawn."""
+    """Vectors of one probe, in a unit of amplitude, and phase lags; the outer circle grows with what is drawn."""
 
     def __init__(
         self,
@@ -34,6 +35,7 @@ class PolarPicture:
         probe_angle: float = 0.0,
         rotation: str = "x-to-y",
         static: bool = False,
+        unit: AmplitudeUnit = AS_STATED,
     ) -> None:
         """`probe_angle` [rad] from +x towards +y and `rotation`, "x-to-y" or "y-to-x", as in the config."""
         self._stream = stream
@@ -42,6 +44,7 @@ class PolarPicture:
         self._zero = probe_angle
         self._sense = 1 if rotation == "x-to-y" else -1
         self._static = static
+        self._by = unit.by
         self._reach = 0.0
 
     def draw(
@@ -76,8 +79,8 @@ class PolarPicture:
         self._log(name, rr.Arrows2D(origins=[start], vectors=[end - start], colors=colour, radii=-2.0, draw_order=4.0))
 
     def _xy(self, z: NDArray[np.complex128]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return where vectors [m] are drawn, x and y in µm: against rotation from the probe by the lag."""
-        seen = (z if self._sense > 0 else np.conj(z)) * np.exp(1j * self._zero) * 1e6
+        """Return where vectors [m] are drawn, x and y in the unit: against rotation from the probe by the lag."""
+        seen = (z if self._sense > 0 else np.conj(z)) * np.exp(1j * self._zero) * self._by
         return seen.real, seen.imag
 
     @property
@@ -87,8 +90,8 @@ class PolarPicture:
 
     def _grow(self, z: NDArray[np.complex128]) -> None:
         """Draw the axes anew if a vector z (point,) [m] lies beyond the outer circle."""
-        reach = float(np.nanmax(np.abs(z))) * 1e6 if np.isfinite(z).any() else 0.0
-        wanted = max(nice(1.1 * reach), SMALLEST)
+        reach = float(np.nanmax(np.abs(z))) * self._by if np.isfinite(z).any() else 0.0
+        wanted = max(nice(1.1 * reach), SMALLEST * self._by)
         if wanted <= self._reach:
             return
         self._reach = wanted
@@ -108,7 +111,7 @@ class PolarPicture:
         return complex(np.exp(1j * (self._zero - self._sense * math.radians(lag))))
 
     def _to_view(self, xy: ArrayLike) -> NDArray[np.float64]:
-        """Return the view's coordinates (point, 2) of places x + jy (point,) [µm]."""
+        """Return the view's coordinates (point, 2) of places x + jy (point,) in the unit."""
         at = np.asarray(xy, dtype=complex)
         return self._panel.place(at.real, at.imag)
 

@@ -6,7 +6,7 @@ SHRINK = 0.3  # of the scale: what is smaller than this gets a smaller one
 
 
 class FollowingScale:
-    """Half the height of an axis about zero, in µm: grows at once, shrinks when most of it has become empty."""
+    """Half the height of an axis about zero: grows at once, shrinks when most of it has become empty."""
 
     def __init__(self, smallest: float) -> None:
         self.value = smallest

@@ -5,7 +5,9 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data import DECADES, SpeedSpectra, order_mark
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.app.viewer.plots.axes import SOFT, Panel, step_for, texts
+from rotorrig.rig.config import UM
 
 WIDTH, HEIGHT = 168, 132  # view units, a pixel of the image each
 STOPS = ((0, 0, 4), (81, 18, 124), (183, 55, 121), (252, 137, 97), (252, 253, 191))  # magma, at equal steps
@@ -14,10 +16,11 @@ DASHES = 30  # of a line at an order
 
 
 class SpectrumMapPicture:
-    """Spectra of one place in one run, on a logarithmic scale of DECADES below `top` [µm]; drawn once."""
+    """Spectra of one place in one run, on a logarithmic scale of DECADES below `top` [µm 0-peak]; drawn once."""
 
-    def __init__(self, stream: rr.RecordingStream, path: str, *, top: float) -> None:
+    def __init__(self, stream: rr.RecordingStream, path: str, *, top: float, unit: AmplitudeUnit = AS_STATED) -> None:
         self._stream = stream
+        self._unit, self._by = unit, unit.by / UM
         self._path = path
         self._top = top
 
@@ -51,13 +54,14 @@ class SpectrumMapPicture:
         self._log("names", texts([*names, (-8.0, -LABEL_UP, "rpm")]))
 
     def _log_scale(self) -> None:
-        """Draw the colours at whole decades of µm, right of the map."""
-        decades = np.arange(np.ceil(np.log10(self._top) - DECADES), np.floor(np.log10(self._top)) + 1)
-        colours = colour_amplitudes(10.0 ** decades[:, None], top=self._top)[:, 0]
+        """Draw the colours at whole decades of the unit, right of the map."""
+        top = self._top * self._by
+        decades = np.arange(np.ceil(np.log10(top) - DECADES), np.floor(np.log10(top)) + 1)
+        colours = colour_amplitudes(10.0 ** decades[:, None], top=top)[:, 0]
         places = [(WIDTH + 6.0, HEIGHT - 8.0 - 14.0 * i) for i in range(len(decades))]
         self._log("scale", rr.Points2D(places, colors=colours, radii=3.0))
         words = [(x + 12.0, y, f"{10.0**decade:g}") for (x, y), decade in zip(places, decades, strict=True)]
-        self._log("scale/words", texts([*words, (WIDTH + 14.0, places[-1][1] - 12.0, "µm")]))
+        self._log("scale/words", texts([*words, (WIDTH + 14.0, places[-1][1] - 12.0, self._unit.name)]))
 
     def _log(self, name: str, what: rr.AsComponents) -> None:
         self._stream.log(f"{self._path}/{name}", what, static=True)

@@ -37,10 +37,11 @@ def _draw_probe(stream: rr.RecordingStream, result: Result, balance: Balance, p:
     picture = PolarPicture(
         stream,
         f"balance/{name}",
-        title=f"{name}: 1X before and with the masses on, µm 0-peak",
+        title=f"{name}: 1X before and with the masses on, {result.unit.name}",
         probe_angle=rig.probe(name).angle,
         rotation=rig.rotation,
         static=True,
+        unit=result.unit,
     )
     curves = []
     rpm: dict[str, NDArray[np.float64]] = {}

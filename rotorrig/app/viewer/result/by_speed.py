@@ -31,7 +31,7 @@ def draw_by_speed(
     rotor: RotorScene,
 ) -> None:
     """Draw orbits, the cursor in every plot and the rotor's deflection at every speed shown."""
-    pictures = [OrbitPicture(stream, f"orbit/{i}") for i in range(len(result.planes))]
+    pictures = [OrbitPicture(stream, f"orbit/{i}", unit=result.unit) for i in range(len(result.planes))]
     for step, row in enumerate(rows_to_show(result)):
         rpm = float(result.response.omega[row] * RPM)
         stream.set_time("speed_rpm", sequence=round(rpm))
@@ -46,7 +46,7 @@ def draw_by_speed(
         for picture, path in centrelines:
             if path is not None:
                 nearest = int(np.argmin(np.abs(path.rpm - rpm)))
-                picture.dot(np.array([path.x[nearest], path.y[nearest]]))
+                picture.dot(np.array([path.x[nearest], path.y[nearest]]) * result.unit.by_length / UM)
         rotor.at_speed(step)
     stream.reset_time()
 
@@ -54,13 +54,14 @@ def draw_by_speed(
 def _orbits(
     result: Result, row: int, plane: Plane, columns: list[int]
 ) -> tuple[list[tuple[str, NDArray[np.float64], tuple[int, int, int]]], NDArray[np.float64]]:
-    """Return the orbits of a plane at a row and their keyphasor dots, µm; the plainest lies at the bottom."""
-    xy = orbit(plane, result.z[row, columns]) * UM
+    """Return the orbits of a plane at a row and their keyphasor dots, in the unit; the plainest lies at the bottom."""
+    by = result.unit.by_length
+    xy = orbit(plane, result.z[row, columns]) * by
     orbits = [("measured-1X", xy, UP)]
     if result.model is not None:
-        orbits.append(("model-1X", orbit(plane, result.model[row, columns]) * UM, MODEL_UP))
+        orbits.append(("model-1X", orbit(plane, result.model[row, columns]) * by, MODEL_UP))
     if slow_roll_known(result.response):
-        raw = orbit(plane, result.response.order(1.0)[row, columns]) * UM
+        raw = orbit(plane, result.response.order(1.0)[row, columns]) * by
         orbits.insert(0, ("raw-1X", raw, RAW))
     if (recorded := _recorded_orbit(result, row, plane)) is not None:
         orbits.insert(0, ("recorded", recorded, RECORDED))
@@ -68,7 +69,7 @@ def _orbits(
 
 
 def _recorded_orbit(result: Result, row: int, plane: Plane) -> NDArray[np.float64] | None:
-    """Return two turns of the recorded orbit (point, 2) [µm] about its mean at a row's time; None where unknown."""
+    """Return two turns of the recorded orbit (point, 2), in the unit, about its mean at a row's time, if known."""
     pulses = result.response.keyphasor_t
     after = np.searchsorted(pulses, result.response.t[row])
     if result.waveforms is None or not 1 <= after < len(pulses) - 1:
@@ -78,4 +79,4 @@ def _recorded_orbit(result: Result, row: int, plane: Plane) -> NDArray[np.float6
         return None
     names = [probe.name for probe in result.response.rig.probes]
     x = stretch.x[:, [names.index(name) for name in plane.probes]]
-    return (x - x.mean(axis=0)) @ plane.to_xy.T * UM
+    return (x - x.mean(axis=0)) @ plane.to_xy.T * result.unit.by_length

@@ -8,7 +8,6 @@ from rotorrig.app.plot_data import SpeedSpectra, nice, representative_rows
 from rotorrig.app.viewer.plots import CascadePicture, SpectrumMapPicture
 from rotorrig.app.viewer.result.data import Result
 from rotorrig.processing.tracking import HIGHEST, whirl_vectors
-from rotorrig.rig.config import UM
 
 SPECTRA = 40
 STICK = 0.02  # orders: half the width of an order vector's line
@@ -21,12 +20,15 @@ def draw_cascades(stream: rr.RecordingStream, result: Result) -> None:
     if result.spectra:
         top = nice(max(one.largest[0] for one in result.spectra))
         for path, one in zip(map_paths(result.spectra), result.spectra, strict=True):
-            SpectrumMapPicture(stream, path, top=top).draw(one)
+            SpectrumMapPicture(stream, path, top=top, unit=result.unit).draw(one)
     elif result.sweeps and result.planes:
         rows = representative_rows(result.response, result.z, run=result.sweeps[0], count=SPECTRA)
         for i, (rpm, order, amplitude) in enumerate(tracked_cascades(result, rows)):
-            title = "full spectrum of the order vectors, raw, 0-peak"
-            CascadePicture(stream, f"cascade/{i}", title=title, static=True).draw(rpm, order, amplitude * UM)
+            unit = result.unit
+            title = f"full spectrum of the order vectors, raw, {unit.name.split()[1]}"
+            CascadePicture(stream, f"cascade/{i}", title=title, static=True, unit=unit).draw(
+                rpm, order, amplitude * unit.by
+            )
 
 
 def map_paths(spectra: tuple[SpeedSpectra, ...]) -> list[str]:

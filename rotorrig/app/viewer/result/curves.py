@@ -40,6 +40,7 @@ from rotorrig.rig.config import RPM, UM
 
 BEFORE = (176, 132, 214)  # the model that was extended
 MAP_BINS = 100  # of the residual map: about four rows of a run in each
+FLATTEST = 1e-6  # m: an axis spans no less
 LABELS_APART = 0.2  # of the largest excursion of a centreline: nearer speeds are not named
 Colour = tuple[int, int, int]
 CentrelineTrack = tuple[CentrelinePicture, CentrelinePath | None]
@@ -52,9 +53,9 @@ def draw_bodes(stream: rr.RecordingStream, result: Result) -> list[Panels]:
 
 def _draw_bode(stream: rr.RecordingStream, result: Result, p: int) -> Panels:
     name, z = result.response.probes[p], result.z[:, p]
-    title = f"{name}: 1X amplitude, {result.word}, µm 0-peak"
-    picture = BodePicture(stream, f"bode/{name}", title=title, fastest=result.fastest, static=True)
-    largest = float(np.nanmax(np.abs(z), initial=0.0)) * UM
+    title = f"{name}: 1X amplitude, {result.word}, {result.unit.name}"
+    picture = BodePicture(stream, f"bode/{name}", title=title, fastest=result.fastest, static=True, unit=result.unit)
+    largest = float(np.nanmax(np.abs(z), initial=0.0))
     panels = picture.panels(largest, result.fastest, lag_from=phase_window(z))
     for i in result.sweeps:
         rows, up = result.response.run == i, result.response.runs[i].direction > 0
@@ -91,10 +92,16 @@ def draw_polars(stream: rr.RecordingStream, result: Result) -> list[PolarPicture
 
 def _draw_polar(stream: rr.RecordingStream, result: Result, p: int) -> PolarPicture:
     response, name = result.response, result.response.probes[p]
-    title = f"{name}: 1X, {result.word}, µm 0-peak and ° of phase lag"
+    title = f"{name}: 1X, {result.word}, {result.unit.name} and ° of phase lag"
     angle = response.rig.probe(name).angle
     picture = PolarPicture(
-        stream, f"polar/{name}", title=title, probe_angle=angle, rotation=response.rig.rotation, static=True
+        stream,
+        f"polar/{name}",
+        title=title,
+        probe_angle=angle,
+        rotation=response.rig.rotation,
+        static=True,
+        unit=result.unit,
     )
     models: list[tuple[str, NDArray[np.complex128], Colour]] = []
     measured = []
@@ -132,13 +139,22 @@ def _draw_centreline(
 ) -> CentrelineTrack:
     plane, rig = result.planes[i][0], result.response.rig
     circle = clearance_circle(rig, plane.position)
-    clearance = None if circle is None else 2 * circle.radius
-    picture = CentrelinePicture(stream, f"centreline/{i}", clearance=clearance, gravity=rig.gravity, static=True)
+    by = result.unit.by_length / UM
+    picture = CentrelinePicture(
+        stream,
+        f"centreline/{i}",
+        clearance=None if circle is None else 2 * circle.radius * by,
+        gravity=rig.gravity,
+        static=True,
+        unit=result.unit,
+    )
     mine = tuple(path for path in paths if path.plane == plane.name)
     drawn = [
-        (f"{k}", np.column_stack([path.x, path.y]), UP if path.direction > 0 else DOWN) for k, path in enumerate(mine)
+        (f"{k}", by * np.column_stack([path.x, path.y]), UP if path.direction > 0 else DOWN)
+        for k, path in enumerate(mine)
     ]
-    picture.draw(drawn, labels=_speeds_along(mine[0]) if mine else [])
+    labels = [(by * x, by * y, words) for x, y, words in _speeds_along(mine[0])] if mine else []
+    picture.draw(drawn, labels=labels)
     _draw_runs(stream, result, f"centreline/{i}", 10.0, 6.0)
     return picture, mine[0] if mine else None
 
@@ -158,18 +174,19 @@ def draw_gaps(stream: rr.RecordingStream, result: Result) -> None:
     response = result.response
     if 0.0 not in response.orders:
         return
-    gap = np.where(response.usable, response.order(0.0).real, np.nan) * UM
-    lines, names = [], []
+    gap = np.where(response.usable, response.order(0.0).real, np.nan) * result.unit.by_length
+    lines, names, unit = [], [], result.unit.length
     for p, name in enumerate(response.probes):
         colour = PROBE_COLOURS[p % len(PROBE_COLOURS)]
         start = _where_slowest(result, gap[:, p])
-        names.append((f"{name} ({start:.1f} µm)", colour))
+        names.append((f"{name} ({start:.4g} {unit})", colour))
         for i in result.sweeps:
             rows = response.run == i
             shade = colour if response.runs[i].direction > 0 else pale(colour)
             lines.append((f"{name}/{i}", result.rpm[rows], gap[rows, p] - start, shade))
-    title = "towards the probe, µm from where it is slowest (in brackets: from the gap voltage); pale: speed falls"
-    SpeedPicture(stream, "gap", title=title, fastest=result.fastest).draw(lines, names=names)
+    title = f"towards the probe, {unit} from where it is slowest (in brackets: from the gap voltage); pale: speed falls"
+    flattest = FLATTEST * result.unit.by_length
+    SpeedPicture(stream, "gap", title=title, fastest=result.fastest, flattest=flattest).draw(lines, names=names)
 
 
 def _where_slowest(result: Result, gap: NDArray[np.float64]) -> float:
@@ -188,10 +205,10 @@ def draw_whirl(stream: rr.RecordingStream, result: Result) -> None:
         for run in result.sweeps:
             rows, of = result.response.run == run, result.response.runs[run]
             for way, z, colour in (("+1X", seen.forward, FORWARD), ("-1X", seen.backward, BACKWARD)):
-                size = np.where(seen.usable, np.abs(z), np.nan)[rows] * UM
+                size = np.where(seen.usable, np.abs(z), np.nan)[rows] * result.unit.by
                 shade = colour if of.direction > 0 else pale(colour)
                 lines.append((f"{way}/{run}", result.rpm[rows], size, shade))
                 names.append((f"{way} {of.name}", shade))
-        title = f"+1X and -1X, {result.word}, µm 0-peak"
-        picture = SpeedPicture(stream, f"whirl/{i}", title=title, fastest=result.fastest)
+        title, flattest = f"+1X and -1X, {result.word}, {result.unit.name}", FLATTEST * result.unit.by
+        picture = SpeedPicture(stream, f"whirl/{i}", title=title, fastest=result.fastest, flattest=flattest)
         picture.draw(lines, names=names)

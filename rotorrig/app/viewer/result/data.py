@@ -22,6 +22,7 @@ from rotorrig.app.plot_data import (
     sweeps,
     vectors,
 )
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.balancing import Balance
 from rotorrig.identify import Diagnosis, Fit, Identification
 from rotorrig.processing import OrderTrackedResponse, Plane, Waveforms, measured_planes
@@ -43,6 +44,7 @@ class Result:
     base: Vectors | None  # as the model without extension predicts
     extended: Vectors | None  # as the extended one does
     balance: Balance | None = None
+    unit: AmplitudeUnit = AS_STATED  # in which amplitudes are told
 
     @property
     def fit(self) -> Fit | None:
@@ -113,6 +115,8 @@ def result_of(
     diagnosis: Diagnosis | None = None,
     recording: WaveformSource | None = None,
     balance: Balance | None = None,
+    *,
+    unit: AmplitudeUnit = AS_STATED,
 ) -> Result:
     """Put together what belongs to `response`. Raises DataError if one of the others does not, or it has no 1X."""
     if 1.0 not in response.orders:
@@ -132,6 +136,7 @@ def result_of(
         diagnosis=part,
         recording=recording,
         balance=balance,
+        unit=unit,
         base=None if base is None else model_vectors(response, base),
         extended=None if extended is None else model_vectors(response, extended),
     )

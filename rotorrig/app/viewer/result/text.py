@@ -45,7 +45,8 @@ def colour_words(result: Result) -> str:
     lines[-1] += "; grey two turns of all that was recorded" if result.recording is not None else ""
     lines += [
         "green: forward whirl, with the rotation; pink: backward; pale over speed: it falls",
-        "µm 0-peak, phase lag in degrees from the keyphasor edge; polar plots: 0° at the probe, lag against rotation",
+        f"{result.unit.name}, phase lag in degrees from the keyphasor edge",
+        "polar plots: 0° at the probe, lag against rotation",
         "the line at the bottom moves the speed; on `phase_deg` it turns the rotor",
     ]
     return "\n".join(f"- {words}" for words in lines)

@@ -10,6 +10,7 @@ from pathlib import Path
 import rerun as rr
 
 from rotorrig.acquisition import WaveformSource
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.app.viewer.plots import displayable
 from rotorrig.app.viewer.result import curves
 from rotorrig.app.viewer.result.balance import draw_balance
@@ -36,13 +37,16 @@ def write_result_rrd(
     diagnosis: Diagnosis | None = None,
     recording: WaveformSource | None = None,
     balance: Balance | None = None,
+    *,
+    unit: AmplitudeUnit = AS_STATED,
 ) -> None:
     """Write an .rrd of a response with the model's prediction and residual.
 
-    `recording` adds the orbits and full spectra as recorded, `balance` the correction and the vectors with it. Raises
-    DataError if the file cannot be written, or if one of these is of another response.
+    `recording` adds the orbits and full spectra as recorded, `balance` the correction and the vectors with it;
+    amplitudes are told in `unit`. Raises DataError if the file cannot be written, or if one of these is of another
+    response.
     """
-    result = result_of(response, identification, diagnosis, recording, balance)
+    result = result_of(response, identification, diagnosis, recording, balance, unit=unit)
     with provisional_file(path) as made:
         _draw_result(to_file(made), result)
 
@@ -67,7 +71,9 @@ def _draw_result(sink: Sink, result: Result) -> None:
     draw_balance(stream, result)
     draw_missing(stream, result)
     for name, words in (("verdict", verdict_words(result)), ("colours", colour_words(result))):
-        stream.log(name, rr.TextDocument(displayable(words), media_type=rr.MediaType.MARKDOWN), static=True)
+        stream.log(
+            name, rr.TextDocument(displayable(result.unit.retell(words)), media_type=rr.MediaType.MARKDOWN), static=True
+        )
     rotor = RotorScene(stream, result, motion)
     draw_by_speed(stream, result, bodes=bodes, polars=polars, centrelines=centrelines, rotor=rotor)
     rotor.turning()

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from rotorrig.app.plot_data import phase_window
 from rotorrig.app.viewer.live.data import WAYS, SlowRollSoFar, SpeedCurves
 from rotorrig.app.viewer.plots import DOWN, MARK, UP, BodePicture, Panels, PolarPicture, fastest_rpm
-from rotorrig.rig.config import UM, RigConfig
+from rotorrig.rig.config import RigConfig
 
 NAMES, COLOURS = {1: "up", -1: "down"}, {1: UP, -1: DOWN}
 
@@ -33,7 +33,7 @@ class VectorsPart:
         every = np.concatenate(list(z.values()))
         fastest = max(float(points.rpm.max()) for points in drawn.values())
         for p, (bode, polar) in enumerate(zip(self._bodes, self._polars, strict=True)):
-            largest, lag_from = float(np.abs(every[:, p]).max()) * UM, phase_window(every[:, p])
+            largest, lag_from = float(np.abs(every[:, p]).max()), phase_window(every[:, p])
             panels = self._panels[p] = bode.panels(largest, fastest, lag_from=lag_from)
             for way, points in drawn.items():
                 bode.line(NAMES[way], panels, points.rpm, z[way][:, p], COLOURS[way], order=2.0 if way > 0 else 3.0)

@@ -16,7 +16,7 @@ from rotorrig.app.viewer.result.data import Result
 from rotorrig.app.viewer.result.missing.over_motion import ForceOverMotionPicture
 from rotorrig.app.viewer.result.missing.place import LikelyPlacePicture
 from rotorrig.identify.discovery import ForceOverSpeed, MissingForce
-from rotorrig.rig.config import RPM, UM
+from rotorrig.rig.config import RPM
 
 PATH = "missing"
 SENSES = (("forward", FORWARD, MODEL_UP), ("backward", BACKWARD, MODEL_DOWN))  # as measured, by the law
@@ -49,10 +49,13 @@ def _draw_force(stream: rr.RecordingStream, result: Result, missing: MissingForc
     names = [(f"{name}{of}", c) for name, *each in SENSES for of, c in zip(("", ", by the law"), each, strict=True)]
     picture.draw(drawn, names=names)
     against = ForceOverMotionPicture(
-        stream, f"{PATH}/motion", title=f"{missing.kind} that turns with the shaft, {unit} 0-peak"
+        stream,
+        f"{PATH}/motion",
+        title=f"{missing.kind} that turns with the shaft, {unit} 0-peak",
+        unit=result.unit.name,
     )
     motion, with_shaft, by_law = (np.abs(values[:, 0]) for values in (over.motion, over.force, over.law))
-    against.draw(motion * UM, with_shaft * MILLI, by_law * MILLI, colours=SENSES[0][1:])
+    against.draw(motion * result.unit.by, with_shaft * MILLI, by_law * MILLI, colours=SENSES[0][1:])
 
 
 def _heading(shortfall: str) -> str:

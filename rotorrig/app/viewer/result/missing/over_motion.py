@@ -14,17 +14,19 @@ Reals = NDArray[np.float64]
 class ForceOverMotionPicture:
     """One size of a force per speed, against the size of the motion there; drawn once."""
 
-    def __init__(self, stream: rr.RecordingStream, path: str, *, title: str) -> None:
+    def __init__(self, stream: rr.RecordingStream, path: str, *, title: str, unit: str) -> None:
         self._stream = stream
         self._path = path
         self._title = title
+        self._unit = unit
 
     def draw(self, motion: Reals, force: Reals, law: Reals, *, colours: tuple[Colour, Colour]) -> None:
-        """Draw force and law (speed,) over motion (speed,) [µm], the law in the order of the motion."""
+        """Draw force and law (speed,) over motion (speed,) in the unit, the law in the order of the motion."""
         right, top = (nice(float(np.nanmax(values))) for values in (motion, np.concatenate([force, law])))
         panel = Panel(
             left=0, top=0, width=WIDTH, height=HEIGHT, x=(0.0, right), y=(0.0, top), x_step=step_for(right, most=8),
-            y_step=step_for(top, most=6), title=self._title, x_title="motion of the place at 1X, µm 0-peak",
+            y_step=step_for(top, most=6), title=self._title,
+            x_title=f"motion of the place at 1X, {self._unit}",
         )  # fmt: skip
         panel.log(self._stream, f"{self._path}/axes", static=True)
         by_motion = np.argsort(motion)
