@@ -115,6 +115,7 @@ def solve_spectra(model: RotorModel, speeds: SpeedRange, *, order: float = 1.0) 
     poles = [middle if at == speeds.centre else _poles(_at(state, at), speeds)[0] for at in omega]
     values, vectors = (np.array(part) for part in zip(*poles, strict=True))
     power = np.vander(x, increasing=True)
+    even = np.repeat([1.0, 1 / speeds.fastest], model.dof)[:, None]  # velocities as large as positions: L is no larger
     fit = np.linalg.inv(power)
     return Spectra(
         probes=model.probes,
@@ -125,7 +126,7 @@ def solve_spectra(model: RotorModel, speeds: SpeedRange, *, order: float = 1.0) 
         values=values,
         vectors=vectors,
         dual=np.linalg.inv(vectors),
-        gauge=np.linalg.qr(middle[1][:, :passed])[0].conj().T,
+        gauge=(even * np.linalg.qr(even * middle[1][:, :passed])[0]).conj().T,
         fit=fit,
         slope=(power[:, :-1] * np.arange(1, len(x)) / speeds.half) @ fit[1:],
     )

@@ -135,7 +135,7 @@ def exponential(L: Complex, h: float, flow: Complex, work: Complex) -> None:
         row = 0.0
         for j in range(size):
             A[i, j] = (L[i, j] - (mean if i == j else 0.0)) * h
-            row += abs(A[i, j])
+            row += abs(A[i, j].real) + abs(A[i, j].imag)
         norm = max(norm, row)
     if size == 2:  # without its trace A^2 = -det A, so e^A = cosh s + A sinh(s) / s, s^2 = -det A
         _exponential_of_pair(A, flow)
@@ -147,17 +147,17 @@ def exponential(L: Complex, h: float, flow: Complex, work: Complex) -> None:
     multiply(A, square, 1.0, cube)
     for i in range(size):
         for j in range(size):
-            term[i, j] = A[i, j] / 5040 + square[i, j] / 40320 + cube[i, j] / 362880
+            term[i, j] = A[i, j] * (1 / 5040) + square[i, j] * (1 / 40320) + cube[i, j] * (1 / 362880)
         term[i, i] += 1 / 720
     multiply(cube, term, 1.0, flow)
     for i in range(size):
         for j in range(size):
-            flow[i, j] += A[i, j] / 24 + square[i, j] / 120
+            flow[i, j] += A[i, j] * (1 / 24) + square[i, j] * (1 / 120)
         flow[i, i] += 1 / 6
     multiply(cube, flow, 1.0, term)
     for i in range(size):
         for j in range(size):
-            flow[i, j] = term[i, j] + A[i, j] + square[i, j] / 2
+            flow[i, j] = term[i, j] + A[i, j] + square[i, j] * 0.5
         flow[i, i] += 1.0
     for _ in range(halvings):
         multiply(flow, flow, 1.0, term)
