@@ -4,6 +4,7 @@ import dataclasses
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
 
 from rotorrig.acquisition.recording import RawRecording
+from rotorrig.app.text.amplitude_units import AmplitudeUnit
 from rotorrig.app.viewer.open import Evidence, as_rrd, save_result
 from rotorrig.app.viewer.plots.residual import colour_sigmas
 from rotorrig.app.viewer.plots.spectrum_map import HEIGHT, WIDTH, image_of
@@ -106,7 +108,7 @@ def test_critical_speeds_are_marked_in_both_panels_with_their_amplification(
     stream.save(path)
     (amplitude, lag), *_ = draw_bodes(stream, result)
     stream.disconnect()
-    drawn = {str(chunk.entity_path): chunk.to_record_batch() for chunk in RrdReader(path).stream()}
+    drawn = dict(chunks(Path(path)))
     (strips,) = drawn["/bode/1x/critical/lines"]["LineStrips2D:strips"].to_pylist()
     (words,) = drawn["/bode/1x/critical/words"]["Points2D:labels"].to_pylist()
     found = [each.measured for each in result.critical_speeds if each.probe == "1x"]
@@ -117,6 +119,42 @@ def test_critical_speeds_are_marked_in_both_panels_with_their_amplification(
             assert np.allclose(strip, panel.place([rpm, rpm], panel.y), atol=1e-3)
         assert f"{rpm:.0f} rpm, AF {resonance.amplification.value:.3g}" in words[i]
     assert "upright lines: critical speeds as measured" in colour_words(result)
+
+
+def test_amplitudes_are_drawn_and_told_in_the_unit_asked_for(
+    response: OrderTrackedResponse, balanced: Balance, tmp_path: Path
+) -> None:
+    in_mil, rrd = AmplitudeUnit("mil pp"), tmp_path / "result.rrd"
+    write_result_rrd(rrd, response, balance=balanced, unit=in_mil)
+    words = [word for _, chunk in chunks(rrd) for word in labels(chunk)]
+    assert not [word for word in words if "µm" in word]
+    for told in ("1x: 1X amplitude, slow-roll compensated, mil pp", "x, mil", "y, mil"):
+        assert told in words
+    stream = rr.RecordingStream("bode")
+    stream.save(str(tmp_path / "bode.rrd"))
+    result = result_of(response, unit=in_mil)
+    (amplitude, _), *_ = draw_bodes(stream, result)
+    stream.disconnect()
+    run = result.sweeps[0]
+    drawn = dict(chunks(tmp_path / "bode.rrd"))[f"/bode/1x/amplitude/{run}-measured"]
+    (dots,) = drawn["Points2D:positions"].to_pylist()
+    rows = response.run == run
+    peak = np.nanmax(np.abs(result.z[rows, 0])) * 2 / 25.4e-6
+    highest = amplitude.top + amplitude.height * (1 - peak / amplitude.y[1])
+    assert min(y for _, y in dots) == pytest.approx(highest, abs=1e-3)
+    assert peak < amplitude.y[1] < 3 * peak
+
+
+def chunks(path: Path) -> Iterator[tuple[str, Any]]:
+    """What an .rrd holds, piece by piece, with its place."""
+    return ((str(chunk.entity_path), chunk.to_record_batch()) for chunk in RrdReader(str(path)).stream())
+
+
+def labels(chunk: Any) -> list[str]:
+    """Words that a piece writes into a picture."""
+    if "Points2D:labels" not in chunk.schema.names:
+        return []
+    return [word for row in chunk["Points2D:labels"].to_pylist() if row for word in row]
 
 
 def test_a_residual_of_eight_sigmas_is_red_and_what_was_not_measured_has_the_grids_colour() -> None:
