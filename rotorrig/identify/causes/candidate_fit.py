@@ -94,10 +94,13 @@ def fit_candidate(
 
 
 def finish(candidate: Candidate) -> Candidate:
-    """Fit a candidate to its end, from where it was left."""
+    """Fit a candidate to its end, from where it was left; itself if no bounded motion is found further on."""
     problem = candidate.problem
     steps = SELECTION.steps_of_law if _under_law(problem) else SELECTION.steps_of_searched
-    fit = problem.solve(candidate.polished.p, tolerance=SELECTION.settled, max_steps=steps)
+    try:
+        fit = problem.solve(candidate.polished.p, tolerance=SELECTION.settled, max_steps=steps)
+    except (DataError, np.linalg.LinAlgError):
+        return candidate
     problem, fit = relocate_last_effect(problem, fit)
     gained = candidate.polished.chi2 - fit.chi2
     fit = replace(fit, jacobian=np.zeros((0, len(fit.p))))

@@ -28,7 +28,6 @@ from rotorrig.identify.discovery.settings import DISCOVERY
 from rotorrig.identify.discovery.shaft_forces import ShaftForces, is_first_order
 from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution, Stop
-from rotorrig.rig import DataError
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects import (
     DAMPING,
@@ -141,10 +140,9 @@ def _settle(found: Candidate, go_on: GoOn) -> Candidate:
     for _ in range(DISCOVERY.rounds):
         if found.polished.stop is not Stop.BUDGET or not go_on():
             break
-        try:
-            found = finish(found)
-        except (DataError, np.linalg.LinAlgError):
-            break  # no motion is found further on, or none that is finite: it stays where it is
+        before, found = found, finish(found)
+        if found is before:
+            break
     return found
 
 

@@ -192,10 +192,19 @@ class ExtendedProblem:
         if units.seen and not units.exact and found.stop is not Stop.GIVEN_UP:
             before = self.residual(found.p)
             units.release()
-            if np.sum((self.residual(found.p) - before) ** 2) > tolerance:
+            if not self._squared(found.p, less=before) <= tolerance:
                 units.exact = True
-                found = refine(found.p)
+                found = refine(min((found.p, start), key=self._squared))  # at the one the motion may be unbounded
         return found
+
+    def _squared(self, p: Reals, less: Reals | float = 0.0) -> float:
+        """Return the sum of squares of the residual, or of what it is beyond another; infinite without a motion."""
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):
+                squared = float(np.sum((self.residual(p) - less) ** 2))
+        except DataError:
+            return np.inf
+        return squared if np.isfinite(squared) else np.inf
 
     def residual(self, p: Reals, *, orders: Sequence[int] = ORDERS) -> Reals:
         """Return whitened residuals, model less measured, then the priors' [sigma]; 0 at orders not asked for.

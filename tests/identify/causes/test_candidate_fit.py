@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotorrig.identify.causes.candidate_fit import finish, fit_candidate, jacobian_at_zero
+from rotorrig.identify.causes.candidate_fit import Candidate, finish, fit_candidate, jacobian_at_zero
 from rotorrig.identify.causes.score_test import scores
 from rotorrig.identify.causes.selection_step import _finish_near, _finish_rivals
 from rotorrig.identify.extended_model.model import ExtendedModel
@@ -14,6 +14,7 @@ from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.least_squares import Stop
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.rig.errors import DataError
 from rotorrig.sims.effects.base import find
 from tests.identify.swept import swept_response
 
@@ -96,3 +97,18 @@ def test_what_came_to_the_end_of_its_steps_near_the_best_is_fitted_to_its_end(
     assert same is whole and still is far
     assert done.polished.chi2 == pytest.approx(whole.polished.chi2, abs=1.0)
     assert done.lam == pytest.approx(before.chi2 - done.polished.chi2)
+
+
+def test_a_candidate_without_a_bounded_motion_further_on_stays_as_it_is(
+    short: OrderTrackedResponse, hidden: np.ndarray, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem = ExtendedProblem(ExtendedModel([Recording(short)], [find(short.rig, "bow")]))
+    begun = problem.solve(problem.parameters.start(hidden), max_steps=1)
+    left = Candidate(problem=problem, polished=begun, lam=1.0, evidence=1.0)
+    for error in (DataError("no motion"), np.linalg.LinAlgError("SVD did not converge")):
+
+        def fail(*_: object, error: Exception = error, **__: object) -> None:
+            raise error
+
+        monkeypatch.setattr(ExtendedProblem, "solve", fail)
+        assert finish(left) is left

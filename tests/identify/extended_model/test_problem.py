@@ -1,12 +1,17 @@
 """The problem of a fit, extended by effects."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from rotorrig.identify.extended_model import problem as problem_module
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.parameters import KEYPHASOR
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.extended_model.unit_responses import UnitResponses
+from rotorrig.identify.least_squares import Solution
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find
@@ -157,3 +162,32 @@ def test_a_rotor_is_made_once_though_a_jacobian_under_a_law_asks_for_many(
     rotor = problem.model.rotor(p)
     problem.jacobian(p)
     assert problem.model.rotor(p) is rotor
+
+
+@pytest.mark.parametrize("lost", [1e200, np.nan, np.inf])
+def test_where_the_exact_motion_is_beyond_bounds_a_fit_goes_on_from_its_start(
+    rig: RigConfig, hidden: np.ndarray, lost: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Responses to loads above 1X are those of the rotor at the start, until the end of a fit tells them anew."""
+    response = swept_response(rig, orders=(1, 2))
+    problem = ExtendedProblem(ExtendedModel([Recording(response)], [find(rig, "shaft_asymmetry")]))
+    start = problem.parameters.start(hidden)
+    astray = problem.solve(start, max_steps=1)
+    begun: list[np.ndarray] = []
+
+    def refine(problem: ExtendedProblem, p: np.ndarray, **_: object) -> Solution:
+        begun.append(p)
+        return replace(astray, p=p + 1.0)
+
+    def residual(self: ExtendedProblem, p: np.ndarray, **more: object) -> np.ndarray:
+        gone = begun and np.array_equal(p, begun[0] + 1.0) and not held
+        return np.full(3, lost) if gone else np.zeros(3)
+
+    held = [True]
+    monkeypatch.setattr(problem_module, "solve", refine)
+    monkeypatch.setattr(ExtendedProblem, "residual", residual)
+    monkeypatch.setattr(UnitResponses, "seen", property(lambda units: True))
+    monkeypatch.setattr(UnitResponses, "release", lambda units: held.clear() if begun else None)
+    found = problem.solve(start)
+    assert [np.array_equal(p, start) for p in begun] == [True, True]
+    assert np.array_equal(found.p, start + 1.0)
