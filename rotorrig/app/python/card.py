@@ -3,10 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from html import escape
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +52,6 @@ class Shown:
         return self._card.html
 
 
-def values(result: "DataclassInstance") -> dict[str, Any]:
-    """Return the fields of a result as they are: those of the same result with views of this face."""
+def values(result: Any) -> dict[str, Any]:
+    """Return the fields of a result, a dataclass, as they are: those of the same result with views of this face."""
     return {field.name: getattr(result, field.name) for field in fields(result)}

@@ -56,7 +56,13 @@ def test_pages_of_many_runs_are_few_small_files(tmp_path: Path) -> None:
     make_lab(tmp_path, runs=200)
     written = write_lab_page(tmp_path, tmp_path / "page")
     assert (written.runs, written.curves, written.unread) == (200, 0, ())
-    assert contents(tmp_path / "page") == {"index.html", "lab.js", "lab-plots.js", "plotly.min.js"}
+    assert contents(tmp_path / "page") == {
+        "index.html",
+        "unit-choice.js",
+        "lab.js",
+        "lab-plots.js",
+        "plotly.min.js",
+    }
     assert (tmp_path / "page/index.html").stat().st_size < 200 * 1500 + 30_000  # bytes
     table = data_of(tmp_path / "page")
     assert len(table["runs"]) == 200
@@ -75,7 +81,7 @@ def test_nothing_that_was_typed_becomes_markup(tmp_path: Path, name: str) -> Non
     )
     write_lab_page(lab, tmp_path / "page")
     text = (tmp_path / "page/index.html").read_text()
-    assert text.count("<script") == 3
+    assert text.count("<script") == 4
     assert text.count("<img") == text.count("<b>") == 0
     run = data_of(tmp_path / "page")["runs"][0]
     assert (run["file"], run["rig"], run["sentence"]) == (name, name, words)
