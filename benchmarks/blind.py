@@ -141,8 +141,9 @@ def run_all(wanted: Sequence[Case], path: Path, *, number: int, options: argpars
                 append_record(file, line(job[0], parts, ending, version=version, number=number))
                 bars.update(task, advance=1, description=f"{job[0].design} {job[0].name}")
 
-            where = {"workers": options.workers, "scheduler": options.scheduler}
-            run_limited(run_case, jobs, limit=options.limit, done=keep, **where)
+            run_limited(
+                run_case, jobs, workers=options.workers, scheduler=options.scheduler, limit=options.limit, done=keep
+            )
     except KeyboardInterrupt:
         _leave("stopped", INTERRUPTED)
 

@@ -44,9 +44,9 @@ class AmplitudeUnit:
         >>> AmplitudeUnit("mil pp").retell("off by 12.7 um 0-peak, 31 %")
         'off by 1.00 mil pp, 31 %'
         """
-        return STATED.sub(self._retold, words)
+        return STATED.sub(self._retell_one, words)
 
-    def _retold(self, found: "re.Match[str]") -> str:
+    def _retell_one(self, found: "re.Match[str]") -> str:
         value, between, sigma = found.groups(default="")
         return f"{self._figure(value)}{between}{self._figure(sigma)} {self.name}"
 

@@ -47,14 +47,14 @@ class OrbitPicture:
             path = f"{self._path}/{name}/keyphasor" if name else f"{self._path}/keyphasor"
             self._stream.log(path, rr.Points2D(places, radii=-5.0, colors=MARK, draw_order=len(orbits)))
 
-    def _panel(self) -> Panel:
-        return orbit_panel(self._scale.value, unit=self._length)
-
     def caption(self, words: str, *, name: str = "caption") -> None:
         """Write a line below the picture; one of another name is for another view of it."""
         if words != self._captions.get(name):
             self._stream.log(f"{self._path}/{name}", texts([(50.0, 120.5, words)]))
             self._captions[name] = words
+
+    def _panel(self) -> Panel:
+        return orbit_panel(self._scale.value, unit=self._length)
 
 
 def orbit_panel(scale: float, *, unit: str = "µm") -> Panel:

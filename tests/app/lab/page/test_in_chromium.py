@@ -298,7 +298,7 @@ def test_up_to_six_runs_are_overlaid_each_by_a_file_of_its_own(tab: Tab, page: P
     assert tab.complaints == []
 
 
-def test_amplitudes_are_told_in_the_unit_chosen_and_nothing_else_changes(tab: Tab, page: Path) -> None:
+def test_amplitudes_are_told_in_the_unit_chosen_and_nothing_else_changes(tab: Tab, page: Path, tmp_path: Path) -> None:
     in_mil = 2 / 25.4
     draw_all(tab, page)
     choose(tab, "quantity", tab.run("trends.find(({ name }) => name.startsWith('peak ')).name"))
@@ -332,8 +332,8 @@ def test_amplitudes_are_told_in_the_unit_chosen_and_nothing_else_changes(tab: Ta
     tab.open(page, wait="rotorLab.shown")
     assert column(tab, "#head [data-column=residual]")[0].startswith("residual, mil pp"), "the choice is kept"
     tab.run("localStorage.clear()")
-    write_lab_page(page.parents[2], page.parent, units="µm pp")
-    tab.open(page, wait="rotorLab.shown")
+    write_lab_page(page.parents[2], tmp_path, units="µm pp")
+    tab.open(tmp_path / "index.html", wait="rotorLab.shown")
     assert column(tab, "#head [data-column=residual]")[0].startswith("residual, µm pp")
     assert tab.complaints == []
 
