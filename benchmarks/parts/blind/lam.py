@@ -25,7 +25,7 @@ from benchmarks.parts.blind.cases import Case, Design
 from benchmarks.parts.blind.measured import measure, measured
 from benchmarks.parts.blind.names import Answer, answer
 from rotorrig.identify.base_model import Reals
-from rotorrig.identify.causes import candidates
+from rotorrig.identify.causes import candidates, scale_of
 from rotorrig.identify.causes.nameplate_search import search_from_nameplate
 from rotorrig.identify.causes.score_test import Score, scores
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording, nuisance_effects
@@ -83,7 +83,9 @@ def lam(
     A rival is not followed beyond `enough`.
     """
     slight = nuisance_effects(recordings)
-    problem = ExtendedProblem(ExtendedModel(recordings, (*slight, find(rig, hidden.exact))))
+    problem = ExtendedProblem(
+        ExtendedModel(recordings, (*slight, find(rig, hidden.exact).scaled(scale_of(recordings))))
+    )
     p = _vector(problem, expected_estimates(rig, truth), hidden)
     problem = problem.expecting_error(p)
     seen = [r.instead(z) for r, z in zip(problem.recordings, problem.model.predict(p), strict=True)]

@@ -9,7 +9,7 @@ from rotorrig.identify.causes.candidate_fit import (
     refit,
     relocate_last_effect,
 )
-from rotorrig.identify.causes.candidates import candidates
+from rotorrig.identify.causes.candidates import candidates, scale_of
 from rotorrig.identify.causes.pinned_nuisances import fit_with_pinned_nuisances, nuisances_biased
 from rotorrig.identify.causes.score_jacobian import responses_to
 from rotorrig.identify.causes.score_test import Score, projection, scores
@@ -36,6 +36,7 @@ __all__ = [
     "refit",
     "relocate_last_effect",
     "responses_to",
+    "scale_of",
     "scores",
     "select",
 ]

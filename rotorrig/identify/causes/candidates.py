@@ -1,4 +1,4 @@
-"""Candidate effects for a set of recordings: the catalogue, adapted to the orders and times recorded."""
+"""Candidate effects for a set of recordings: the catalogue, adapted to the rig's scale, to orders and to times."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import Recording
 from rotorrig.identify.measurement import SLOW_ROLL
-from rotorrig.sims.effects import Effect, LineHum, Stretch, UnbalanceStep, catalogue
+from rotorrig.sims.effects import Effect, LineHum, RigScale, Stretch, UnbalanceStep, catalogue
 from rotorrig.sims.rotor.model import ONE_RECORDING, between_recordings
 
 
@@ -23,11 +23,12 @@ def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()
     if all(np.isfinite(recording.response.compensation_omega) for recording in recordings):
         without = {*without, "slow_roll_subtracted"}  # the base model has it
     mains = {frequency for recording in recordings for frequency in recording.hum[1]}
+    scale = scale_of(recordings)
     effects: list[Effect] = []
     for effect in catalogue(recordings[0].response.rig):
         if effect.name in without or ("force laws" in effect.acts_on and not lawful):
             continue
-        able = effect.within([float(order) for order in recordings[0].orders])
+        able = effect.scaled(scale).within([float(order) for order in recordings[0].orders])
         if not able.parameters:
             continue
         if isinstance(able, UnbalanceStep):
@@ -39,6 +40,19 @@ def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()
         else:
             effects.append(able)
     return effects
+
+
+def scale_of(recordings: Sequence[Recording]) -> RigScale:
+    """Return the scale of the rig: how stiff its nameplate says it is, and how far it moved at 1X, at what speed."""
+    sizes = [
+        np.where(one.usable, np.maximum(np.abs(one.z), one.sigma), 0.0).max(axis=1)[:-1]
+        for r in recordings
+        for one in (r.measured[1],)
+    ]
+    largest = int(np.argmax([size.max() for size in sizes]))
+    rows, size = recordings[largest].rows, sizes[largest]
+    speed = recordings[largest].response.omega[rows][size.argmax()]
+    return RigScale.of(recordings[0].response.rig, motion=float(size.max()), speed=float(speed))
 
 
 def _with_grid(effect: UnbalanceStep, recordings: Sequence[Recording]) -> UnbalanceStep:

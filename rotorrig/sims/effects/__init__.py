@@ -19,6 +19,7 @@ from rotorrig.sims.effects.found_laws import DAMPING, FREQUENCY, LAWS, Law, Reso
 from rotorrig.sims.effects.found_reading import SHARES, FoundReading, found_reading
 from rotorrig.sims.effects.internal_damping import InternalDamping
 from rotorrig.sims.effects.line_hum import HARMONICS, MAINS, LineHum, leak
+from rotorrig.sims.effects.rig_scale import RigScale
 from rotorrig.sims.effects.shaft_motion import forward, position_rows
 from rotorrig.sims.effects.unbalance_step import Stretch, UnbalanceStep
 
@@ -40,6 +41,7 @@ __all__ = [
     "Parameter",
     "ReadingContext",
     "ResonantForce",
+    "RigScale",
     "Stretch",
     "Theta",
     "UnbalanceStep",

@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
+from rotorrig.sims.effects.rig_scale import RigScale
 from rotorrig.sims.rotor.model import Load, RotorModel
 from rotorrig.sims.rotor.nonlinear import ForceLaw
 
@@ -54,13 +55,23 @@ class Parameter:
     unit: str  # SI, "" for a ratio
     low: float  # beyond these it is no longer plausible
     high: float
-    size: float  # typical of an RK4 rotor kit: the unit a fit counts in
+    size: float  # typical of a rotor kit: the unit a fit counts in
     at_zero: float = 0.0  # its value at zero amplitude of the effect
     starts: tuple[float, ...] = ()  # where a fit may begin; empty: at zero amplitude
     prior: float = math.inf  # one standard deviation, of a nuisance of the base; infinite: of a candidate cause
     order: int = 0  # the one order of the vectors it changes; 0: all those of its effect
     grid_searched: bool = False  # no fit moves it: a grid search finds its value, and it stays at `at_zero`
     spread: float = 0.0  # of a grid-searched one: one standard deviation, as far as the grid could tell
+    of_rig: bool = False  # its figures are an RK4's: on a rig of another scale they are others
+
+    def scaled(self, scale: RigScale) -> "Parameter":
+        """Return it as it is typical of a rig of that scale."""
+        if not self.of_rig:
+            return self
+        by = scale.ratio(self.unit)
+        low, high, size, at_zero = (by * value for value in (self.low, self.high, self.size, self.at_zero))
+        starts = tuple(by * start for start in self.starts)
+        return replace(self, low=low, high=high, size=size, at_zero=at_zero, starts=starts)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,6 +157,10 @@ class Effect:
         )
         return tuple(replace(self, parameters=parameters) for parameters in moved)
 
+    def scaled(self, scale: RigScale) -> Self:
+        """Return the effect with unknowns as they are typical of a rig of that scale."""
+        return replace(self, parameters=tuple(p.scaled(scale) for p in self.parameters))
+
     def fix_grid_searched(self, theta: Theta) -> Self:
         """Return the effect with its grid-searched unknown fixed at its value in `theta`."""
         parameters = (replace(p, at_zero=theta[p.name]) if p.grid_searched else p for p in self.parameters)
@@ -200,10 +215,12 @@ def phasor(theta: Theta, name: str) -> complex:
     return complex(theta.get(f"{name} re", 0.0), theta.get(f"{name} im", 0.0))
 
 
-def pair(name: str, unit: str, *, most: float, size: float, order: int = 0) -> tuple[Parameter, Parameter]:
+def pair(
+    name: str, unit: str, *, most: float, size: float, order: int = 0, of_rig: bool = False
+) -> tuple[Parameter, Parameter]:
     """Return the two parameters of a phasor, either no larger than `most`."""
     re, im = (
-        Parameter(name=f"{name} {part}", unit=unit, low=-most, high=most, size=size, order=order)
+        Parameter(name=f"{name} {part}", unit=unit, low=-most, high=most, size=size, order=order, of_rig=of_rig)
         for part in ("re", "im")
     )
     return re, im

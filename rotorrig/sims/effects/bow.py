@@ -67,7 +67,7 @@ def effects(rig: RigConfig) -> tuple[Bow, ...]:
     """Return a bow at every disk that no bearing holds, as if bent by a push there, and an even one."""
     held = [bearing.position for bearing in rig.bearings]
     free = [disk for disk in rig.disks if min(abs(disk.position - z) for z in held) > SHORTEST]
-    unknown = pair("bow", "m", most=100e-6, size=10e-6)
+    unknown = pair("bow", "m", most=100e-6, size=10e-6, of_rig=True)
     pushed = tuple(Bow(place=disk.name, where=place_label(disk.name, free), parameters=unknown) for disk in free)
     start, end = min(held), max(held)
     if end - start < SHORTEST:

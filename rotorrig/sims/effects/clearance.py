@@ -61,7 +61,7 @@ def loose(x: float, y: float, vx: float, vy: float, constants: NDArray[np.float6
 
 def effects(rig: RigConfig) -> tuple[Clearance, ...]:
     """Return one for every group of bearings sought."""
-    unknown = (Parameter(name="gap", unit="m", low=0.0, high=100e-6, size=10e-6, starts=GAPS),)
+    unknown = (Parameter(name="gap", unit="m", low=0.0, high=100e-6, size=10e-6, starts=GAPS, of_rig=True),)
     return tuple(
         Clearance(where=where, bearings=names, gravity=rig.gravity, parameters=unknown)
         for where, names in bearing_groups(rig).items()

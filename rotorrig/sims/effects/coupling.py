@@ -20,8 +20,7 @@ from rotorrig.sims.effects.base import Effect, Theta, pair, phasor, polar
 from rotorrig.sims.effects.shaft_motion import forward, position_rows
 from rotorrig.sims.rotor.model import Added, Load, RotorModel, with_added
 
-MOST_UNEVEN = 5e3  # N/m: as stiff as such couplings are
-SURE = 0.1  # of that: less is not worth a word
+SURE = 0.1  # of the most that is plausible: less is not worth a word
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,13 +54,13 @@ class Coupling(Effect):
             f"mark, and with {twice:.2g} N twice per turn"
         )
         v, stiffest = polar(theta, "stiffness")
-        if v > SURE * MOST_UNEVEN:
+        if v > SURE * next(p.high for p in self.parameters if p.name == "stiffness re"):
             text += f"; it is stiffer by {2 * v / 1e3:.2g} kN/m at {stiffest / 2:.0f} deg than across"
         return text
 
 
 def effects(rig: RigConfig) -> tuple[Coupling, ...]:
     """Return the one at the shaft's first end."""
-    once, twice = (pair(f"force {n}X", "N", most=5.0, size=0.3, order=n) for n in Coupling.orders)
-    uneven = pair("stiffness", "N/m", most=MOST_UNEVEN, size=1e3, order=1)
+    once, twice = (pair(f"force {n}X", "N", most=5.0, size=0.3, order=n, of_rig=True) for n in Coupling.orders)
+    uneven = pair("stiffness", "N/m", most=5e3, size=1e3, order=1, of_rig=True)
     return (Coupling(parameters=once + twice + uneven),)

@@ -67,6 +67,7 @@ def effects(rig: RigConfig) -> tuple[CubicSpring, ...]:
             high=5e11,
             size=5e10,
             starts=(*(-k3 for k3 in reversed(STEEPNESS)), *STEEPNESS),
+            of_rig=True,
         ),
     )
     return tuple(

@@ -47,5 +47,7 @@ def quadratic(x: float, y: float, vx: float, vy: float, constants: NDArray[np.fl
 
 def effects(rig: RigConfig) -> tuple[Drag, ...]:
     """Return one for every disk."""
-    unknown = (Parameter(name="c2", unit="N s^2/m^2", low=0.0, high=500.0, size=20.0, starts=COEFFICIENTS),)
+    unknown = (
+        Parameter(name="c2", unit="N s^2/m^2", low=0.0, high=500.0, size=20.0, starts=COEFFICIENTS, of_rig=True),
+    )
     return tuple(Drag(where=where, disk=disk.name, parameters=unknown) for where, disk in disks(rig).items())

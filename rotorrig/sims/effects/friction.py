@@ -76,7 +76,7 @@ def dry(x: float, y: float, vx: float, vy: float, constants: NDArray[np.float64]
 def effects(rig: RigConfig) -> tuple[Friction, ...]:
     """Return one for every group of bearings sought."""
     unknown = (
-        Parameter(name="force", unit="N", low=0.0, high=1.0, size=0.05, starts=FORCES),
+        Parameter(name="force", unit="N", low=0.0, high=1.0, size=0.05, starts=FORCES, of_rig=True),
         Parameter(name="give", unit="m", low=0.0, high=5e-6, size=0.5e-6, at_zero=0.5e-6),  # a few asperities high
         Parameter(name="creep", unit="m/s", low=1e-5, high=2e-3, size=1e-4, at_zero=1e-4),  # 0.5 um at 2000 rpm
     )

@@ -69,7 +69,7 @@ class Pedestal(Effect):
 def effects(rig: RigConfig) -> tuple[Pedestal, ...]:
     """Return one along x and one along y for every group of bearings sought."""
     unknown = (
-        Parameter(name="lightness", unit="1/kg", low=0.0, high=1.0, size=0.1, starts=(0.02, 0.12)),
+        Parameter(name="lightness", unit="1/kg", low=0.0, high=1.0, size=0.1, starts=(0.02, 0.12), of_rig=True),
         Parameter(
             name="omega",
             unit="rad/s",
@@ -78,6 +78,7 @@ def effects(rig: RigConfig) -> tuple[Pedestal, ...]:
             size=2 * HZ,
             at_zero=30 * HZ,
             starts=LOOKED_AT,
+            of_rig=True,
         ),
         Parameter(name="damping ratio", unit="", low=0.005, high=0.15, size=0.02, at_zero=0.03, starts=(0.03,)),
         Parameter(name="compliance across", unit="", low=0.0, high=1.0, size=0.1, starts=(0.1, 0.3)),

@@ -72,8 +72,9 @@ def effects(rig: RigConfig) -> tuple[Rub, ...]:
             size=50e-6,
             at_zero=300e-6,
             starts=GAPS,
+            of_rig=True,
         ),
-        Parameter(name="stiffness", unit="N/m", low=0.0, high=1e7, size=1e5, starts=WALLS),
+        Parameter(name="stiffness", unit="N/m", low=0.0, high=1e7, size=1e5, starts=WALLS, of_rig=True),
         Parameter(name="friction", unit="", low=0.0, high=0.4, size=0.1, starts=(0.05,)),
     )
     middle = sum(span(rig)) / 2

@@ -38,7 +38,7 @@ class SkewStiffness(Effect):
 
 def effects(rig: RigConfig) -> tuple[SkewStiffness, ...]:
     """Return one for every group of bearings sought."""
-    unknown = (Parameter(name="k", unit="N/m", low=-5e3, high=5e3, size=500.0),)
+    unknown = (Parameter(name="k", unit="N/m", low=-5e3, high=5e3, size=500.0, of_rig=True),)
     return tuple(
         SkewStiffness(where=where, bearings=names, parameters=unknown) for where, names in bearing_groups(rig).items()
     )

@@ -13,7 +13,7 @@ from rotorrig.sims.effects.places import free_places, unbalance_sought
 from rotorrig.sims.effects.shaft_motion import forward, position_rows
 from rotorrig.sims.rotor.model import Load, RotorModel
 
-AMOUNT = pair("unbalance", "kg m", most=30e-6, size=5e-6)
+AMOUNT = pair("unbalance", "kg m", most=30e-6, size=5e-6, of_rig=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +33,7 @@ class UnbalancePlane(Effect):
             return self, theta
         z = self._place(theta)
         where = min(self.along, key=lambda name: abs(self.along[name] - z))
-        moved = _on_shaft(where, self.along, self.length) if where != self.where else self
+        moved = _on_shaft(where, self.along, self.length, self.parameters[:2]) if where != self.where else self
         return moved, {**theta, "shift": z - moved.position}
 
     def loads(self, model: RotorModel, theta: Theta) -> tuple[Load, ...]:
@@ -66,8 +66,10 @@ def effects(rig: RigConfig) -> tuple[UnbalancePlane, ...]:
     return named + tuple(_on_shaft(where, places, rig.shaft.length) for where in places)
 
 
-def _on_shaft(where: str, places: Mapping[str, float], length: float) -> UnbalancePlane:
+def _on_shaft(
+    where: str, places: Mapping[str, float], length: float, amount: tuple[Parameter, ...] = AMOUNT
+) -> UnbalancePlane:
     """Return the one that begins at a place of the grid; a fit may take it anywhere along the shaft."""
     z = places[where]
     shift = Parameter(name="shift", unit="m", low=-z, high=length - z, size=0.005)
-    return UnbalancePlane(where=where, position=z, length=length, along=places, parameters=(*AMOUNT, shift))
+    return UnbalancePlane(where=where, position=z, length=length, along=places, parameters=(*amount, shift))

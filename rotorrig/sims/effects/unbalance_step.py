@@ -69,5 +69,5 @@ def effects(rig: RigConfig) -> tuple[UnbalanceStep, ...]:
     """Return one for every plane whose unbalance is sought."""
     sought = unbalance_sought(rig)
     time = Parameter(name="time", unit="s", low=-LONGEST, high=LONGEST, size=1.0, grid_searched=True)
-    unknown = (*pair("step", "kg m", most=30e-6, size=5e-6), time)
+    unknown = (*pair("step", "kg m", most=30e-6, size=5e-6, of_rig=True), time)
     return tuple(UnbalanceStep(where=place_label(name, sought), plane=name, parameters=unknown) for name in sought)
