@@ -125,12 +125,13 @@ def diagnose(
         base = base_fit.fit_base(recordings, config_effects(responses[0].rig), seed=seed)
         progress("causes", 0.1)
         found = select_beside_nameplate(base, known, lambda stage, share: progress(stage, 0.1 + 0.6 * share), go_on)
+        base = found.base
         if not go_on():
             return replace(_cut_short(responses, found, base), model=model)
         progress("unseen data", 0.7)
         hidden = recordings_of([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
         unseen = Unseen(found.start.problem, found.start.polished.p, holdout=hidden)
-        start, selection = found.start, leave_out_idle(found.selection, unseen)
+        start, selection = found.start, leave_out_idle(found.selection, unseen).with_law_error()
         misstated = partial(_count_misstated, found)
         if start.adequacy.adequate:
             selection = leave_out_excess(selection, misstated)

@@ -10,6 +10,7 @@ from rotorrig.identify.base_fit.base_fit import (
     check_rig,
     config_effects,
     fit_base,
+    refit_base,
     search_and_refine,
     with_scatter,
 )
@@ -27,6 +28,7 @@ __all__ = [
     "fit_base",
     "judge_trial_angles",
     "recount",
+    "refit_base",
     "search_and_refine",
     "with_scatter",
 ]

@@ -177,6 +177,12 @@ def fit_base(recordings: Sequence[Recording], effects: Sequence[KnownEffect] = (
     return assess_fit(problem, polished)
 
 
+def refit_base(fit: AssessedFit, start: Reals) -> AssessedFit:
+    """Return the base fitted anew from a vector that fits better than the one it was left at."""
+    problem = fit.problem.expecting_error(start)
+    return assess_fit(problem, problem.solve(start, tolerance=BASE_FIT.settled))
+
+
 def with_scatter(problem: ExtendedProblem, p: Reals) -> ExtendedProblem:
     """Return the problem with recordings at least as noisy as their residuals at `p` scatter from row to row."""
     louder = []

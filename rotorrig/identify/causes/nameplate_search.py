@@ -127,13 +127,17 @@ class _Search:
         names = problem.parameters
         free = np.setdiff1d(np.arange(len(names)), [*names.pinned, *names.frozen])
         low, high = (bound[free] for bound in problem.bounds)
+        bare = self.marginal.residual(base)
         for theta in effect.starts:
-            p = np.append(base, [theta[q.name] / q.size for q in effect.parameters])
+            p, chi2 = np.append(base, [theta[q.name] / q.size for q in effect.parameters]), np.inf
             try:
-                r, J = problem.residual(p), problem.jacobian(p, free)
-                yield _Start(p=p, chi2=float(r @ r) - LinearModel(J, r, p[free], (low, high)).full_promise)
+                r = problem.residual(p)
+                if np.abs(r - bare).max() > SELECTION.no_change:  # a wall out of reach leads nowhere
+                    J = problem.jacobian(p, free)
+                    chi2 = float(r @ r) - LinearModel(J, r, p[free], (low, high)).full_promise
             except NO_MOTION:
-                yield _Start(p=p, chi2=np.inf)
+                pass
+            yield _Start(p=p, chi2=chi2)
 
 
 def _as_loud(problem: ExtendedProblem, p: Reals) -> Reals:

@@ -51,6 +51,7 @@ class SelectionSettings:
     scanned_rows: int = 240  # of the first recording, for what a small amount would do: a weak resonance is narrow
     searched_rows: int = 80  # of the first recording, up and down: 80 rpm apart either way on the RK4
     searched_steps: int = 25  # of a descent with pinned nuisances
+    no_change: float = 1e-3  # sigmas of any residual: an effect that changes none by more does nothing at that start
     searched_within: float = 1e-3  # of chi2: where a descent ends
     descents: int = 6  # of every effect, from the best of its clusters
     rival_search: float = 0.3  # of the best of their scores, rough as they are: below, all recordings are not fitted

@@ -38,6 +38,16 @@ class Selection:
         """Return the same with none of them kept."""
         return replace(self, problem=self.start, polished=self.base)
 
+    def with_law_error(self) -> "Selection":
+        """Return the same with what its force law may be wrong by in the covariance, refitted; itself without a law.
+
+        What a law that is a little wrong leaves is else taken up by the nameplate and the rotor.
+        """
+        if not self.problem.model.moving(self.polished.p).laws:
+            return self
+        problem = self.problem.expecting_error(self.polished.p)
+        return replace(self, problem=problem, polished=refit(problem, self.polished.p))
+
 
 def select(
     problem: ExtendedProblem,
@@ -50,7 +60,8 @@ def select(
 ) -> Selection:
     """Extend the model of `problem`, fitted as `base`, by what its residual supports; `wrong`: its test failed.
 
-    Once `go_on` says no, it is extended by what has been found.
+    Once `go_on` says no, it is extended by what has been found. If the base itself fits better from where the first
+    cause has led it, it is that base, and nothing else, that is returned: the search is to begin anew from there.
     """
     steps: list[SelectionStep] = []
     current, polished = problem, base
@@ -67,6 +78,8 @@ def select(
         steps.append(step)
         if not step.tried or not is_significant(step.tried[0], explained=base.chi2 - polished.chi2):
             break
+        if number == 0 and (lower := _find_lower_base(base, step.tried[0])):
+            return Selection(start=problem, base=lower, steps=(), problem=problem, polished=lower)
         current, polished = _refit_best(steps)
         if current.curved:
             break  # what a force law leaves is its own harmonics as much as another cause
@@ -81,6 +94,15 @@ def select(
         )
         current, polished = _drop_idle(current, polished, kept=kept)
     return Selection(start=problem, base=base, steps=tuple(steps), problem=current, polished=polished)
+
+
+def _find_lower_base(base: Solution, best: Candidate) -> Solution | None:
+    """Return the fit without a cause from where the fit with it ended, if that is lower than the fit of the base.
+
+    A search that ended in a minimum of its own is left by any cause, and what leads out of it need not be there.
+    """
+    _, fit = leave_out(best.problem, best.polished, [best.effect])
+    return fit if fit.chi2 < base.chi2 - SELECTION.detected else None
 
 
 def is_significant(candidate: Candidate, *, explained: float = 0.0) -> bool:

@@ -4,13 +4,14 @@ Of the noise found in the data, and of the model's own error once a model is kno
 """
 
 from rotorrig.identify.measurement.falling_angle import told_by_falling_angle
-from rotorrig.identify.measurement.model_error import changed_vectors, mark_vectors
+from rotorrig.identify.measurement.model_error import changed_vectors, error_vectors, mark_vectors
 from rotorrig.identify.measurement.whitened_rows import SLOW_ROLL, Measurement, measure, trial_unbalance
 
 __all__ = [
     "SLOW_ROLL",
     "Measurement",
     "changed_vectors",
+    "error_vectors",
     "mark_vectors",
     "measure",
     "told_by_falling_angle",

@@ -46,14 +46,24 @@ def share_of_limit(problem: ExtendedProblem, fit: Solution, plan: Plan, limits: 
 
 
 def _predict_share(truth: ExtendedProblem, p: Reals, limits: Limits) -> float:
-    """Return the largest 0-peak vibration of the planned recordings over its limit, at these unknowns."""
+    """Return the largest 0-peak vibration of the planned recordings over its limit, at these unknowns.
+
+    A motion so large that it overflows is over every limit.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        largest = _largest_share(truth, p, limits)
+    return largest if np.isfinite(largest) else np.inf
+
+
+def _largest_share(truth: ExtendedProblem, p: Reals, limits: Limits) -> float:
     largest = 0.0
     for recording, vectors in zip(truth.recordings, truth.model.predict(p), strict=True):
         if not recording.planned:
             continue
         response = recording.response
         amplitude = sum(np.abs(z[: len(response.omega)]) for order, z in vectors.items() if order)
-        largest = max(largest, float(np.max(amplitude / _find_limits(response.omega, response.probes, limits))))
+        share = float(np.max(amplitude / _find_limits(response.omega, response.probes, limits)))
+        largest = float(np.maximum(largest, share))  # NaN stays
     return largest
 
 

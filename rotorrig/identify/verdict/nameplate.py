@@ -10,7 +10,7 @@ sake.
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-from rotorrig.identify.base_fit import BASE_FIT, AssessedFit, assess_fit
+from rotorrig.identify.base_fit import BASE_FIT, AssessedFit, assess_fit, refit_base
 from rotorrig.identify.causes import Candidate, Selection, is_significant, select
 from rotorrig.identify.identification import Deviation, NameplateCheck, NameplateFinding
 from rotorrig.identify.uncertainty import check_nameplate
@@ -27,6 +27,7 @@ Ties = tuple[tuple[str, ...], ...]
 class NameplateSelection:
     """The causes selected, and how the nameplate fared against them."""
 
+    base: AssessedFit
     start: AssessedFit  # the base, with wider priors of what of the nameplate explains more than any effect
     selection: Selection  # of effects beside it
     rivals: tuple[Candidate, ...] = ()  # effects that explain nearly as much as that
@@ -51,7 +52,8 @@ def select_beside_nameplate(
 ) -> NameplateSelection:
     """Select effects for a base fit, those last that explain less than what of the nameplate the fit pulls at.
 
-    Once `go_on` says no, what has been found is selected.
+    Once `go_on` says no, what has been found is selected. The base of the result is another where a cause has led it to
+    a better fit.
     """
 
     def search(start: AssessedFit) -> Selection:
@@ -59,18 +61,23 @@ def select_beside_nameplate(
         return select(start.problem, start.polished, known, wrong=wrong, progress=progress, go_on=go_on)
 
     selection = search(base)
+    for _ in range(BASE_FIT.starts):
+        if selection.base is base.polished:
+            break
+        base = refit_base(base, selection.base.p)
+        selection = search(base)
     able = [c for c in (selection.steps[0].tried if selection.steps else ()) if is_significant(c)]
     deviations = _explanations(base, but={effect.label for effect in known})
     if not deviations or (base.adequacy.adequate and not able):
-        return NameplateSelection(start=base, selection=selection)
+        return NameplateSelection(base=base, start=base, selection=selection)
     if able and able[0].evidence > deviations[0].evidence:
         instead = tuple(d for d in deviations if able[0].evidence - d.evidence < VERDICT.nameable)
-        return NameplateSelection(start=base, selection=selection, instead=instead)
+        return NameplateSelection(base=base, start=base, selection=selection, instead=instead)
     rivals = tuple(c for c in able if deviations[0].evidence - c.evidence < VERDICT.nameable)
     start = _with_wider_prior(base, deviations[0])
     if not start.adequacy.adequate:
-        return NameplateSelection(start=base, selection=selection)  # something else pulls at it
-    return NameplateSelection(start=start, selection=search(start), rivals=rivals)
+        return NameplateSelection(base=base, start=base, selection=selection)  # something else pulls at it
+    return NameplateSelection(base=base, start=start, selection=search(start), rivals=rivals)
 
 
 def _explanations(base: AssessedFit, *, but: Collection[str]) -> tuple[Deviation, ...]:

@@ -19,7 +19,7 @@ from rotorrig.sims.rotor.model import RotorModel
 from rotorrig.sims.rotor.nonlinear import ForceLaw
 
 GAPS = tuple(map(float, np.geomspace(50e-6, 800e-6, 14)))  # m: a quarter apart
-WALLS = (2e4, 1e5, 1e6)  # N/m, from a rub screw on a spring to a casing
+WALLS = (4e3, 2e4, 1e5, 1e6)  # N/m, from a ring in soft rubber over a rub screw on a spring to a casing
 ROLLING = 0.05  # m/s: slower than this the surfaces hardly slide
 MID_SPAN = "mid-span"  # the name of its plane
 

@@ -49,9 +49,8 @@ def finding(sigmas: float, *alternatives: Deviation) -> NameplateFinding:
 
 def selected(steps: Any = NONE, *, widened: tuple[str, ...] = (), **more: Any) -> NameplateSelection:
     model = SimpleNamespace(widened=frozenset(widened))
-    return NameplateSelection(
-        start=cast(Any, SimpleNamespace(problem=SimpleNamespace(model=model))), selection=steps, **more
-    )
+    start = cast(Any, SimpleNamespace(problem=SimpleNamespace(model=model)))
+    return NameplateSelection(base=start, start=start, selection=steps, **more)
 
 
 @pytest.mark.parametrize(
