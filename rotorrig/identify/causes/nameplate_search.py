@@ -44,10 +44,14 @@ def search_from_nameplate(
     gathered = [(effect, search.gather(effect)) for effect in able if go_on()]
     scores: list[Score] = []
     lowest = search.pinned_chi2
+    descended: list[tuple[Effect, Solution]] = []
     for effect, starts in sorted(gathered, key=lambda each: min((s.chi2 for s in each[1]), default=np.inf)):
-        if not go_on() or (near := search.descend(effect, starts, lowest=lowest)) is None:
+        if go_on() and (near := search.descend(effect, starts, lowest=lowest)) is not None:
+            lowest = min(lowest, near.chi2)
+            descended.append((effect, near))
+    for effect, near in descended:
+        if not go_on() or near.chi2 > search.needed(lowest):
             continue
-        lowest = min(lowest, near.chi2)
         fit = search.free(effect, near)
         begin = np.append(polished.p, fit.p[len(search.index) :])
         begin[search.index] = fit.p[: len(search.index)]
@@ -93,6 +97,10 @@ class _Search:
         clusters = [start for base in self.bases for start in _cluster(self._starts(problem, base, effect), effect)]
         return sorted(clusters, key=lambda start: start.chi2)[: SELECTION.descents]
 
+    def needed(self, lowest: float) -> float:
+        """Return the chi2 with pinned nuisances that is near `lowest`, the best such fit."""
+        return self.pinned_chi2 - SELECTION.rival_search * (self.pinned_chi2 - lowest)
+
     def descend(self, effect: Effect, starts: Sequence[_Start], *, lowest: float) -> Solution | None:
         """Return the lowest fit of an effect from its starts with nuisances pinned; None if none is left.
 
@@ -100,7 +108,7 @@ class _Search:
         below that from a start before.
         """
         problem = self.marginal.extended((*self.problem.effects, effect))
-        needed = self.pinned_chi2 - SELECTION.rival_search * (self.pinned_chi2 - lowest)
+        needed = self.needed(lowest)
         ends: list[Solution] = []
         for start in starts:
             target = min([needed, *(fit.chi2 for fit in ends)])

@@ -9,7 +9,7 @@ import pytest
 from benchmarks.parts.blind.rigs.drawn import LAYOUTS, character, draw_rig, layout
 from rotorrig.identify.causes import candidates
 from rotorrig.identify.causes.candidate_fit import Candidate, fit_candidate, plausible
-from rotorrig.identify.causes.nameplate_search import search_from_nameplate
+from rotorrig.identify.causes.nameplate_search import _Search, search_from_nameplate
 from rotorrig.identify.causes.score_test import Score
 from rotorrig.identify.causes.small_amounts import score_small_amounts
 from rotorrig.identify.extended_model.model import ExtendedModel
@@ -133,6 +133,23 @@ def test_a_force_law_of_a_drawn_size_is_found(rig_config: RigConfig, form: str, 
     best = best_fit(problem, base, found)
     assert best.lam > 15
     assert_reached(best, theta)
+
+
+def test_a_wall_that_is_out_of_reach_is_no_start(rig_config: RigConfig) -> None:
+    """It promises what the base does, and took the place of walls that the rotor touches."""
+    rig = drawn_rig("one disk")
+    problem = recorded(rig_config, rig, "cubic_spring", {"k3": 0.0}, seed=14)
+    base = base_fit(problem)
+    search = _Search.of(problem, base.p, biased=True)
+    moved = np.abs(
+        problem.model.motion_at(problem.recordings[0], base.p, problem.model.rotor(base.p).disk("disk").rows[:2])
+    ).max()
+    rub = find(rig, "rub, at disk")
+    gaps = tuple(float(moved * share) for share in (0.3, 0.6, 2.0, 4.0, 8.0, 16.0))
+    rub = replace(rub, parameters=(replace(rub.parameters[0], starts=gaps), *rub.parameters[1:]))
+    reached = [start.p[-3] * rub.parameters[0].size for start in search.gather(rub)]
+    assert reached
+    assert max(reached) < 2.0 * moved
 
 
 def sag(rig: RigConfig) -> float:

@@ -1,6 +1,7 @@
 """Which causes the data call for: the one that is hidden, and none where none is."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -101,6 +102,23 @@ def test_parts_of_one_cause_are_replaced_by_the_whole(rig: RigConfig, hidden: ND
     assert [e.label for e in found.effects] == ["probe_angle, plane 1"]
     assert fit.chi2 == pytest.approx(polished.chi2, abs=10)
     assert steps[-1].tried[0].effect is found.effects[0]
+
+
+def test_a_base_that_was_left_in_a_poor_minimum_is_returned_from_a_better_one(
+    rig: RigConfig, hidden: NDArray[np.float64], healthy: OrderTrackedResponse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever leads out of it looks like a cause, here a probe that sits right."""
+    problem = ExtendedProblem(ExtendedModel([Recording(healthy)]))
+    right = problem.solve(problem.parameters.start(hidden))
+    poor = replace(right, p=right.p + 0.05, chi2=right.chi2 + 1000.0)
+    larger = problem.extended([find(rig, "probe_angle, plane 1")])
+    fit = larger.solve(np.append(right.p, 0.0))
+    turned = Candidate(problem=larger, polished=fit, lam=poor.chi2 - fit.chi2, evidence=poor.chi2 - fit.chi2 - 6.0)
+    tried = SelectionStep(before=poor, scores=(), tried=(turned,))
+    monkeypatch.setattr("rotorrig.identify.causes.stepwise_selection.try_candidates", lambda *_, **__: tried)
+    found = select(problem, poor, list(larger.effects), wrong=True)
+    assert (found.steps, found.problem) == ((), problem)
+    assert found.base.chi2 == pytest.approx(right.chi2, abs=1.0)
 
 
 def test_a_second_cause_has_to_explain_more_than_an_error_of_the_first_ones_model(

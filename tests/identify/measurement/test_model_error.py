@@ -15,6 +15,7 @@ from rotorrig.identify.measurement.whitened_rows import measure
 from rotorrig.identify.verdict.cross_validation import cross_validate
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
+from rotorrig.sims.effects.base import find
 from tests.identify.swept import SIGMA, C, K, swept_response
 from tests.parameters import defer_rest
 
@@ -87,6 +88,20 @@ def test_a_mark_that_moves_with_the_driven_end_turns_all_vectors_alike(
     turned = z[1] * np.exp(-1j * lead[:, None])
     assert np.abs(lead).max() > 1e-4
     np.testing.assert_allclose(z[1] - known[..., -2:] @ across, turned, atol=2 * np.abs(z[1]).max() * lead.max() ** 2)
+
+
+def test_a_force_law_is_known_to_a_tenth_of_what_it_does(quiet: OrderTrackedResponse) -> None:
+    base = fit_base([Recording(quiet)])
+    bent = base.problem.extended([find(quiet.rig, "cubic_spring")])
+    p = np.append(base.polished.p[: base.problem.parameters.own.start], 0.2)  # of a size
+    straight = base.problem.extended([])
+    (known,), (without,) = known_error(bent.model, p), known_error(straight.model, p[:-1])
+    (z,), (plain,) = bent.model.predict(p, orders=(1,)), straight.model.predict(p[:-1], orders=(1,))
+    of_law = known[..., without.shape[-1] :]
+    deviation = np.sqrt(np.sum(np.abs(of_law) ** 2, axis=-1) / 2)[:-1]
+    wanted = 0.1 * np.abs(z[1] - plain[1])[:-1]
+    assert wanted.max() > 1e-6
+    np.testing.assert_allclose(deviation, wanted, atol=2e-3 * wanted.max())
 
 
 def test_noise_and_error_together_come_out_white(blind_response: OrderTrackedResponse) -> None:

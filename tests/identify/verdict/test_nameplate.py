@@ -53,6 +53,25 @@ def selected(steps: Any = NONE, *, widened: tuple[str, ...] = (), **more: Any) -
     return NameplateSelection(base=start, start=start, selection=steps, **more)
 
 
+def test_the_search_begins_anew_from_a_better_base(monkeypatch: pytest.MonkeyPatch) -> None:
+    fits = SimpleNamespace(problem="", polished="poor"), SimpleNamespace(problem="", polished="better")
+    for fit in fits:
+        fit.adequacy = SimpleNamespace(adequate=True)
+    poor, better = cast(Any, fits)
+    lower = SimpleNamespace(p="lower")
+    searched = []
+
+    def search(problem: Any, base: Any, known: Any, **how: Any) -> Any:
+        searched.append(base)
+        return SimpleNamespace(base=lower if base == "poor" else base, steps=())
+
+    monkeypatch.setattr("rotorrig.identify.verdict.nameplate.select", search)
+    monkeypatch.setattr("rotorrig.identify.verdict.nameplate.refit_base", lambda base, p: better)
+    monkeypatch.setattr("rotorrig.identify.verdict.nameplate._explanations", lambda base, but: ())
+    found = select_beside_nameplate(poor, [], lambda stage, share: None)
+    assert (searched, found.base, found.start) == (["poor", "better"], better, better)
+
+
 @pytest.mark.parametrize(
     ("sigmas", "widened", "named"), [(3.5, (), False), (4.1, (), True), (3.5, SPRING.nuisances, True)]
 )

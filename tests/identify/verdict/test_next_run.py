@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -169,6 +170,20 @@ def test_no_run_is_proposed_that_may_come_near_a_limit(tied: Selection, one_plan
     assert share_of_limit(*fit, plan, low) == pytest.approx(10 * share)
     highest = max(plans(tied.problem.recordings[0].response), key=lambda plan: plan.high)
     assert share_of_limit(*fit, highest, limits) > share, "through the resonance"
+
+
+def test_a_run_whose_motion_overflows_is_over_every_limit(
+    tied: Selection, one_plane: RigConfig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan = next(plan for plan in plans(tied.problem.recordings[0].response) if plan.kind == "ramp rate")
+    predict = ExtendedModel.predict
+
+    def beyond(model: ExtendedModel, p: NDArray[np.float64], **how: Any) -> list[dict[int, NDArray[np.complex128]]]:
+        return [{n: z * 1e200 * 1e200 for n, z in each.items()} for each in predict(model, p, **how)]
+
+    monkeypatch.setattr(ExtendedModel, "predict", beyond)
+    assert one_plane.limits is not None
+    assert share_of_limit(tied.problem, tied.polished, plan, one_plane.limits) == np.inf
 
 
 def test_where_no_run_may_be_made_it_says_so(tied: Selection, monkeypatch: pytest.MonkeyPatch) -> None:

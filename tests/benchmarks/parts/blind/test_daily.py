@@ -9,6 +9,9 @@ import pytest
 from benchmarks.parts.blind.cases import Case, modelled
 from benchmarks.parts.blind.daily import LARGE, Hidden, draw_day, healthy_of_day, hide_fault
 from benchmarks.parts.blind.lam import Lam, lam_of
+from benchmarks.parts.blind.measured import measure
+from rotorrig.identify import diagnose
+from rotorrig.identify.verdict import Verdict
 from rotorrig.sims.plant.draw import draw
 
 DAY = date(2026, 11, 23)
@@ -46,6 +49,19 @@ def test_days_and_cases_of_a_day_differ_and_every_fault_has_its_turn() -> None:
 def test_a_day_on_which_nothing_can_be_seen_is_said() -> None:
     with pytest.raises(AssertionError, match="none of 30 is large enough"):
         draw_day(DAY, hide=lambda case: None)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    ("fault", "seed", "label"),
+    [("rub", 60783084004, "rub, at mid-span"), ("rub", 7, "rub, at disk"), ("cubic_spring", 7, "cubic_spring")],
+)
+def test_a_force_law_on_a_rig_of_another_scale_is_named(fault: str, seed: int, label: str, tmp_path: Path) -> None:
+    """Cases of development: a gap of 13 um where the RK4 has 200, a soft ring, a base that ends in a poor minimum."""
+    case = Case(design="day", faults=(fault,), seed=seed)
+    found = diagnose(measure(case, sealed=tmp_path / "sealed.json", folder=tmp_path))
+    assert label in [cause.label for cause in found.causes if cause.chosen]
+    assert found.verdict in (Verdict.NAMED, Verdict.TIED)
 
 
 def test_todays_case_can_be_seen_and_told_from_its_nearest_rival(tmp_path: Path) -> None:
