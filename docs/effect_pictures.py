@@ -49,7 +49,7 @@ DRAWN: Mapping[str, Case] = {
     "pedestal": Case(where="x", values={"lightness": 0.12, "omega": 176.0, "damping ratio": 0.04}),
     "probe_angle": Case(where="probe 1x", larger=2.0),
     "probe_gain": Case(where="probe 1x", larger=4.0),
-    "rub": Case(where="at disk", values={"gap": 250e-6}),
+    "rub": Case(where="at disk", values={"gap": 250e-6, "stiffness": 20e3}),
     "slow_roll_subtracted": Case(beside="bow"),
     "unbalance_plane": Case(where="at 400 mm"),
     "unbalance_step": Case(values={"time": 104.5}),  # at the top

@@ -125,46 +125,51 @@ def diagnose(
         base = base_fit.fit_base(recordings, config_effects(responses[0].rig), seed=seed)
         progress("causes", 0.1)
         found = select_beside_nameplate(base, known, lambda stage, share: progress(stage, 0.1 + 0.6 * share), go_on)
-        base = found.base
         if not go_on():
-            return replace(_cut_short(responses, found, base), model=model)
+            return replace(_cut_short(responses, found), model=model)
         progress("unseen data", 0.7)
         hidden = recordings_of([holdout], swept=model == "swept", like=responses[0])[0] if holdout else None
         unseen = Unseen(found.start.problem, found.start.polished.p, holdout=hidden)
-        start, selection = found.start, leave_out_idle(found.selection, unseen).with_law_error()
-        misstated = partial(_count_misstated, found)
-        if start.adequacy.adequate:
-            selection = leave_out_excess(selection, misstated)
-        extended = start
-        if selection.problem is not start.problem:
-            extended = base_fit.assess_fit(selection.problem, selection.polished)
-        wrong = misstated(selection)
-        predictions = gain.predict_unseen(selection, unseen, adequate=extended.adequacy.adequate, misstated=wrong)
-        if start.adequacy.adequate and not is_supported(selection, predictions):
-            selection, extended = selection.without_causes(), start
-            wrong = misstated(selection)
-        verdict = conclude(
-            selection,
-            adequate_before=start.adequacy.adequate,
-            adequate_after=extended.adequacy.adequate,
-            visible=visible_share(selection),
-            predictions=predictions,
-            misstated=wrong,
-        )
+        verdict, selection, extended, predictions = _judge(found, unseen)
         progress("next run", 0.8)
         further = _find_next_run(verdict, selection, not_possible)
         missing = None
         if verdict is Verdict.UNEXPLAINED:
             progress("missing force", 0.85)
-            missing = discover(start, selection, unseen, go_on)
+            missing = discover(found.start, selection, unseen, go_on)
             if missing and missing.missing.is_described:
                 verdict, selection = Verdict.DESCRIBED, missing.selection
                 extended, predictions = missing.extended, missing.predictions
         found = replace(found, selection=selection)
-        diagnosis = _assemble(responses, found, base, extended, verdict, predictions, missing)
+        diagnosis = _assemble(responses, found, extended, verdict, predictions, missing)
         diagnosis = replace(diagnosis, model=model, next_run=further)
     progress("done", 1.0)
     return diagnosis
+
+
+def _judge(found: NameplateSelection, unseen: Unseen) -> tuple[Verdict, Selection, AssessedFit, gain.Predictions]:
+    """Return the verdict on what was selected, what of it is kept, the model with that, and what is predicted by it."""
+    start, selection = found.start, leave_out_idle(found.selection, unseen).with_law_error()
+    misstated = partial(_count_misstated, found)
+    if start.adequacy.adequate:
+        selection = leave_out_excess(selection, misstated)
+    extended = start
+    if selection.problem is not start.problem:
+        extended = base_fit.assess_fit(selection.problem, selection.polished)
+    wrong = misstated(selection)
+    predictions = gain.predict_unseen(selection, unseen, adequate=extended.adequacy.adequate, misstated=wrong)
+    if start.adequacy.adequate and not is_supported(selection, predictions):
+        selection, extended = selection.without_causes(), start
+        wrong = misstated(selection)
+    verdict = conclude(
+        selection,
+        adequate_before=start.adequacy.adequate,
+        adequate_after=extended.adequacy.adequate,
+        visible=visible_share(selection),
+        predictions=predictions,
+        misstated=wrong,
+    )
+    return verdict, selection, extended, predictions
 
 
 def _count_misstated(found: NameplateSelection, selection: Selection) -> int:
@@ -217,26 +222,26 @@ def _add_moving_speed(diagnosis: Diagnosis, still: AssessedFit, cause: Cause) ->
     )
 
 
-def _cut_short(responses: Sequence[OrderTrackedResponse], found: NameplateSelection, base: AssessedFit) -> Diagnosis:
+def _cut_short(responses: Sequence[OrderTrackedResponse], found: NameplateSelection) -> Diagnosis:
     """Return what is known when not every cause was tried, nor any model on unseen data: no cause is named."""
-    extended, selection = base, found.selection
-    if selection.problem is not base.problem:
+    extended, selection = found.base, found.selection
+    if selection.problem is not extended.problem:
         extended = base_fit.assess_fit(selection.problem, selection.polished)
     verdict = Verdict.CANNOT_TELL if found.start.adequacy.adequate else Verdict.UNEXPLAINED
-    return replace(_assemble(responses, found, base, extended, verdict, None), cut_short=True)
+    return replace(_assemble(responses, found, extended, verdict, None), cut_short=True)
 
 
 def _assemble(
     responses: Sequence[OrderTrackedResponse],
     found: NameplateSelection,
-    base: AssessedFit,
     extended: AssessedFit,
     verdict: Verdict,
     predictions: gain.Predictions | None,
     discovery: Discovery | None = None,
 ) -> Diagnosis:
     """Return the diagnosis; without `predictions` of unseen data it was cut short."""
-    adequacy, selection = base.adequacy, found.selection
+    base, selection = found.base, found.selection
+    adequacy = base.adequacy
     check = check_nameplate(extended.polished, extended.problem)
     pulled = found.pulled_far(check)
     whole = verdict is not Verdict.UNEXPLAINED and extended.adequacy.adequate

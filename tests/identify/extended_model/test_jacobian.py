@@ -11,7 +11,7 @@ from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import MainsHum, OrderTrackedResponse
 from rotorrig.rig.config.description import load
-from rotorrig.sims.effects.base import Effect, catalogue
+from rotorrig.sims.effects.base import Effect, catalogue, find
 from tests.conftest import CONFIGS
 from tests.parameters import defer_rest
 
@@ -46,7 +46,9 @@ def typical(problem: ExtendedProblem, hidden: np.ndarray) -> np.ndarray:
     p[names.curves] = 0.01 * np.resize([1.0, -1.0, 0.5], names.curves.stop - names.curves.start)
     p[names.base.positions], p[names.base.diameter] = 1e-3, 1e-3
     p[names.base.hubs], p[names.base.tilts] = 0.5, 20.0
-    p[names.own] = [(q.at_zero + 0.4 * q.size * (q.low < q.high)) / q.size for q in effect.parameters]
+    rk4 = {q.name: q for q in find(problem.recordings[0].rig, effect.label).parameters}
+    theta = {q.name: rk4[q.name].at_zero + 0.4 * rk4[q.name].size * (q.low < q.high) for q in effect.parameters}
+    p[names.own] = [theta[q.name] / q.size for q in effect.parameters]
     return p
 
 

@@ -136,7 +136,7 @@ def test_the_prior_is_widened_where_that_explains_more_than_the_best_effect(
 ) -> None:
     """Evidence of the nameplate is 15; where no effect is called for, only a base that fails its test is refitted."""
     steps = selection([Tried(BEND, evidence)]) if evidence else NONE
-    base = SimpleNamespace(problem="base", polished=None, adequacy=SimpleNamespace(adequate=adequate))
+    base = SimpleNamespace(problem="base", polished=steps.base, adequacy=SimpleNamespace(adequate=adequate))
     again = SimpleNamespace(problem="wider", polished=None, adequacy=SimpleNamespace(adequate=True))
     monkeypatch.setattr(nameplate, "select", lambda problem, *a, **k: steps if problem == "base" else NONE)
     monkeypatch.setattr(nameplate, "check_nameplate", lambda *a: NameplateCheck(findings=(finding(5.0),)))
