@@ -87,7 +87,7 @@ def lam(
         ExtendedModel(recordings, (*slight, find(rig, hidden.exact).scaled(scale_of(recordings))))
     )
     p = _vector(problem, expected_estimates(rig, truth), hidden)
-    problem = problem.expecting_error(p)
+    problem = problem.expecting_error(p, of_laws=False)  # it is the analyst's own law that is predicted
     seen = [r.instead(z) for r, z in zip(problem.recordings, problem.model.predict(p), strict=True)]
     base = ExtendedProblem(ExtendedModel(seen, slight, models=problem.model.models))
     best = _fit_base(base, p[: base.parameters.own.start])

@@ -41,12 +41,16 @@ class Selection:
     def with_law_error(self) -> "Selection":
         """Return the same with what its force law may be wrong by in the covariance, refitted; itself without a law.
 
-        What a law that is a little wrong leaves is else taken up by the nameplate and the rotor.
+        What a law that is a little wrong leaves is else taken up by the nameplate and the rotor. Itself, too, where no
+        bounded motion is found on the way.
         """
         if not self.problem.model.moving(self.polished.p).laws:
             return self
         problem = self.problem.expecting_error(self.polished.p)
-        return replace(self, problem=problem, polished=refit(problem, self.polished.p))
+        try:
+            return replace(self, problem=problem, polished=refit(problem, self.polished.p))
+        except (DataError, np.linalg.LinAlgError):
+            return self
 
 
 def select(

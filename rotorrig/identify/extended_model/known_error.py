@@ -20,14 +20,18 @@ from rotorrig.sims.effects import position_rows
 DRIVEN_END = 0.0  # m, where the mark is
 
 
-def known_error(model: ExtendedModel, p: Reals) -> list[Complex]:
-    """Return vectors (row + 1, probe, column) m of every recording at `p`, one standard deviation each."""
+def known_error(model: ExtendedModel, p: Reals, *, of_laws: bool = True) -> list[Complex]:
+    """Return vectors (row + 1, probe, column) m of every recording at `p`, one standard deviation each.
+
+    Without `of_laws` a force law is taken for exact.
+    """
     slopes = vectors_by(model, p, model.parameters.base.dampings)
     ends = position_rows(model.rotor(p), DRIVEN_END)
     found = []
     for recording, own, z in zip(model.recordings, slopes, model.predict(p, orders=(1,)), strict=True):
         moved = mark_vectors(z[1], model.motion_at(recording, p, ends), radius=recording.rig.prior.mark_radius)
-        found.append(np.concatenate([_by_damping(recording, own), moved, _by_laws(model, recording, p)], axis=-1))
+        by_laws = [_by_laws(model, recording, p)] if of_laws else []
+        found.append(np.concatenate([_by_damping(recording, own), moved, *by_laws], axis=-1))
     return found
 
 

@@ -19,6 +19,7 @@ from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.least_squares.solve import Solution
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig import DataError
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find
 from tests.identify.swept import swept_response
@@ -119,6 +120,30 @@ def test_a_base_that_was_left_in_a_poor_minimum_is_returned_from_a_better_one(
     found = select(problem, poor, list(larger.effects), wrong=True)
     assert (found.steps, found.problem) == ((), problem)
     assert found.base.chi2 == pytest.approx(right.chi2, abs=1.0)
+
+
+def test_what_a_law_may_be_wrong_by_widens_what_is_found_beside_it(
+    rig: RigConfig, hidden: NDArray[np.float64], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    effect = find(rig, "cubic_spring")
+    response = swept_response(rig, rng=np.random.default_rng(3), hidden=[(effect, {"k3": 4e10})])
+    problem = ExtendedProblem(ExtendedModel([Recording(response)]))
+    base = problem.solve(problem.parameters.start(hidden))
+    bent = problem.extended([effect])
+    fit = bent.solve(np.append(bent.parameters.start(hidden)[:-1], 4e10 / effect.parameters[0].size))
+    none = Selection(start=problem, base=base, steps=(), problem=problem, polished=base)
+    found = replace(none, problem=bent, polished=fit)
+    assert none.with_law_error() is none
+    after = found.with_law_error()
+    sought = bent.parameters.base.sought
+    assert (after.polished.sigma[sought] > fit.sigma[sought]).all()
+    assert after.polished.p[-1] == pytest.approx(fit.p[-1], abs=3 * after.polished.sigma[-1])
+
+    def fail(*_: object, **__: object) -> Solution:
+        raise DataError("law: its force is not found")
+
+    monkeypatch.setattr("rotorrig.identify.causes.stepwise_selection.refit", fail)
+    assert found.with_law_error() is found
 
 
 def test_a_second_cause_has_to_explain_more_than_an_error_of_the_first_ones_model(
