@@ -84,7 +84,7 @@ def lam(
     """
     slight = nuisance_effects(recordings)
     problem = ExtendedProblem(
-        ExtendedModel(recordings, (*slight, find(rig, hidden.exact).scaled(scale_of(recordings))))
+        ExtendedModel(recordings, (*slight, find(rig, hidden.exact).rescale(scale_of(recordings))))
     )
     p = _vector(problem, expected_estimates(rig, truth), hidden)
     problem = problem.expecting_error(p, of_laws=False)  # it is the analyst's own law that is predicted

@@ -28,7 +28,7 @@ def candidates(recordings: Sequence[Recording], *, without: Collection[str] = ()
     for effect in catalogue(recordings[0].response.rig):
         if effect.name in without or ("force laws" in effect.acts_on and not lawful):
             continue
-        able = effect.scaled(scale).within([float(order) for order in recordings[0].orders])
+        able = effect.rescale(scale).within([float(order) for order in recordings[0].orders])
         if not able.parameters:
             continue
         if isinstance(able, UnbalanceStep):

@@ -50,7 +50,7 @@ def search_from_nameplate(
             lowest = min(lowest, near.chi2)
             descended.append((effect, near))
     for effect, near in descended:
-        if not go_on() or near.chi2 > search.needed(lowest):
+        if not go_on() or near.chi2 > search.limit_rivals(lowest):
             continue
         fit = search.free(effect, near)
         begin = np.append(polished.p, fit.p[len(search.index) :])
@@ -97,8 +97,8 @@ class _Search:
         clusters = [start for base in self.bases for start in _cluster(self._starts(problem, base, effect), effect)]
         return sorted(clusters, key=lambda start: start.chi2)[: SELECTION.descents]
 
-    def needed(self, lowest: float) -> float:
-        """Return the chi2 with pinned nuisances that is near `lowest`, the best such fit."""
+    def limit_rivals(self, lowest: float) -> float:
+        """Return the chi2 with pinned nuisances up to which a fit is near `lowest`, the best of them."""
         return self.pinned_chi2 - SELECTION.rival_search * (self.pinned_chi2 - lowest)
 
     def descend(self, effect: Effect, starts: Sequence[_Start], *, lowest: float) -> Solution | None:
@@ -108,7 +108,7 @@ class _Search:
         below that from a start before.
         """
         problem = self.marginal.extended((*self.problem.effects, effect))
-        needed = self.needed(lowest)
+        needed = self.limit_rivals(lowest)
         ends: list[Solution] = []
         for start in starts:
             target = min([needed, *(fit.chi2 for fit in ends)])

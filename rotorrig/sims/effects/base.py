@@ -13,6 +13,9 @@ that it needs, and `acts_on` says which:
 
 All unknowns are real, in SI; a phasor is a pair named "... re" and "... im". At zero amplitude, where every unknown has
 its `at_zero`, an effect changes nothing. Angles are from the keyphasor mark in the sense of rotation.
+
+Figures of an unknown are those of an RK4. Where they go with how stiff a rig is, how far it moves and how fast it
+turns, as a gap does and a probe's runout does not, the unknown is `of_rig`: rig_scale.py.
 """
 
 import importlib
@@ -55,7 +58,7 @@ class Parameter:
     unit: str  # SI, "" for a ratio
     low: float  # beyond these it is no longer plausible
     high: float
-    size: float  # typical of a rotor kit: the unit a fit counts in
+    size: float  # typical of an RK4 rotor kit: the unit a fit counts in
     at_zero: float = 0.0  # its value at zero amplitude of the effect
     starts: tuple[float, ...] = ()  # where a fit may begin; empty: at zero amplitude
     prior: float = math.inf  # one standard deviation, of a nuisance of the base; infinite: of a candidate cause
@@ -64,7 +67,7 @@ class Parameter:
     spread: float = 0.0  # of a grid-searched one: one standard deviation, as far as the grid could tell
     of_rig: bool = False  # its figures are an RK4's: on a rig of another scale they are others
 
-    def scaled(self, scale: RigScale) -> "Parameter":
+    def rescale(self, scale: RigScale) -> "Parameter":
         """Return it as it is typical of a rig of that scale."""
         if not self.of_rig:
             return self
@@ -157,9 +160,9 @@ class Effect:
         )
         return tuple(replace(self, parameters=parameters) for parameters in moved)
 
-    def scaled(self, scale: RigScale) -> Self:
+    def rescale(self, scale: RigScale) -> Self:
         """Return the effect with unknowns as they are typical of a rig of that scale."""
-        return replace(self, parameters=tuple(p.scaled(scale) for p in self.parameters))
+        return replace(self, parameters=tuple(p.rescale(scale) for p in self.parameters))
 
     def fix_grid_searched(self, theta: Theta) -> Self:
         """Return the effect with its grid-searched unknown fixed at its value in `theta`."""

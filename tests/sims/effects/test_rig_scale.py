@@ -40,7 +40,7 @@ def answer(label: str, share: Mapping[str, float], scale: RigScale) -> Complex:
     They are at the speeds that go with its critical one.
     """
     rig = rig_of(scale)
-    effect: Effect = find(rig, label).scaled(scale)
+    effect: Effect = find(rig, label).rescale(scale)
     theta = {p.name: share.get(p.name, p.at_zero / p.size) * p.size for p in effect.parameters}
     model, omega = assemble(rig), OMEGA * scale.speed / BARE.speed
     grown = scale.motion / BARE.motion
@@ -83,14 +83,14 @@ def test_a_unit_grows_by_the_dimensions_that_it_has(unit: str) -> None:
 
 def test_what_is_not_of_the_rig_stays() -> None:
     runout = Parameter(name="runout re", unit="m", low=-25e-6, high=25e-6, size=5e-6)
-    assert runout.scaled(SCALE) is runout
+    assert runout.rescale(SCALE) is runout
 
 
 def test_every_figure_of_an_unknown_is_scaled() -> None:
     gap = Parameter(
         name="gap", unit="m", low=1e-6, high=5e-6, size=2e-6, at_zero=3e-6, starts=(2e-6, 4e-6), of_rig=True
     )
-    small = gap.scaled(SCALE)
+    small = gap.rescale(SCALE)
     assert (small.low, small.high, small.size, small.at_zero) == pytest.approx((1e-7, 5e-7, 2e-7, 3e-7))
     assert small.starts == pytest.approx((2e-7, 4e-7))
     assert math.isinf(small.prior)
