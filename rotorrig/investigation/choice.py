@@ -9,7 +9,6 @@ from rotorrig.investigation.budget import Budget
 from rotorrig.investigation.journal import Journal
 from rotorrig.investigation.menu import Menu
 
-WORTHWHILE = 4.0  # expected separation in chi2, two standard deviations: a run that tells less is not made
 OPEN = {
     Verdict.UNEXPLAINED: "Nothing known explains the runs so far.",
     Verdict.DESCRIBED: "What is missing was found, but it is none of the causes that are known.",
@@ -26,6 +25,7 @@ class Choice:
     trial: tuple[str, ...]  # masses to have on the rotor
     why: str
     unseen: bool = False  # no fit is to see it
+    speeds: tuple[float, ...] = ()  # rad/s, to hold instead of those of the plan
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ def choose(
     menu: Menu,
     ramp: float,
     budget: Budget,
-    seconds_of: Callable[[str], float],
+    seconds_of: Callable[[str, tuple[float, ...]], float],
 ) -> Choice | Ending:
     """Return the next run by the diagnosis of all before it, None: there was none, or why there is none.
 
@@ -51,7 +51,7 @@ def choose(
     wanted = _choose_run(journal, diagnosis, menu, ramp)
     if isinstance(wanted, Ending):
         return wanted
-    cost = seconds_of(wanted.plan)
+    cost = seconds_of(wanted.plan, wanted.speeds)
     if not budget.allows(runs=len(journal.judged) + 1, seconds=journal.seconds + cost):
         return Ending(f"The budget is used up: {len(journal.judged)} runs, {journal.seconds / 60:.1f} min.")
     return wanted
@@ -69,17 +69,17 @@ def _choose_run(journal: Journal, diagnosis: Diagnosis | None, menu: Menu, ramp:
     run = diagnosis.next_run
     if run is None or not run.planned:
         return Ending(run.words if run else "No run is known that would tell more.")
-    if run.lam < WORTHWHILE:
+    if run.lam < VERDICT.worthwhile:
         return Ending("No run that this rig can make would tell them apart.")
     if run.share_of_limit > VERDICT.of_limit:
         return Ending(f"The run that would tell most may come too near a limit. {run.words}")
     plan = menu.plan_of(run, ramp)
     if not plan:
         return Ending(f"What would tell most wants other hands than this program's. {run.words}")
-    if any((each.plan, each.trial) == (plan, run.trial) for each in journal.judged):
+    if any((each.plan, each.trial, each.speeds) == (plan, run.trial, run.speeds) for each in journal.judged):
         return Ending(f"The run that would tell most has been made. {run.words}")
     told = f"It would tell apart {'; '.join(run.separates)}." if run.separates else OPEN[diagnosis.verdict]
-    return Choice(plan=plan, trial=run.trial, why=f"{told} {run.words}")
+    return Choice(plan=plan, trial=run.trial, why=f"{told} {run.words}", speeds=run.speeds)
 
 
 def _choose_test(journal: Journal, menu: Menu) -> Choice | Ending:
@@ -100,6 +100,7 @@ def not_possible(menu: Menu, *, hands: bool) -> tuple[str, ...]:
     """Return the kinds of runs that are not to be proposed; with `hands` there is somebody to mount a mass."""
     kinds = ["reverse rotation"]  # not every drive can, and an investigation does not rewire one
     kinds += [] if menu.slower and menu.faster else ["ramp rate"]
+    kinds += [] if menu.held else ["dwells"]
     kinds += [] if menu.higher else ["through critical"]
     kinds += [] if hands else ["trial mass"]
     return tuple(kinds)

@@ -21,6 +21,7 @@ class Round:
     why: str  # it was made
     unseen: bool  # it was made to measure a gain on what no fit has seen
     joined: bool = False  # it did not bear the cause out, and was fitted with the others
+    speeds: tuple[float, ...] = ()  # rad/s, that were held instead of those of the plan
     seconds: float = 0.0  # recorded; 0: not made yet
     verdict: Verdict | None = None  # None: not diagnosed yet
     sentence: str = ""
@@ -78,6 +79,7 @@ def _round(table: dict[str, Any]) -> Round:
     return Round(
         **{key: table[key] for key in ("number", "plan", "why", "unseen", "joined", "seconds", "sentence")},
         trial=_texts(table["trial"]),
+        speeds=tuple(float(speed) for speed in table.get("speeds", ())),
         verdict=None if table["verdict"] is None else Verdict(table["verdict"]),
         beliefs=tuple(Belief(each["label"], float(each["probability"])) for each in table["beliefs"]),
     )

@@ -1,4 +1,4 @@
-"""The runs to choose from, as plans of the config: the one that was given, slower, faster, and to higher speeds.
+"""The runs to choose from, as plans of the config: the one given, slower, faster, to higher speeds, and at dwells.
 
 They stand in the config before the first run, so that all recordings are of one config and each can be made again by
 hand with `rotor sweep CONFIG --plan NAME`.
@@ -6,9 +6,9 @@ hand with `rotor sweep CONFIG --plan NAME`.
 
 from dataclasses import dataclass, replace
 
-from rotorrig.identify.verdict import NextRun, higher_tops
+from rotorrig.identify.verdict import VERDICT, NextRun, higher_tops
 from rotorrig.rig import ConfigError
-from rotorrig.rig.config import RPM, RigConfig, RunUpCoastDown, RunUpRampDown, extend, parse
+from rotorrig.rig.config import RPM, RigConfig, RunUpCoastDown, RunUpRampDown, Stepped, extend, parse
 
 FACTOR = 3.0  # faster, and slower
 
@@ -20,24 +20,25 @@ class Menu:
     base: str
     slower: str = ""
     faster: str = ""
+    held: str = ""  # at speeds that are chosen when it is run
     higher: tuple[tuple[str, float], ...] = ()  # with their highest speeds [rad/s]
 
     @property
     def names(self) -> tuple[str, ...]:
         """All of them but the base."""
-        return (*filter(None, (self.slower, self.faster)), *(name for name, _ in self.higher))
+        return (*filter(None, (self.slower, self.faster, self.held)), *(name for name, _ in self.higher))
 
     def without(self, name: str) -> "Menu":
         """Return the menu less one plan."""
-        slower, faster = ("" if each == name else each for each in (self.slower, self.faster))
-        return replace(
-            self, slower=slower, faster=faster, higher=tuple(each for each in self.higher if each[0] != name)
-        )
+        plain = {key: "" for key in ("slower", "faster", "held") if getattr(self, key) == name}
+        return replace(self, higher=tuple(each for each in self.higher if each[0] != name), **plain)
 
     def plan_of(self, run: NextRun, ramp: float) -> str:
         """Return the plan that makes a proposed run; `ramp` [rad/s^2] is the base's. Empty: none does."""
         if run.kind == "ramp rate":
             return self.faster if run.ramp > ramp else self.slower
+        if run.kind == "dwells":
+            return self.held
         if run.kind == "through critical":
             return min(self.higher, key=lambda each: abs(each[1] - run.top), default=("", 0.0))[0]
         return self.base if run.kind == "trial mass" else ""
@@ -58,11 +59,13 @@ def add_runs(rig: RigConfig, base: str) -> tuple[RigConfig, Menu]:
     made = {
         f"{base}-slower": plan.model_copy(update={"ramp": plan.ramp / FACTOR}),
         f"{base}-faster": plan.model_copy(update={"ramp": plan.ramp * FACTOR}),
+        f"{base}-held": _held(plan),
         **{name: plan.model_copy(update={"end": top}) for name, top in tops.items()},
     }
     if taken := sorted(made.keys() & rig.plans.keys()):
         raise ConfigError(f"plans.{taken[0]}: an investigation adds a plan of that name, want another name for it")
-    menu = Menu(base=base, slower=f"{base}-slower", faster=f"{base}-faster", higher=tuple(tops.items()))
+    named = {key: f"{base}-{key}" for key in ("slower", "faster", "held")}
+    menu = Menu(base=base, higher=tuple(tops.items()), **named)
     if not rig.text:  # made in code
         return extend(rig.model_copy(update={"plans": {**rig.plans, **made}}), rig.effects), menu
     tables = "\n".join(_table(name, each) for name, each in made.items())
@@ -70,8 +73,24 @@ def add_runs(rig: RigConfig, base: str) -> tuple[RigConfig, Menu]:
     return parse(text, where=rig.name), menu
 
 
-def _table(name: str, plan: RunUpCoastDown | RunUpRampDown) -> str:
+def _held(plan: RunUpCoastDown | RunUpRampDown) -> Stepped:
+    """Return a plan that holds speeds; those it has stand for the ones that are chosen when it is run."""
+    speeds = {"slow_roll": plan.slow_roll, "start": plan.start, "end": plan.end}
+    speeds["step"] = (plan.end - plan.start) / (VERDICT.dwells - 1)
+    times = {"slow_roll_time": plan.slow_roll_time, "settle": VERDICT.settle, "dwell": VERDICT.dwell}
+    stated = {
+        "kind": "stepped",
+        **{key: f"{speed * RPM:.9g} rpm" for key, speed in speeds.items()},
+        **{key: f"{seconds:.9g} s" for key, seconds in times.items()},
+        "ramp": f"{plan.ramp * RPM:.9g} rpm/s",
+    }
+    return Stepped.model_validate(stated)
+
+
+def _table(name: str, plan: RunUpCoastDown | RunUpRampDown | Stepped) -> str:
     lines = [f'[plans."{name}"]', f'kind = "{plan.kind}"']
-    lines += [f'{key} = "{getattr(plan, key) * RPM:.9g} rpm"' for key in ("slow_roll", "start", "end")]
-    lines += [f'slow_roll_time = "{plan.slow_roll_time:.9g} s"', f'ramp = "{plan.ramp * RPM:.9g} rpm/s"']
+    speeds, times = ("slow_roll", "start", "end", "step"), ("slow_roll_time", "settle", "dwell")
+    lines += [f'{key} = "{getattr(plan, key) * RPM:.9g} rpm"' for key in speeds if hasattr(plan, key)]
+    lines += [f'{key} = "{getattr(plan, key):.9g} s"' for key in times if hasattr(plan, key)]
+    lines.append(f'ramp = "{plan.ramp * RPM:.9g} rpm/s"')
     return "\n".join([*lines, ""])

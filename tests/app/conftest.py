@@ -28,7 +28,7 @@ from rotorrig.identify.identification import (
 )
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
-from rotorrig.identify.verdict.next_run import NextRun
+from rotorrig.identify.verdict.next_run.choice import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
 from rotorrig.processing.pipeline import track
 from rotorrig.processing.response import OrderTrackedResponse, Run

@@ -23,7 +23,7 @@ from rotorrig.identify.identification import (
 from rotorrig.identify.result_files import read_diagnosis, read_identification, write_diagnosis, write_identification
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
-from rotorrig.identify.verdict.next_run import NextRun
+from rotorrig.identify.verdict.next_run.choice import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
@@ -126,6 +126,8 @@ VERDICT = Diagnosis(
         separates=("bow",),
         top=400.0,
         ramp=3.0,
+        speeds=(150.0, 210.5),
+        minutes=6.5,
         trial=("disk: 12 g mm at 90 deg",),
         share_of_limit=0.4,
     ),
@@ -262,6 +264,8 @@ def test_the_typed_parts_are_the_tables_that_are_documented(tmp_path: Path) -> N
         "separates": ["bow"],
         "top": 400.0,
         "ramp": 3.0,
+        "speeds": [150.0, 210.5],
+        "minutes": 6.5,
         "trial": ["disk: 12 g mm at 90 deg"],
         "share_of_limit": 0.4,
     }

@@ -6,14 +6,16 @@ import math
 import pytest
 
 from rotorrig.identify import Diagnosis, Verdict
-from rotorrig.identify.verdict.next_run import NextRun
+from rotorrig.identify.verdict.next_run.choice import NextRun
 from rotorrig.investigation.budget import Budget, read_budget
 from rotorrig.investigation.choice import Choice, Ending, choose, not_possible
 from rotorrig.investigation.journal import Journal, Round
 from rotorrig.investigation.menu import Menu
 from rotorrig.rig import ConfigError
 
-MENU = Menu(base="default", slower="slower", faster="faster", higher=(("to-2000", 209.0), ("to-3000", 314.0)))
+MENU = Menu(
+    base="default", slower="slower", faster="faster", held="held", higher=(("to-2000", 209.0), ("to-3000", 314.0))
+)
 TRIAL = ("disk: 12 g mm at 90 deg",)
 
 
@@ -23,7 +25,9 @@ def made(number: int, plan: str = "default", **more: object) -> Round:
 
 
 def next_of(journal: Journal, diagnosis: Diagnosis | None, budget: Budget | None = None) -> Choice | Ending:
-    return choose(journal, diagnosis, menu=MENU, ramp=3.0, budget=budget or Budget(), seconds_of=lambda plan: 100.0)
+    return choose(
+        journal, diagnosis, menu=MENU, ramp=3.0, budget=budget or Budget(), seconds_of=lambda plan, speeds: 100.0
+    )
 
 
 def proposing(diagnosis: Diagnosis, kind: str, **more: object) -> Diagnosis:
@@ -50,6 +54,7 @@ def test_the_first_run_is_the_plan_that_was_given() -> None:
         ("through critical", {"top": 210.0}, "to-2000", ()),
         ("through critical", {"top": 312.0}, "to-3000", ()),
         ("trial mass", {"trial": TRIAL}, "default", TRIAL),
+        ("dwells", {"speeds": (100.0, 150.0)}, "held", ()),
     ],
 )
 def test_causes_that_are_tied_get_the_run_that_would_part_them(
@@ -58,6 +63,7 @@ def test_causes_that_are_tied_get_the_run_that_would_part_them(
     wanted = next_of(one_run, proposing(named, kind, **more))
     assert isinstance(wanted, Choice)
     assert (wanted.plan, wanted.trial, wanted.unseen) == (plan, trial, False)
+    assert wanted.speeds == more.get("speeds", ())
     assert wanted.why == "It would tell apart bow; runout. Do that."
 
 
@@ -88,6 +94,9 @@ def test_no_run_follows_where_none_tells_more(one_run: Journal, good: Diagnosis,
     assert elsewhere.why.endswith("Do that.")
     twice = Journal(config_hash="", rounds=(made(1), made(2, plan="faster")))
     assert isinstance(next_of(twice, proposing(named, "ramp rate", ramp=9.0)), Ending)
+    held = Journal(config_hash="", rounds=(made(1), made(2, plan="held", speeds=(100.0,))))
+    assert isinstance(next_of(held, proposing(named, "dwells", speeds=(100.0,))), Ending)
+    assert isinstance(next_of(held, proposing(named, "dwells", speeds=(150.0,))), Choice), "at other speeds"
 
 
 def test_the_budget_ends_it(one_run: Journal, named: Diagnosis) -> None:
@@ -101,7 +110,8 @@ def test_the_budget_ends_it(one_run: Journal, named: Diagnosis) -> None:
 def test_without_hands_nobody_mounts_a_mass() -> None:
     assert "trial mass" in not_possible(MENU, hands=False)
     assert "trial mass" not in not_possible(MENU, hands=True)
-    assert {"ramp rate", "through critical"} <= set(not_possible(Menu(base="steps"), hands=True))
+    assert "dwells" not in not_possible(MENU, hands=False)
+    assert {"ramp rate", "through critical", "dwells"} <= set(not_possible(Menu(base="steps"), hands=True))
 
 
 def test_budgets_are_read() -> None:

@@ -7,7 +7,7 @@ import pytest
 from rotorrig.acquisition.sweep import plan_sweep
 from rotorrig.investigation.menu import add_runs
 from rotorrig.rig import ConfigError
-from rotorrig.rig.config import RPM, load, parse
+from rotorrig.rig.config import RPM, Stepped, load, parse
 
 RK4 = Path(__file__).parents[2] / "configs/rk4.toml"
 
@@ -18,6 +18,9 @@ def test_the_menu_of_the_rk4() -> None:
     given, slower, faster = (with_menu.plans[name] for name in ("default", menu.slower, menu.faster))
     assert given == rig.plans["default"]
     assert (slower.ramp * RPM, faster.ramp * RPM) == pytest.approx((10.0, 90.0))  # type: ignore[union-attr]
+    held = with_menu.plans[menu.held]
+    assert isinstance(held, Stepped)
+    assert (held.dwell, len(held.rising)) == (20.0, 4)
     tops = [with_menu.plans[name].fastest * RPM for name, _ in menu.higher]
     assert tops == pytest.approx([3650.0, 3700.0, 3750.0, 3800.0]), "to 95 % of 4000 rpm"
     for name in menu.names:

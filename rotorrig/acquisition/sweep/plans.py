@@ -109,23 +109,37 @@ def trial_mass_runs(masses: Sequence[str], runs: Sequence[Step]) -> Iterator[Ste
 
 
 def plan_sweep(
-    rig: RigConfig, name: str = "default", *, trial: Sequence[str] = (), criticals: Sequence[float] = ()
+    rig: RigConfig,
+    name: str = "default",
+    *,
+    trial: Sequence[str] = (),
+    speeds: Sequence[float] = (),
+    criticals: Sequence[float] = (),
 ) -> tuple[Step, ...]:
     """Return the steps of the plan `name`, checked against the rig's limits. Raises ConfigError.
 
-    `trial` are the trial masses on the rotor, as `read_trial_mass` reads them; they are noted first. `criticals` are
-    the critical speeds of a model [rad/s], which count where the config has no bands, see `critical_bands`.
+    `trial` are the trial masses on the rotor, as `read_trial_mass` reads them; they are noted first. A stepped plan
+    holds `speeds` [rad/s] instead of its own, if there are any. `criticals` are the critical speeds of a model [rad/s],
+    which count where the config has no bands, see `critical_bands`.
     """
-    plan = draft_sweep(rig, name, trial=trial, criticals=criticals)
+    plan = draft_sweep(rig, name, trial=trial, speeds=speeds, criticals=criticals)
     for objection in objections(rig, plan, criticals=criticals):
         raise ConfigError(f"plans.{name}: {objection}")
     return plan
 
 
 def draft_sweep(
-    rig: RigConfig, name: str, *, trial: Sequence[str] = (), criticals: Sequence[float] = ()
+    rig: RigConfig,
+    name: str,
+    *,
+    trial: Sequence[str] = (),
+    speeds: Sequence[float] = (),
+    criticals: Sequence[float] = (),
 ) -> tuple[Step, ...]:
-    """Return the steps of the plan `name`, allowed or not. Raises ConfigError for an unknown plan or trial mass."""
+    """Return the steps of the plan `name`, allowed or not; arguments as of `plan_sweep`.
+
+    Raises ConfigError for an unknown plan or trial mass, and for speeds of a plan that has none to hold.
+    """
     for mass in trial:
         read_trial_mass(mass, planes=rig.unbalance_planes)
     if name not in rig.plans:
@@ -133,6 +147,10 @@ def draft_sweep(
     plan = rig.plans[name]
     if trial and isinstance(plan, TrialMassRuns):
         raise ConfigError(f"plan '{name}': mounts trial masses of its own, want it without --trial")
+    if speeds and not isinstance(plan, Stepped):
+        raise ConfigError(f"plan '{name}': is of kind {plan.kind}, want one of kind stepped to hold speeds with --hold")
+    if speeds:
+        plan = plan.model_copy(update={"speeds": tuple(speeds), "start": None, "end": None, "step": None})
     bands = critical_bands(rig.limits, criticals)
     rate = rig.limits.critical_ramp if rig.limits else None
     steps = pass_bands_quickly(_generate(plan, rig, bands), bands=bands, rate=rate)

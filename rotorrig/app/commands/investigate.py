@@ -8,6 +8,7 @@ from typing import Any
 from rotorrig.acquisition.files import open_recording, part_path, read_recording
 from rotorrig.acquisition.sweep import plan_timeline
 from rotorrig.app.commands import diagnose, sweep
+from rotorrig.app.commands.config_model import criticals_to_pass
 from rotorrig.app.commands.simulate import SimulatedRig, truth_of
 from rotorrig.app.report import write_report
 from rotorrig.app.terminal import confirm, out, progress_bars
@@ -70,9 +71,9 @@ class Setup:
         stem, dot, ending = name.partition(".")
         return self.folder / (name if number is None else f"{stem}-{number}{dot}{ending}")
 
-    def seconds_of(self, plan: str) -> float:
-        """Return how long a plan takes, about."""
-        return plan_timeline(sweep.steps_of(self.rig, plan))[-1].end
+    def seconds_of(self, plan: str, speeds: tuple[float, ...]) -> float:
+        """Return how long a plan takes, about, at these speeds [rad/s] if there are any."""
+        return plan_timeline(sweep.steps_of(self.rig, plan, speeds=speeds))[-1].end
 
 
 def prepare(
@@ -149,7 +150,9 @@ def journal_facts(journal: Journal) -> dict[str, Any]:
 
 
 def _drop_forbidden(rig: RigConfig, menu: Menu) -> Menu:
-    """Return the menu less what the rig's limits forbid."""
+    """Return the menu less what the rig's limits forbid; nothing is held where any speed may be a critical one's."""
+    if criticals_to_pass(rig):
+        menu = menu.without(menu.held)
     for name in menu.names:
         try:
             sweep.steps_of(rig, name)
@@ -206,7 +209,8 @@ def _begin(setup: Setup, journal: Journal, wanted: Choice) -> Journal:
         _ask(setup, f"The rotor is at rest: {', then '.join(todo)}. Done?")
     elif not journal.rounds:
         _ask(setup, "The rotor will turn. Is it at rest, without a trial mass, and nobody near it?")
-    begun = Round(number=number, plan=wanted.plan, trial=wanted.trial, why=wanted.why, unseen=wanted.unseen)
+    asked = {key: getattr(wanted, key) for key in ("plan", "trial", "speeds", "why", "unseen")}
+    begun = Round(number=number, **asked)
     return _keep(setup, replace(journal, rounds=(*journal.rounds, begun)))
 
 
@@ -224,6 +228,7 @@ def _run(setup: Setup, journal: Journal) -> Journal:
             out=path,
             plan=made.plan,
             trial=made.trial,
+            speeds=made.speeds,
             simulation=simulation,
             view=False,
             yes=setup.yes,

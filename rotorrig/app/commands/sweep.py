@@ -46,6 +46,7 @@ def sweep(
     out: Path,
     plan: str,
     trial: Sequence[str] = (),
+    speeds: Sequence[float] = (),
     simulation: SimulatedRig | None,
     view: bool,
     yes: bool = False,
@@ -57,9 +58,10 @@ def sweep(
     """Run `rotor sweep`, on the config's devices or a simulated rig, with progress and, with `view`, the live view.
 
     A wrong plan or a full disk is refused before anything starts. With `yes`, requests to the operator do not wait.
-    `on_move` is told where the recording goes on if its folder vanishes. `remark` is noted in it at its beginning.
+    `on_move` is told where the recording goes on if its folder vanishes. `remark` is noted in it at its beginning. A
+    stepped plan holds `speeds` [rad/s] instead of its own, if there are any.
     """
-    steps = steps_of(rig, plan, trial=trial)
+    steps = steps_of(rig, plan, trial=trial, speeds=speeds)
     if simulation and any(isinstance(step, Ask) for step in steps):
         raise ConfigError(
             f"plan '{plan}': asks for trial masses to be mounted during the sweep, impossible on a simulated rig; "
@@ -83,6 +85,7 @@ def sweep(
             out=out,
             plan=plan,
             trial=trial,
+            speeds=speeds,
             ports=ports,
             overwrite=overwrite,
             view=view,
@@ -108,9 +111,12 @@ def sweep_facts(result: SweepResult) -> dict[str, Any]:
     }
 
 
-def steps_of(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> tuple[Step, ...]:
-    """Return the steps of a plan, fast through critical speeds if the config says so. Raises ConfigError."""
-    return plan_sweep(rig, plan, trial=trial, criticals=criticals_to_pass(rig))
+def steps_of(rig: RigConfig, plan: str, *, trial: Sequence[str] = (), speeds: Sequence[float] = ()) -> tuple[Step, ...]:
+    """Return the steps of a plan, fast through critical speeds if the config says so. Raises ConfigError.
+
+    A stepped plan holds `speeds` [rad/s] instead of its own, if there are any.
+    """
+    return plan_sweep(rig, plan, trial=trial, speeds=speeds, criticals=criticals_to_pass(rig))
 
 
 def refuse_full_disk(out: Path, rig: RigConfig, steps: Sequence[Step]) -> None:
@@ -129,6 +135,7 @@ def record_sweep(
     out: Path,
     plan: str = "default",
     trial: Sequence[str] = (),
+    speeds: Sequence[float] = (),
     ports: BenchPorts | None = None,
     overwrite: bool = False,
     view: bool = False,
@@ -140,11 +147,12 @@ def record_sweep(
 ) -> SweepResult:
     """Run plan `plan` of the config and record it to `out`; `ports` replace the config's, for a simulated rig.
 
-    `trial` are the trial masses on the rotor, such as "disk: 12 g mm at 90 deg"; they are noted in the recording.
+    `trial` are the trial masses on the rotor, such as "disk: 12 g mm at 90 deg"; they are noted in the recording. A
+    stepped plan holds `speeds` [rad/s] instead of its own, if there are any.
     However the sweep ends, the rotor is stopped and the recording closed. A rotor that turns before the start is a
     trip unless `rolling`. Raises ConfigError, LinkLost, LimitExceeded.
     """
-    steps = steps_of(rig, plan, trial=trial)
+    steps = steps_of(rig, plan, trial=trial, speeds=speeds)
     with ExitStack() as stack:
         # BLAS's own threads spin between the small products of every block, on a core that others need
         stack.enter_context(threadpool_limits(1, user_api="blas"))

@@ -56,10 +56,10 @@ class Preview:
         return self.steps[-1].end if self.steps else 0.0
 
 
-def preview_plan(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> Preview:
+def preview_plan(rig: RigConfig, plan: str, *, trial: Sequence[str] = (), speeds: Sequence[float] = ()) -> Preview:
     """Return the preview of a plan. Raises ConfigError for an unknown plan or trial mass."""
     criticals = criticals_of(rig)
-    steps = draft_sweep(rig, plan, trial=trial, criticals=criticals)
+    steps = draft_sweep(rig, plan, trial=trial, speeds=speeds, criticals=criticals)
     return Preview(
         steps=plan_timeline(steps),
         criticals=tuple(criticals),
@@ -68,9 +68,16 @@ def preview_plan(rig: RigConfig, plan: str, *, trial: Sequence[str] = ()) -> Pre
     )
 
 
-def show(rig: RigConfig, plan: str, *, trial: Sequence[str] = (), as_json: bool = False) -> None:
+def show(
+    rig: RigConfig,
+    plan: str,
+    *,
+    trial: Sequence[str] = (),
+    speeds: Sequence[float] = (),
+    as_json: bool = False,
+) -> None:
     """Print the preview, then raise ConfigError with the first objection."""
-    preview = preview_plan(rig, plan, trial=trial)
+    preview = preview_plan(rig, plan, trial=trial, speeds=speeds)
     if as_json:
         tell("", preview_facts(rig, plan, preview), as_json=True)
     else:

@@ -81,6 +81,8 @@ def next_run_sentence(diagnosis: Diagnosis) -> str:
     if run is None:
         return ""
     words = [run.words]
+    if math.isfinite(run.minutes):
+        words.append(f"It takes about {max(1, round(run.minutes))} min, hands included.")
     if math.isfinite(run.lam):
         words.append(f"Expected separation: {run.lam:.3g} in chi2, where {VERDICT.nameable:g} names a cause.")
     if math.isfinite(run.share_of_limit):

@@ -3,15 +3,17 @@
 from collections.abc import Sequence
 
 from rotorrig.investigation import Belief, Round
+from rotorrig.rig.config import RPM
 
 
 def run_text(made: Round) -> str:
     """Return what a run was: "2: plan 'default-faster', 48 s"."""
+    held = f" at {', '.join(f'{speed * RPM:.0f}' for speed in made.speeds)} rpm" if made.speeds else ""
     masses = f" with {'; '.join(made.trial)}" if made.trial else ""
     unseen = ", seen by no fit" if made.unseen and not made.joined else ""
     if made.joined:
         unseen = ", first held back, then fitted with the others"
-    return f"{made.number}: plan '{made.plan}'{masses}, {made.seconds:.0f} s{unseen}"
+    return f"{made.number}: plan '{made.plan}'{held}{masses}, {made.seconds:.0f} s{unseen}"
 
 
 def belief_text(held: Sequence[Belief]) -> str:

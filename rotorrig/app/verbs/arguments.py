@@ -39,6 +39,10 @@ Trial = Annotated[
     list[str] | None,
     typer.Option(help="trial mass on the rotor, 'disk: 12 g mm at 90 deg' from the keyphasor mark; repeatable"),
 ]
+Hold = Annotated[
+    list[str] | None,
+    typer.Option(help="speed that a stepped plan holds instead of its own, '1200 rpm'; repeatable"),
+]
 Plan = Annotated[str, typer.Option(help="sweep plan in the config", autocompletion=plans_of_the_config)]
 Units = Annotated[
     str | None,

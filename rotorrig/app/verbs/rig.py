@@ -15,6 +15,7 @@ from rotorrig.app.verbs.arguments import (
     Faults,
     Force,
     Hidden,
+    Hold,
     Plan,
     Rate,
     Seed,
@@ -24,7 +25,7 @@ from rotorrig.app.verbs.arguments import (
 )
 from rotorrig.app.verbs.output_guard import Arguments, Output
 from rotorrig.rig import ConfigError, RigError
-from rotorrig.rig.config import RigConfig, bundled_config, bundled_configs, copy_config, load
+from rotorrig.rig.config import RigConfig, bundled_config, bundled_configs, copy_config, load, read_quantity
 
 
 def _bundled_name(given: Arguments) -> Path | None:
@@ -147,6 +148,7 @@ def sweep(
     dry_run: Annotated[bool, typer.Option("--dry-run", help="preview the sweep; opens no device")] = False,
     simulate: Annotated[bool, typer.Option("--simulate", help="use a simulated rig instead of the devices")] = False,
     trial: Trial = None,
+    hold: Hold = None,
     view: View = False,
     yes: Annotated[bool, typer.Option("--yes", help="rehearsal: do not wait for trial masses to be mounted")] = False,
     rolling: Annotated[bool, typer.Option("--rolling", help="take over a rotor that turns already")] = False,
@@ -161,10 +163,11 @@ def sweep(
     if faults and not simulate:
         raise ConfigError("--faults: wants --simulate, faults are scripted on a simulated rig only")
     rig = load_config(config)
+    speeds = [read_quantity(text, "speed", where="--hold", positive=True) for text in hold or ()]
     if dry_run:
         from rotorrig.app.commands import sweep_preview as previewing
 
-        previewing.show(rig, plan, trial=trial or (), as_json=as_json)
+        previewing.show(rig, plan, trial=trial or (), speeds=speeds, as_json=as_json)
         return
     if out_file is None:
         raise ConfigError("--out: missing, want the file to write, or --dry-run")
@@ -184,6 +187,7 @@ def sweep(
             out=out_file,
             plan=plan,
             trial=trial or (),
+            speeds=speeds,
             simulation=simulation,
             view=view,
             yes=yes,

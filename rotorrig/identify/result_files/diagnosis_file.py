@@ -39,7 +39,7 @@ def write_diagnosis(path: Path, diagnosis: Diagnosis) -> None:
     write_table(path, DIAGNOSIS, {**diagnosis_table(diagnosis), **arrays}, diagnosis.source)
 
 
-_NEXT_RUN = "kind words lam separates top ramp trial share_of_limit"
+_NEXT_RUN = "kind words lam separates top ramp speeds minutes trial share_of_limit"
 
 
 def diagnosis_table(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -153,13 +153,14 @@ def _shift(table: dict[str, Any]) -> Shift:
 
 def _next_run(table: dict[str, Any]) -> NextRun:
     """Return the next run; an older file has its words alone."""
-    numbers = {key: number(table[key]) for key in ("top", "ramp", "share_of_limit") if key in table}
+    numbers = {key: number(table[key]) for key in ("top", "ramp", "minutes", "share_of_limit") if key in table}
     return NextRun(
         kind=table["kind"],
         words=table["words"],
         lam=number(table["lam"]),
         separates=tuple(table["separates"]),
         trial=tuple(table.get("trial", ())),
+        speeds=tuple(number(speed) for speed in table.get("speeds", ())),
         **numbers,
     )
 

@@ -11,8 +11,7 @@ from rotorrig.identify.verdict.nameplate import (
     rank_with_nameplate,
     select_beside_nameplate,
 )
-from rotorrig.identify.verdict.next_run import NextRun
-from rotorrig.identify.verdict.planned_runs import higher_tops
+from rotorrig.identify.verdict.next_run import NextRun, higher_tops
 from rotorrig.identify.verdict.sentences import NOT_YET_ALL
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.sweep_lag import moving_speed

@@ -46,6 +46,14 @@ class VerdictSettings:
     fewest_rpm: float = 300.0  # where a planned sweep begins at the lowest
     of_overspeed: float = 0.95  # of the overspeed limit: the highest speed of a planned run
     higher: float = 1.05  # times the highest speed so far: what goes no higher than that is no other run
+    settle: float = 2.0  # s, at a speed that is held, before it is recorded
+    dwell: float = 20.0  # s, that it is recorded
+    dwells: int = 4  # speeds that are held, at the most
+    apart: float = 0.03  # of a speed: nearer ones are not both held
+    mounting: float = 180.0  # s of hands, for a trial mass
+    fitting: float = 1200.0  # for more probes
+    rewiring: float = 300.0  # for a drive that is to turn the other way
+    worthwhile: float = 4.0  # expected separation, two standard deviations: a run that tells less is not made
     of_limit: float = 0.7  # of a vibration limit: a run that may pass it is not proposed
     draws: int = 16  # of every fitted model, for its vibration
 

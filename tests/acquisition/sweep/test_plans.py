@@ -64,6 +64,16 @@ def test_a_grid_ends_where_it_says_when_its_steps_fit() -> None:
     assert speeds(plan_sweep(rig_with(STEPPED + grid), "test")) == [240, 600, 700, 800, 900, 1000]
 
 
+def test_a_stepped_plan_holds_other_speeds_when_asked_and_no_other_plan_does() -> None:
+    rig = rig_with(STEPPED + 'start = "600 rpm"\nend = "1000 rpm"\nstep = "100 rpm"\n')
+    held = [750 / RPM, 1480 / RPM]
+    assert speeds(plan_sweep(rig, "test", speeds=held)) == [240, 750, 1480]
+    with pytest.raises(ConfigError, match=r"plans\.test: goes to 9000 rpm, want less than the limit"):
+        plan_sweep(rig, "test", speeds=[9000 / RPM])
+    with pytest.raises(ConfigError, match="plan 'default': is of kind run-up-coast-down, want one of kind stepped"):
+        plan_sweep(rig, "default", speeds=held)
+
+
 def test_one_speed_can_be_held() -> None:
     plan = plan_sweep(rig_with('kind = "dwell"\nspeed = "900 rpm"\ntime = "60 s"\nramp = "60 rpm/s"'), "test")
     assert speeds(plan) == [900]

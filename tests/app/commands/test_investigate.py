@@ -10,9 +10,10 @@ from rotorrig.app.cli import app
 from rotorrig.app.commands import diagnose, investigate
 from rotorrig.app.commands.simulate import SimulatedRig
 from rotorrig.identify import Verdict
-from rotorrig.investigation import Budget, read_journal
+from rotorrig.investigation import Budget, Choice, Ending, read_journal
+from rotorrig.processing.files import read_response
 from rotorrig.rig import ConfigError, DataError
-from rotorrig.rig.config import RigConfig, load
+from rotorrig.rig.config import RPM, RigConfig, load
 from rotorrig.sims.plant import FaultSpec, draw, seal
 
 
@@ -62,6 +63,28 @@ def test_it_goes_on_after_it_was_stopped_and_ends_with_a_cause_measured_on_an_un
     assert journal.rounds[1].why in page
     again, _ = investigate.investigate(prepared(brief_rig, folder, late))
     assert again == journal, "it is at its end"
+
+
+@pytest.mark.campaign
+def test_a_run_that_holds_speeds_is_made_and_judged_with_the_one_before(
+    brief_rig: RigConfig, late: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    speeds = (900 / RPM, 1500 / RPM)
+    asked: list[Choice | Ending] = [
+        Choice(plan="default", trial=(), why="first"),
+        Choice(plan="default-held", trial=(), why="where they part", speeds=speeds),
+        Ending("enough"),
+    ]
+    monkeypatch.setattr(investigate, "choose", lambda *_, **__: asked.pop(0))
+    journal, diagnosis = investigate.investigate(prepared(brief_rig, tmp_path / "found", late))
+    assert [each.speeds for each in journal.rounds] == [(), speeds]
+    assert read_journal(tmp_path / "found/investigation.json") == journal
+    held = read_response(tmp_path / "found/response-2.mcap")
+    dwells = {held.runs[i].name for i in held.run}
+    assert dwells - {"slow roll"} == {"dwell 900 rpm", "dwell 1500 rpm"}
+    assert diagnosis.causes[0].label == "delay"
+    assert len(diagnosis.responses) == 2
+    assert "plan 'default-held' at 900, 1500 rpm" in (tmp_path / "found/report.html").read_text()
 
 
 def test_a_rig_without_a_proof_test_is_not_left_alone(brief_rig: RigConfig, tmp_path: Path) -> None:

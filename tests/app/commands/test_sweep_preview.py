@@ -15,6 +15,10 @@ from rotorrig.rig.config.units import RPM
 RK4 = Path(__file__).parents[3] / "configs/rk4.toml"
 BAND = '\n[[limits.critical_bands]]\nlow = "2000 rpm"\nhigh = "2400 rpm"\nvibration = "1200 um"\n'
 INSIDE = '\n[plans.test]\nkind = "dwell"\nspeed = "2200 rpm"\ntime = "1 h"\nramp = "60 rpm/s"\n'
+STEPPED = (
+    '\n[plans.test]\nkind = "stepped"\nslow_roll = "240 rpm"\nslow_roll_time = "6 s"\n'
+    'speeds = ["2200 rpm"]\nramp = "60 rpm/s"\ndwell = "10 s"\n'
+)
 MASSES = '\n[plans.test]\nkind = "trial-mass"\nmasses = ["disk: 12 g mm at 0 deg"]\n'
 
 
@@ -56,6 +60,24 @@ def test_what_is_refused_is_shown_all_the_same_and_fails(
     assert "2000-2400 rpm 1200 um" in out
     assert "refused: holds 2200 rpm inside the critical band 2000-2400 rpm, want it to pass" in out
     assert err == ("error: plans.test: holds 2200 rpm inside the critical band 2000-2400 rpm, want it to pass\n")
+
+
+def test_speeds_to_hold_are_shown_and_what_is_no_speed_is_refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    config = tmp_path / "rig.toml"
+    config.write_text(RK4.read_text() + STEPPED)
+    held = ("--plan", "test", "--hold", "900 rpm", "--hold", "1500 rpm")
+    code, out, _ = previewed(config, monkeypatch, capsys, *held)
+    assert code == 0
+    assert "dwell 900 rpm" in out
+    assert "dwell 1500 rpm" in out
+    assert "2200" not in out
+    code, _, err = previewed(config, monkeypatch, capsys, "--plan", "test", "--hold", "900")
+    assert (code, err) == (1, "error: --hold: got '900', want a speed with its unit, such as '480 rpm'\n")
+    code, _, err = previewed(config, monkeypatch, capsys, "--hold", "900 rpm")
+    assert code == 1
+    assert "plan 'default': is of kind run-up-coast-down, want one of kind stepped to hold speeds" in err
 
 
 def test_mounting_a_mass_takes_a_time_nobody_knows(

@@ -18,7 +18,7 @@ from rotorrig.identify.diagnosis import Diagnosis, Verdict
 from rotorrig.identify.identification import Identification, NameplateCheck
 from rotorrig.identify.verdict.cause import ParameterValue
 from rotorrig.identify.verdict.gain import Shift
-from rotorrig.identify.verdict.next_run import NextRun
+from rotorrig.identify.verdict.next_run.choice import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
 from rotorrig.processing.response import OrderTrackedResponse, Run
 from rotorrig.processing.settings import SpeedWindow

@@ -20,7 +20,7 @@ from rotorrig.app.text.causes import (
 from rotorrig.identify.diagnosis import Diagnosis
 from rotorrig.identify.verdict.cause import ParameterValue
 from rotorrig.identify.verdict.gain import Shift
-from rotorrig.identify.verdict.next_run import NextRun
+from rotorrig.identify.verdict.next_run.choice import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
 from tests.app.conftest import make_cause, make_gain
 

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem
 from rotorrig.identify.least_squares import Solution
-from rotorrig.identify.verdict.planned_runs import Plan, plan_recordings
+from rotorrig.identify.verdict.next_run.planned_recordings import plan_recordings
+from rotorrig.identify.verdict.next_run.plans import Plan
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.rig import DataError
 from rotorrig.rig.config import Limits

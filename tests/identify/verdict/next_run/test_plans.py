@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.planned_runs import Plan, plan_recordings, plans
+from rotorrig.identify.verdict.next_run.planned_recordings import plan_recordings
+from rotorrig.identify.verdict.next_run.plans import Plan, plans
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
@@ -27,6 +28,30 @@ def test_what_needs_no_tools_comes_first_and_more_probes_last(below: OrderTracke
     kinds = [plan.kind for plan in plans(below)]
     want = ["ramp rate", "through critical", "reverse rotation", "trial mass", "second plane"]
     assert list(dict.fromkeys(kinds)) == want
+
+
+def test_speeds_are_held_one_after_the_other_and_no_row_is_of_a_ramp_between(below: OrderTrackedResponse) -> None:
+    held = [1400 / RPM, 700 / RPM, 1000 / RPM]
+    (plan,) = (plan for plan in plans(below, dwells=held) if plan.kind == "dwells")
+    assert plan.words == "Hold 700, 1000, 1400 rpm for 20 s each."
+    (recording,) = planned(below, plan)
+    response = recording.response
+    assert [run.direction for run in response.runs] == [0, 0, 0]
+    for number, speed in enumerate(sorted(held)):
+        rows = response.run == number
+        np.testing.assert_allclose(response.omega[rows], speed, rtol=1e-5)
+        np.testing.assert_allclose(response.alpha[rows], 0.0, atol=2e-3 * plan.ramp)
+        seconds = rows.sum() * plan.every * 2 * np.pi / speed
+        assert 19.0 < seconds <= 20.0
+    assert response.t[-1] < plan.seconds < response.t[-1] + 5.0, "up from rest"
+
+
+def test_what_hands_do_takes_time(below: OrderTrackedResponse) -> None:
+    seconds = {plan.kind: plan.seconds for plan in plans(below, dwells=[100.0])}
+    assert seconds["ramp rate"] < 60.0
+    assert 180.0 < seconds["trial mass"] < 300.0
+    assert 300.0 < seconds["reverse rotation"] < 400.0
+    assert seconds["second plane"] > 1380.0, "with a trial mass"
 
 
 def test_a_trial_mass_may_go_against_the_unbalance(below: OrderTrackedResponse) -> None:

@@ -1,9 +1,10 @@
-"""Next run: the cheapest that would separate the tied causes, computed for this rig and these causes.
+"""Next run: the one that tells most per minute about the tied causes, computed for this rig and these causes.
 
 Every plan is simulated with the best cause, as it was fitted, and fitted with each of its rivals (separability.py); the
-cheapest that tells all of them from the best is proposed, or the one that comes nearest; one that may come near a
-vibration limit (forecast.py) only if all others do too, and with its share of the limit. Where nothing is tied and
-nothing known explains the data, it is a run of another kind that stays away from the limits.
+quickest that tells all of them from the best is proposed, time of hands included; where none does, the one that tells
+most per minute. One that may come near a vibration limit (forecast.py) is proposed only if all others do too, and with
+its share of the limit. Where nothing is tied and nothing known explains the data, it is a run of another kind that
+stays away from the limits.
 """
 
 import cmath
@@ -15,8 +16,9 @@ from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes import Candidate, Selection
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
 from rotorrig.identify.least_squares import Solution
-from rotorrig.identify.verdict.forecast import planned_truth, share_of_limit
-from rotorrig.identify.verdict.planned_runs import Plan, plans, ramp_of
+from rotorrig.identify.verdict.next_run.dwells import Fit, parting_speeds
+from rotorrig.identify.verdict.next_run.forecast import planned_truth, share_of_limit
+from rotorrig.identify.verdict.next_run.plans import Plan, plans, ramp_of
 from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.verdict import tied_candidates
@@ -36,6 +38,8 @@ class NextRun:
     separates: tuple[str, ...]  # labels; none where the run is one of another kind
     top: float = math.nan  # rad/s, the highest speed
     ramp: float = math.nan  # rad/s^2
+    speeds: tuple[float, ...] = ()  # rad/s, to hold one after the other instead of a sweep
+    minutes: float = math.nan  # it takes, about, with the time of hands
     trial: tuple[str, ...] = ()  # masses to mount, "disk: 12 g mm at 90 deg"
     share_of_limit: float = math.nan  # of vibration, at the most with 95 % probability; NaN: the config has no limits
 
@@ -46,37 +50,65 @@ class NextRun:
 
 
 def find_next_run(selection: Selection, *, not_possible: Collection[str] = ()) -> NextRun | None:
-    """Return the cheapest run that separates the first set of tied causes, or comes nearest; None: nothing is tied.
+    """Return the quickest run that separates the first set of tied causes; None: nothing is tied.
 
-    Causes that are tied never go without: where no plan can be computed, the words say why. Kinds of plans in
-    `not_possible` are passed over.
+    Where none separates them it is the one that tells most per minute. Causes that are tied never go without: where no
+    plan can be computed, the words say why. Kinds of plans in `not_possible` are passed over.
     """
     groups = tied_candidates(selection)
     if not groups:
         return None
-    best, *rivals = groups[0]
-    labels = tuple(candidate.effect.label for candidate in (best, *rivals))
-    rated: list[tuple[float, Plan, float]] = []
+    labels = tuple(candidate.effect.label for candidate in groups[0])
     failed: list[str] = []
-    fits = [(each.problem, each.polished) for each in (best, *rivals)]
     try:
-        unbalance = _find_unbalance(best.problem, best.polished)
-        for plan in _open_plans(best.problem.recordings, not_possible, unbalance=unbalance):
-            share, why = _forecast(fits, plan)
-            lam, why = (math.nan, why) if why else _rate(best, rivals, plan)
-            if why:
-                failed.append(f"{plan.kind}: {why}")
-                continue
-            rated.append((lam, plan, share))
-            if lam >= VERDICT.nameable and not _is_loud(share):
-                break
+        rated = _rate_plans(groups[0], not_possible, failed)
     except _FAILURES as error:
-        failed.append(str(error))
+        return _none([*failed, str(error)], labels)
     if not rated:
         return _none(failed, labels)
-    lam, plan, share = max(rated, key=lambda each: (not _is_loud(each[2]), each[0]))
-    enough = "" if lam >= VERDICT.nameable else "Even that would leave them close."
-    return _next_run(plan, share, enough, lam=lam, separates=labels)
+    best = max(rated, key=lambda each: each.rank)
+    enough = "" if best.lam >= VERDICT.nameable else "Even that would leave them close."
+    return _next_run(best.plan, best.share, enough, lam=best.lam, separates=labels)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rated:
+    """A plan and what it is worth."""
+
+    plan: Plan
+    lam: float  # of the nearest rival with it
+    share: float  # of a limit that it may reach
+
+    @property
+    def rank(self) -> tuple[bool, bool, bool, float]:
+        """What is more is better: calm, telling the causes apart, telling anything, most per minute."""
+        told = min(self.lam, VERDICT.nameable)
+        return (
+            not _is_loud(self.share),
+            self.lam >= VERDICT.nameable,
+            self.lam >= VERDICT.worthwhile,
+            told / self.plan.seconds,
+        )
+
+
+def _rate_plans(tied: Sequence[Candidate], not_possible: Collection[str], failed: list[str]) -> list[_Rated]:
+    """Return the plans up to the first that does, the quickest first; why others cannot be rated goes to `failed`."""
+    best, *rivals = tied
+    fits = [(each.problem, each.polished) for each in tied]
+    dwells = () if "dwells" in not_possible else parting_speeds(fits[0], fits[1:])
+    unbalance = _find_unbalance(*fits[0])
+    possible = _open_plans(best.problem.recordings, not_possible, unbalance=unbalance, dwells=dwells)
+    rated: list[_Rated] = []
+    for plan in sorted(possible, key=lambda plan: plan.seconds):
+        share, why = _forecast(fits, plan)
+        lam, why = (math.nan, why) if why else _rate(best, rivals, plan)
+        if why:
+            failed.append(f"{plan.kind}: {why}")
+            continue
+        rated.append(_Rated(plan, lam, share))
+        if lam >= VERDICT.nameable and not _is_loud(share):
+            break
+    return rated
 
 
 def find_other_run(selection: Selection, *, not_possible: Collection[str] = ()) -> NextRun:
@@ -111,6 +143,8 @@ def _next_run(plan: Plan, share: float, more: str, *, lam: float = math.nan, sep
         separates=tuple(separates),
         top=plan.high,
         ramp=plan.ramp,
+        speeds=plan.dwells,
+        minutes=plan.seconds / 60,
         trial=tuple(trial),
         share_of_limit=share,
     )
@@ -134,17 +168,25 @@ def _find_unbalance(problem: ExtendedProblem, fit: Solution) -> complex:
     return complex(re, im)
 
 
-def _open_plans(measured: Sequence[Recording], not_possible: Collection[str], *, unbalance: complex) -> Iterator[Plan]:
+def _open_plans(
+    measured: Sequence[Recording],
+    not_possible: Collection[str],
+    *,
+    unbalance: complex,
+    dwells: Sequence[float] = (),
+) -> Iterator[Plan]:
     """Yield the possible plans for a rig whose recordings are `measured`, that were not made yet."""
     with_trial = any(run.trial_unbalance for recording in measured for run in recording.response.runs)
-    for plan in plans(measured[0].response, with_trial=with_trial, unbalance=unbalance):
+    for plan in plans(measured[0].response, with_trial=with_trial, unbalance=unbalance, dwells=dwells):
         made = plan.backward and any(recording.backward for recording in measured)
         if not (made or plan.kind in not_possible or _was_made(plan, measured)):
             yield plan
 
 
 def _was_made(plan: Plan, measured: Sequence[Recording]) -> bool:
-    """Return whether a later recording than the first was run like that, as fast and as far."""
+    """Return whether a later recording than the first was run like that, as fast and as far; or held speeds."""
+    if plan.kind == "dwells":
+        return any(all(run.direction == 0 for run in each.response.runs) for each in measured[1:])
     if plan.kind not in ("ramp rate", "through critical"):
         return False
     for recording in measured[1:]:
@@ -154,7 +196,7 @@ def _was_made(plan: Plan, measured: Sequence[Recording]) -> bool:
     return False
 
 
-def _forecast(fits: Sequence[tuple[ExtendedProblem, Solution]], plan: Plan) -> tuple[float, str]:
+def _forecast(fits: Sequence[Fit], plan: Plan) -> tuple[float, str]:
     """Return the share of a limit that a plan may reach by any of the fits, and why it is not known, empty if it is.
 
     Where the config has no limits it is NaN.

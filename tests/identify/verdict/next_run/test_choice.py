@@ -13,9 +13,9 @@ from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.nuisance_effects import MarkEdge
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
-from rotorrig.identify.verdict.forecast import share_of_limit
-from rotorrig.identify.verdict.next_run import find_next_run, find_other_run
-from rotorrig.identify.verdict.planned_runs import plans
+from rotorrig.identify.verdict.next_run.choice import find_next_run, find_other_run
+from rotorrig.identify.verdict.next_run.forecast import share_of_limit
+from rotorrig.identify.verdict.next_run.plans import Plan, plans
 from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.processing.response import OrderTrackedResponse
@@ -85,7 +85,7 @@ def test_tied_causes_are_never_left_without_a_word(tied: Selection, monkeypatch:
     def fail(*_: object, **__: object) -> float:
         raise np.linalg.LinAlgError("Singular matrix")
 
-    monkeypatch.setattr("rotorrig.identify.verdict.next_run._separability", fail)
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.choice._separability", fail)
     found = find_next_run(tied)
     assert found is not None
     assert (found.kind, found.planned) == ("none", False)
@@ -96,11 +96,35 @@ def test_tied_causes_are_never_left_without_a_word(tied: Selection, monkeypatch:
 
 
 def test_a_plan_whose_separation_is_no_number_is_not_proposed(tied: Selection, monkeypatch: pytest.MonkeyPatch) -> None:
-    rated = iter([np.nan, 3.0, np.nan, *[1.0] * 9])
-    monkeypatch.setattr("rotorrig.identify.verdict.next_run._separability", lambda *_, **__: next(rated))
+    rated = iter([np.nan, 5.0, np.nan, *[1.0] * 9])
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.choice._separability", lambda *_, **__: next(rated))
     found = find_next_run(tied)
     assert found is not None
-    assert (found.lam, found.kind) == (3.0, "ramp rate")
+    assert (found.lam, found.kind) == (5.0, "through critical"), "the second by its time"
+
+
+@pytest.mark.parametrize(
+    ("rated", "kind", "lam"),
+    [
+        ({"ramp rate": 3.9, "dwells": 9.0, "trial mass": 15.0}, "dwells", 9.0),  # 6 and 5 a minute; 3.9 is no find
+        ({"ramp rate": 3.9, "dwells": 9.0, "trial mass": 90.0}, "trial mass", 90.0),  # which tells them apart
+        ({"ramp rate": 17.0, "dwells": 90.0, "trial mass": 90.0}, "ramp rate", 17.0),  # enough in a tenth of the time
+        ({"second plane": 90.0}, "second plane", 90.0),
+    ],
+)
+def test_the_quickest_run_that_tells_causes_apart_or_the_one_that_tells_most_per_minute(
+    tied: Selection, monkeypatch: pytest.MonkeyPatch, rated: dict[str, float], kind: str, lam: float
+) -> None:
+    def rate(best: object, rivals: object, plan: Plan) -> tuple[float, str]:
+        return rated.get(plan.kind, 0.0), ""
+
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.choice._rate", rate)
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.choice.share_of_limit", lambda *_: 0.1)
+    found = find_next_run(tied)
+    assert found is not None
+    assert (found.kind, found.lam) == (kind, lam)
+    assert found.minutes > {"second plane": 20.0, "trial mass": 3.0, "dwells": 1.4, "ramp rate": 0.0}[kind]
+    assert len(found.speeds) == (4 if kind == "dwells" else 0)
 
 
 def test_a_rival_is_followed_no_further_than_the_nearest_before_it(
@@ -115,7 +139,7 @@ def test_a_rival_is_followed_no_further_than_the_nearest_before_it(
         asked.append(enough)
         return next(answers)
 
-    monkeypatch.setattr("rotorrig.identify.verdict.next_run.separability", rate)
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.choice.separability", rate)
     found = find_next_run(replace(tied, steps=(replace(step, tried=(best, rival, rival, rival)),)))
     assert found is not None
     assert found.lam == 20.0
@@ -187,7 +211,7 @@ def test_a_run_whose_motion_overflows_is_over_every_limit(
 
 
 def test_where_no_run_may_be_made_it_says_so(tied: Selection, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rotorrig.identify.verdict.next_run.share_of_limit", lambda *_: 0.9)
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.choice.share_of_limit", lambda *_: 0.9)
     found = find_other_run(tied)
     assert not found.planned
     assert "its vibration may reach 90 % of a limit, want 70 %" in found.words
@@ -225,7 +249,7 @@ def test_a_plan_whose_forecast_fails_is_not_proposed(tied: Selection, monkeypatc
     def fail(*_: object) -> float:
         raise np.linalg.LinAlgError("Singular matrix")
 
-    monkeypatch.setattr("rotorrig.identify.verdict.next_run.share_of_limit", fail)
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.choice.share_of_limit", fail)
     for found in (find_next_run(tied), find_other_run(tied)):
         assert found is not None
         assert not found.planned

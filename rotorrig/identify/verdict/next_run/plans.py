@@ -1,23 +1,17 @@
-"""Planned runs: their rows and noise, from those of a run that was made."""
+"""Runs one could make next, on a rig with a recording of it."""
 
 import cmath
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rotorrig.identify.extended_model import MarkEdge, Recording
 from rotorrig.identify.verdict.settings import VERDICT
-from rotorrig.processing import OrderTrackedResponse, Run
-from rotorrig.rig import DataError
+from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig.config import RPM, RigConfig, TrialMassRuns
-from rotorrig.sims.effects import Effect
-from rotorrig.sims.rotor.swept import TURN, Timeline
-
-Reals = NDArray[np.float64]
+from rotorrig.sims.rotor.swept import TURN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,14 +30,30 @@ class Plan:
     assumed: str  # a sentence on what the recording at hand does not say and the plan supposes; empty: nothing
     trial: dict[str, complex] = field(default_factory=dict)  # kg m, on the rotor
     backward: bool = False  # the rotor turns the other way
+    dwells: tuple[float, ...] = ()  # rad/s, held one after the other instead of a sweep; rising
+    hands: float = 0.0  # s, of mounting things
+
+    @property
+    def seconds(self) -> float:
+        """How long it takes, about: at the rig, and of hands."""
+        if self.dwells:
+            return self.high / self.ramp + len(self.dwells) * (VERDICT.settle + VERDICT.dwell) + self.hands
+        return 2 * self.high / self.ramp + self.hands
 
 
-def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None, unbalance: complex = 0j) -> Iterator[Plan]:
-    """Yield what one could do next: what takes no tools, then a trial mass, then more probes; the shortest first.
+def plans(
+    response: OrderTrackedResponse,
+    *,
+    with_trial: bool | None = None,
+    unbalance: complex = 0j,
+    dwells: Sequence[float] = (),
+) -> Iterator[Plan]:
+    """Yield what one could do next: what takes no tools, then a trial mass, then more probes.
 
     Of what takes none, turning the other way comes last: not every drive can, and screws may work loose. `with_trial`
     says whether a trial mass was on in any recording there is; None: see the runs of this one. `unbalance` [kg m] is
-    what was found on the first plane: a mass against it tells as much as another, and calms the rotor.
+    what was found on the first plane: a mass against it tells as much as another, and calms the rotor. `dwells` are
+    speeds worth holding [rad/s].
     """
     rig, manner = response.rig, _manner(response)
     low, high = _range(response)
@@ -65,8 +75,13 @@ def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None, unb
     for top in higher_tops(rig, high):
         words = f"Run up to {top * RPM:.0f} rpm."
         yield again(kind="through critical", words=words, high=top)
+    if dwells:
+        speeds = tuple(sorted(dwells))
+        listed = ", ".join(f"{speed * RPM:.0f}" for speed in speeds)
+        words = f"Hold {listed} rpm for {VERDICT.dwell:.0f} s each."
+        yield again(kind="dwells", words=words, dwells=speeds, high=speeds[-1])
     words = "Sweep once more with the rotor turning the other way, if the drive can reverse."
-    yield again(kind="reverse rotation", words=words, backward=True)
+    yield again(kind="reverse rotation", words=words, backward=True, hands=VERDICT.rewiring)
     disk = rig.identify.unbalance[0] if rig.identify else rig.disks[0].name
     trial = {disk: VERDICT.trial * 1j}
     against = _against(unbalance)
@@ -74,16 +89,19 @@ def plans(response: OrderTrackedResponse, *, with_trial: bool | None = None, unb
         with_trial = any(run.trial_unbalance for run in response.runs)
     if not with_trial:
         words = f"Repeat the sweep with a known trial mass of {VERDICT.trial * 1e6:.0f} g mm at 90 deg on '{disk}'."
-        yield again(kind="trial mass", words=words, trial=trial)
+        mounted = partial(again, kind="trial mass", hands=VERDICT.mounting)
+        yield mounted(words=words, trial=trial)
         if against:
             degrees = math.degrees(cmath.phase(against)) % 360.0
             words = f"Repeat the sweep with a known trial mass of {abs(against) * 1e6:.2g} g mm at {degrees:.0f} deg on"
-            yield again(kind="trial mass", words=f"{words} '{disk}', against the unbalance.", trial={disk: against})
+            yield mounted(words=f"{words} '{disk}', against the unbalance.", trial={disk: against})
     if more := _with_second_plane(rig, read):
         fitted, probes, words = more
         second = partial(again, kind="second plane", rig=fitted, probes=probes)
-        yield second(words=f"{words}.")
-        yield second(words=f"{words}, and once more with a known trial mass.", trial=trial)
+        yield second(words=f"{words}.", hands=VERDICT.fitting)
+        words = f"{words}, and once more with a known trial mass."
+        twice = VERDICT.fitting + VERDICT.mounting + 2 * high / manner.ramp
+        yield second(words=words, trial=trial, hands=twice)
 
 
 def _against(unbalance: complex) -> complex:
@@ -154,104 +172,6 @@ def higher_tops(rig: RigConfig, high: float) -> list[float]:
     if top < VERDICT.higher * high:
         return []
     return [high + share * (top - high) for share in (0.25, 0.5, 0.75, 1.0)]
-
-
-def plan_recordings(plan: Plan, measured: Sequence[Recording]) -> tuple[list[Recording], tuple[Effect, ...]]:
-    """Return the recordings a fit has once a plan is made, and the unknowns that come along; the planned ones last.
-
-    Those that were made come first, unless the plan's probes are others: then one with a trial mass, or of a rotor that
-    turns the other way, comes after one without. Planned vectors are nothing yet, their noise is that of the first
-    recording at like speeds.
-    """
-    response = measured[0].response
-    made = list(measured) if plan.probes == response.probes else []
-    wanted = [(plan.trial, plan.backward)]
-    if not made and (plan.trial or plan.backward):
-        wanted.insert(0, ({}, False))
-    recordings, unknown = list(made), []
-    for number, (trial, backward) in enumerate(wanted, start=len(made)):
-        planned = _response(response, plan, trial)
-        if backward:
-            planned = replace(planned, rig=plan.rig.turned_over)
-            unknown.append(MarkEdge.of_recording(number))
-        recordings.append(Recording(planned, number=number, backward=backward, planned=True))
-    return recordings, tuple(unknown)
-
-
-def _response(response: OrderTrackedResponse, plan: Plan, trial: dict[str, complex]) -> OrderTrackedResponse:
-    pulses = _pulses(plan)
-    first = np.arange(0, len(pulses) - plan.every, plan.every)
-    timeline = Timeline(pulses)
-    t = np.interp(first + plan.every / 2, np.arange(len(pulses)), pulses)
-    omega = timeline.omega(t)
-    read = response.read
-    source = [read.index(name) if name in read else i % len(read) for i, name in enumerate(plan.probes)]
-    places = [response.probes.index(read[i]) for i in source]
-    rows, orders = len(t), len(response.orders)
-    nothing = np.full((len(plan.probes), orders), 1e-12 + 0j)
-    slow = np.isfinite(response.slow_roll_omega) and np.isfinite(response.slow_roll[places]).all()
-    return replace(
-        response,
-        rig=plan.rig,
-        probes=plan.probes,
-        runs=(
-            Run(name="up", direction=1, trial_unbalance=trial),
-            Run(name="down", direction=-1, trial_unbalance=trial),
-        ),
-        run=(t > pulses[-1] / 2).astype(np.intp),
-        t=t,
-        omega=omega,
-        alpha=timeline.alpha(t),
-        revolutions=np.full(rows, plan.turns),
-        z=np.broadcast_to(nothing, (rows, *nothing.shape)).copy(),
-        covariance=_of_probes(response.covariance[_like_rows(response, omega)], places, source),
-        slow_roll=nothing if slow else np.full_like(nothing, np.nan),
-        slow_roll_covariance=_of_probes(response.slow_roll_covariance[None], places, source)[0],
-        slow_roll_omega=response.slow_roll_omega if slow else math.nan,
-        usable=np.ones((rows, len(plan.probes)), dtype=bool),
-        reasons=((),) * rows,
-        keyphasor_t=pulses,
-        compensation_omega=math.nan,
-        derived_times=False,
-        omega_sigma=np.empty(0),
-        alpha_sigma=np.empty(0),
-        jitter=np.empty(0),
-        remarks=(),
-        slow_roll_waveform=np.empty((0, 0)),
-    )
-
-
-def _like_rows(response: OrderTrackedResponse, omega: Reals) -> NDArray[np.intp]:
-    """Return the row nearest in speed to each of `omega`, of those in which every probe that reads at all has a value.
-
-    Raises DataError if there is none.
-    """
-    read = response.usable.any(axis=0)
-    whole = np.flatnonzero(response.usable[:, read].all(axis=1))
-    if not len(whole):
-        raise DataError("no row has a value of every probe, want some to take the noise of a planned run from")
-    return whole[np.abs(response.omega[whole, None] - omega).argmin(axis=0)]
-
-
-def _of_probes(covariance: Reals, places: list[int], source: list[int]) -> Reals:
-    """Return covariances (..., 2 probe, 2 probe) of probes like those at `places`; copies are independent.
-
-    `source` numbers the probes that are like the same one alike.
-    """
-    pairs = np.array([[2 * i, 2 * i + 1] for i in places]).ravel()
-    taken = covariance[..., pairs[:, None], pairs]
-    same = np.array([[a == b or source[a] != source[b] for b in range(len(source))] for a in range(len(source))])
-    new = np.array([source.index(i) != n for n, i in enumerate(source)])
-    same &= ~(new[:, None] ^ new[None, :])
-    return np.where(np.repeat(np.repeat(same, 2, axis=0), 2, axis=1), taken, 0.0)
-
-
-def _pulses(plan: Plan) -> Reals:
-    low, high = max(plan.low, VERDICT.fewest_rpm / RPM), plan.high
-    turns = max(1, round((high**2 - low**2) / (2 * plan.ramp) / TURN))  # whole ones, so that the way down is in step
-    rate = (high**2 - low**2) / (2 * turns * TURN)
-    up = (np.sqrt(low**2 + 2 * rate * TURN * np.arange(turns + 1)) - low) / rate
-    return np.concatenate([up, 2 * up[-1] - up[-2::-1]])
 
 
 def _with_second_plane(rig: RigConfig, read: tuple[str, ...]) -> tuple[RigConfig, tuple[str, ...], str] | None:
