@@ -22,6 +22,7 @@ class SelectionSettings:
     rival: float = 0.5  # of the best score: those above come by the number of their unknowns
     left_by_law: float = 0.03  # of the excess of chi2: what harmonic balance may leave
     reached: float = 0.2  # of the excess of chi2: a score that leaves less may be all there is to it
+    described: float = 2.0  # chi2 per degree of freedom below which a fit describes the data, a poor one above
     loud: float = 200.0  # excess of chi2 at 1X, ten times `detected`: what takes all of it is hardly an imitation
 
     # scores

@@ -103,10 +103,17 @@ def select(
 def _find_lower_base(base: Solution, best: Candidate) -> Solution | None:
     """Return the fit without a cause from where the fit with it ended, if that is lower than the fit of the base.
 
-    A search that ended in a minimum of its own is left by any cause, and what leads out of it need not be there.
+    A search that ended in a minimum of its own is left by any cause, and what leads out of it need not be there. A
+    cause that describes the data where the base does not even so is: nothing is to be searched from there.
     """
     _, fit = leave_out(best.problem, best.polished, [best.effect])
+    if _describes_data(best.polished) and not _describes_data(fit):
+        return None
     return fit if fit.chi2 < base.chi2 - SELECTION.detected else None
+
+
+def _describes_data(fit: Solution) -> bool:
+    return fit.chi2 < SELECTION.described * fit.dof
 
 
 def is_significant(candidate: Candidate, *, explained: float = 0.0) -> bool:

@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 from rotorrig.identify.causes.candidate_fit import Candidate, plausible
 from rotorrig.identify.causes.selection_step import SelectionStep, try_candidates
 from rotorrig.identify.causes.settings import SELECTION
-from rotorrig.identify.causes.stepwise_selection import Selection, _search_again, is_significant, select
+from rotorrig.identify.causes.stepwise_selection import (
+    Selection,
+    _find_lower_base,
+    _search_again,
+    is_significant,
+    select,
+)
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -260,3 +266,25 @@ def test_progress_only_grows_within_each_cause(rig: RigConfig, hidden: NDArray[n
     for shares in told.values():
         assert shares == sorted(shares)
         assert 0 <= shares[0] <= shares[-1] <= 1
+
+
+@pytest.mark.parametrize(
+    ("with_cause", "without", "anew"),
+    [
+        (110.0, 120.0, True),  # the cause explained what a poor minimum had left
+        (5000.0, 6000.0, True),  # it explains the rest no better than another may
+        (110.0, 6000.0, False),  # it is what is there
+        (110.0, 9990.0, False),
+        (5000.0, 9990.0, False),  # no lower than the base, but for what chance would do
+    ],
+)
+def test_a_search_begins_anew_from_a_lower_base_unless_the_cause_alone_describes_the_data(
+    with_cause: float, without: float, anew: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fit(chi2: float) -> Solution:
+        return cast(Solution, SimpleNamespace(chi2=chi2, dof=100))
+
+    best = cast(Candidate, SimpleNamespace(problem=None, polished=fit(with_cause), effect=None))
+    lower = fit(without)
+    monkeypatch.setattr("rotorrig.identify.causes.stepwise_selection.leave_out", lambda *_: (None, lower))
+    assert (_find_lower_base(fit(10000.0), best) is lower) == anew
