@@ -56,11 +56,11 @@ class Adequacy:
 
 
 def assess(
-    response: OrderTrackedResponse, prediction: Predicted, *, known: Complex | None = None, used: float = 0.0
+    response: OrderTrackedResponse, prediction: Predicted, *, known: Predicted | None = None, used: float = 0.0
 ) -> Adequacy:
     """Test a fit against a response by its `prediction`; `used`: how many of its 1X values the fit could follow.
 
-    `known` (speed, probe, column) m is what is known of the shape of the model's own error at 1X, one standard
+    `known` is what is known of the shape of the model's own error, order -> (speed, probe, column) m, one standard
     deviation each.
     """
     residual, sigmas = residual_maps(response, prediction, known)
@@ -128,7 +128,7 @@ def _freedom() -> tuple[float, float]:
 
 
 def _global_ratio(
-    response: OrderTrackedResponse, model: Complex, known: Complex | None, used: float
+    response: OrderTrackedResponse, model: Complex, known: Predicted | None, used: float
 ) -> tuple[float, float]:
     """Return von Neumann's ratio of all 1X residuals, and its standard deviation for noise of any level."""
     measured, off = _compare(response, model, order=1, first=model, known=known)
@@ -162,7 +162,7 @@ def _combine(each: Sequence[float]) -> float:
 
 
 def residual_maps(
-    response: OrderTrackedResponse, prediction: Predicted, known: Complex | None = None
+    response: OrderTrackedResponse, prediction: Predicted, known: Predicted | None = None
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Return measured less model (speed, probe, order) [m], and the same in sigmas (root mean square 1 if right).
 
@@ -190,7 +190,7 @@ def _compare(
     *,
     order: float,
     first: Complex | None,
-    known: Complex | None = None,
+    known: Predicted | None = None,
 ) -> tuple[Measurement, Complex]:
     """Return the measurement of an order and, (row + 1, probe) m, what it has beyond a model (speed, probe).
 
@@ -207,9 +207,10 @@ def _compare(
     if first is not None and order == int(order) and order >= 1:
         at_rest = np.nan_to_num(response.slow_roll[None, :, response.orders.index(1.0)])
         model_and_rest = np.concatenate([first[measured.rows], 0 * at_rest if measured.compensated else at_rest])
-        if known is not None:
-            known = np.nan_to_num(known[np.append(measured.rows, 0)])  # the slow roll has none that counts
-        measured = measured.expecting_error(model_and_rest, response, order=int(order), known=known)
+        own = (known or {}).get(int(order))
+        if own is not None:
+            own = np.nan_to_num(own[np.append(measured.rows, 0)])  # the slow roll has none that counts
+        measured = measured.expecting_error(model_and_rest, response, order=int(order), known=own)
     return measured, off
 
 

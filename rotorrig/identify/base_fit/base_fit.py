@@ -207,7 +207,7 @@ def assess_fit(problem: ExtendedProblem, polished: Solution, *, fitted_alone: bo
         if fitted_alone:
             nothing = np.full(recording.response.z.shape[:2], np.nan + 0j)
             whole = {int(order): nothing for order in recording.response.orders if order == int(order)} | whole
-        known = recording.in_response(error)
+        known = {order: recording.in_response(vectors) for order, vectors in error.items()}
         each.append(assess(recording.response, whole, known=known, used=used[recording.number]))
     return AssessedFit(problem=problem, polished=polished, adequacy=assess_all(each))
 

@@ -84,7 +84,7 @@ def select(
             break
         if number == 0 and (lower := _find_lower_base(base, step.tried[0])):
             return Selection(start=problem, base=lower, steps=(), problem=problem, polished=lower)
-        current, polished = _refit_best(steps)
+        current, polished = _with_error_above_first(*_refit_best(steps))
         if current.curved:
             break  # what a force law leaves is its own harmonics as much as another cause
         if not go_on():
@@ -161,6 +161,14 @@ def _search_again(
         steps.append(step)
         problem, polished = _refit_best(steps)
     return problem, polished
+
+
+def _with_error_above_first(problem: ExtendedProblem, fit: Solution) -> tuple[ExtendedProblem, Solution]:
+    """Return a fit with what its effects may be wrong by above 1X in the covariance; itself where they do nothing."""
+    if not any(problem.error_above_first(fit.p)):
+        return problem, fit
+    expecting = problem.expecting_error(fit.p)
+    return expecting, refit(expecting, fit.p)
 
 
 def _refit_best(steps: list[SelectionStep]) -> tuple[ExtendedProblem, Solution]:

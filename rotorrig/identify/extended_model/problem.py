@@ -12,7 +12,7 @@ import numpy as np
 
 from rotorrig.identify.base_model import BASE_MODEL, Reals, thin_rows
 from rotorrig.identify.extended_model.jacobian import columns, vectors_by
-from rotorrig.identify.extended_model.known_error import known_error
+from rotorrig.identify.extended_model.known_error import above_first, known_error
 from rotorrig.identify.extended_model.model import Complex, ExtendedModel
 from rotorrig.identify.extended_model.settings import ORDERS
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -62,16 +62,20 @@ class ExtendedProblem:
         if pinned:
             which = np.array(sorted(self.parameters.pinned), dtype=np.intp)
             moved = [z * self.parameters.prior_sigma[which] for z in vectors_by(self.model, p, which)]
-            known = [np.concatenate(both, axis=-1) for both in zip(known, moved, strict=True)]
+            known = [own | {1: np.concatenate([own[1], z], axis=-1)} for own, z in zip(known, moved, strict=True)]
         each = zip(self.recordings, self.model.predict(p, orders=(1,)), known, strict=True)
         return self.on([recording.expecting_error(z, known) for recording, z, known in each])
 
-    def known_error(self, p: Reals, *, of_laws: bool = True) -> list[Complex]:
-        """Return what is known of the shape of the model's own error: vectors (row + 1, probe, column) m at `p`.
+    def known_error(self, p: Reals, *, of_laws: bool = True) -> list[dict[int, Complex]]:
+        """Return what is known of the shape of the model's own error: order -> (row + 1, probe, column) m at `p`.
 
         Of every recording, one standard deviation each: known_error.py.
         """
         return known_error(self.model, p, of_laws=of_laws)
+
+    def error_above_first(self, p: Reals) -> list[dict[int, Complex]]:
+        """Return that of what the model itself does above 1X, of every recording: empty where that is nothing."""
+        return above_first(self.model, p)
 
     def taken_for_exact(self) -> "ExtendedProblem":
         """Return the same problem with noise alone in the covariance."""

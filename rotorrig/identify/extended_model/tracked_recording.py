@@ -135,13 +135,14 @@ class Recording:
             return self
         return self._with({n: m.louder(factors[n]) for n, m in self.measured.items()})
 
-    def expecting_error(self, model: Mapping[int, Complex], known: Complex | None = None) -> "Recording":
+    def expecting_error(self, model: Mapping[int, Complex], known: Mapping[int, Complex] | None = None) -> "Recording":
         """Return the same recording with the own error of a model that predicts these vectors (row + 1, probe) [m].
 
-        `known` as of `Measurement.expecting_error`.
+        `known`, by order, as of `Measurement.expecting_error`.
         """
+        own = known or {}
         each = self.measured.items()
-        return self._with({n: m.expecting_error(model[1], self.response, order=n, known=known) for n, m in each})
+        return self._with({n: m.expecting_error(model[1], self.response, order=n, known=own.get(n)) for n, m in each})
 
     def taken_for_exact(self) -> "Recording":
         """Return the same recording for a model without an error of its own."""

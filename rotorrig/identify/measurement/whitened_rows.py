@@ -113,8 +113,8 @@ class Measurement:
         """Return the same with the error, at this order, of a model that predicts `model` (row + 1, probe) [m] at 1X.
 
         It is a share of its motion, which is what a vector, as stated, has beyond that of the slow roll: `model_error`
-        and `repeatability` of the priors in the rig of the `response`, above 1X `harmonic_error`. At 1X comes what is
-        `known` of that error's shape, (row + 1, probe, column) m, as of ExtendedProblem.known_error.
+        and `repeatability` of the priors in the rig of the `response`, above 1X `harmonic_error`. Then comes what is
+        `known` of that error's shape at this order, (row + 1, probe, column) m, as of ExtendedProblem.known_error.
         """
         prior, motion = response.rig.prior, model[:-1] - model[-1]
         share, repeatability = prior.model_error, prior.repeatability
@@ -124,7 +124,7 @@ class Measurement:
         parts = []
         if share or repeatability:
             parts.append(error_vectors(motion, omega, run, share=share, repeatability=repeatability))
-        if order == 1 and known is not None and known.any():
+        if known is not None and known.any():
             parts.append(known[:-1])
         if not parts:
             return self.taken_for_exact()

@@ -87,6 +87,9 @@ class LinearProblem:
     def solve(self, start: Reals, *, fixed: Mapping[int, float] | None = None, **how: Any) -> Solution:
         return solve(self, start, fixed={**self.frozen, **(fixed or {})}, **how)
 
+    def error_above_first(self, p: Reals) -> list[dict[int, Reals]]:
+        return [{}]
+
     def _of_effect(self, p: Reals, i: int) -> dict[str, float]:
         names = (q.name for q in self.effects[i].parameters)
         return dict(zip(names, map(float, p[self.parameters.theta[i]]), strict=True))

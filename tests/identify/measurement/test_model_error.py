@@ -87,7 +87,9 @@ def test_a_mark_that_moves_with_the_driven_end_turns_all_vectors_alike(
     lead = (across[0] * x + across[1] * y) / 0.015
     turned = z[1] * np.exp(-1j * lead[:, None])
     assert np.abs(lead).max() > 1e-4
-    np.testing.assert_allclose(z[1] - known[..., -2:] @ across, turned, atol=2 * np.abs(z[1]).max() * lead.max() ** 2)
+    np.testing.assert_allclose(
+        z[1] - known[1][..., -2:] @ across, turned, atol=2 * np.abs(z[1]).max() * lead.max() ** 2
+    )
 
 
 def test_a_force_law_is_known_to_a_tenth_of_what_it_does(quiet: OrderTrackedResponse) -> None:
@@ -95,13 +97,38 @@ def test_a_force_law_is_known_to_a_tenth_of_what_it_does(quiet: OrderTrackedResp
     bent = base.problem.extended([find(quiet.rig, "cubic_spring")])
     p = np.append(base.polished.p[: base.problem.parameters.own.start], 0.2)  # of a size
     straight = base.problem.extended([])
-    (known,), (without,) = known_error(bent.model, p), known_error(straight.model, p[:-1])
+    (known,), (without,) = (
+        [each[1] for each in known_error(*at)] for at in ((bent.model, p), (straight.model, p[:-1]))
+    )
     (z,), (plain,) = bent.model.predict(p, orders=(1,)), straight.model.predict(p[:-1], orders=(1,))
     of_law = known[..., without.shape[-1] :]
     deviation = np.sqrt(np.sum(np.abs(of_law) ** 2, axis=-1) / 2)[:-1]
     wanted = 0.1 * np.abs(z[1] - plain[1])[:-1]
     assert wanted.max() > 1e-6
     np.testing.assert_allclose(deviation, wanted, atol=2e-3 * wanted.max())
+
+
+@pytest.mark.parametrize("over_speed", [0.0, 0.1])
+def test_above_1x_a_model_is_known_as_well_as_at_1x(quiet: OrderTrackedResponse, over_speed: float) -> None:
+    """By a share of its motion there, and by dampings that are others at another speed."""
+    prior = quiet.rig.prior.model_copy(update={"damping_over_speed": over_speed})
+    response = replace(quiet, rig=quiet.rig.model_copy(update={"prior": prior}))
+    base = fit_base([Recording(response)])
+    assert base.problem.error_above_first(base.polished.p) == [{}], "the base does nothing there"
+    uneven = base.problem.extended([find(response.rig, "shaft_asymmetry")])
+    p = np.append(base.polished.p[: base.problem.parameters.own.start], [0.6, 0.3])  # of a size
+    (above,), (z,) = uneven.error_above_first(p), uneven.model.predict(p)
+    assert list(above) == [2], "at 2X alone"
+    moved = np.abs(z[2][:-1] - z[2][-1])  # beyond the slow roll
+    by_share = np.hypot(prior.model_error, prior.repeatability) * moved
+    deviation = np.sqrt(np.sum(np.abs(above[2]) ** 2, axis=-1) / 2)[:-1]
+    peak = int(moved[:, 0].argmax())
+    if over_speed:
+        assert (deviation > 0.97 * by_share).all()
+        assert deviation[peak, 0] > 1.05 * by_share[peak, 0]
+    else:
+        np.testing.assert_allclose(deviation, by_share, rtol=0.03)  # curved probes make 2X of 1X, too
+    assert uneven.expecting_error(p).recordings[0].measured[2].error is not None
 
 
 def test_noise_and_error_together_come_out_white(blind_response: OrderTrackedResponse) -> None:
