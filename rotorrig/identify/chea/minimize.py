@@ -14,7 +14,7 @@ from scipy.optimize import OptimizeResult
 from rotorrig.identify.chea.calls import Evaluation, Map, Objective
 from rotorrig.identify.chea.profiles import Local, Profile
 from rotorrig.identify.chea.search import Search
-from rotorrig.identify.chea.session import Box, CheaResult, SearchState, StopReason
+from rotorrig.identify.chea.session import Box, CheaResult, SearchState, Stop, StopReason
 
 Callback = Callable[..., object]
 
@@ -27,6 +27,7 @@ def chea(
     profile: Profile = "modern",
     settings: Any = None,
     local: Local | None = None,
+    stop: Stop = "natural",
     x_scale: str | Sequence[str] = "linear",
     max_nfev: int = 10_000,
     f_target: float | None = None,
@@ -45,12 +46,15 @@ def chea(
     decades. `local` descends by a "model" of all values near, or by "sqp" on finite differences; by default as the
     profile does. Given the same `rng`, a generator or a seed, the search is the same, however fun is called.
 
+    The "natural" end is where nothing lower is to be expected. With `stop` "all" the search then goes on for further
+    minima as low as the best, until it expects none; with "budget" it never ends by itself. Only profile "modern" can.
+
     The search ends by itself, at `f_target` (the best is at or below it), at the budget, on Ctrl-C, or when `callback`
     raises StopIteration. `callback(intermediate_result)` sees x, fun, nfev, nit, stage and state of the search after
     each batch that completed a step. A `state`, there or of the result, is plain data, may be pickled, and
     `chea(fun, resume=state)` goes on from there exactly as the search would have gone on: with the bounds, rng,
-    profile, settings, local and x_scale of its beginning, and `max_nfev` counted from there too. Calls that workers are
-    at when a search is ended early are given up and not counted.
+    profile, settings, local, stop and x_scale of its beginning, and `max_nfev` counted from there too. Calls that
+    workers are at when a search is ended early are given up and not counted.
 
     Raises ValueError on unusable bounds, scale, profile, budget or state, TypeError when `fun` returns no number or
     cannot be sent to workers. An error of `callback` reaches the caller.
@@ -68,7 +72,9 @@ def chea(
             search = Search.resume(resume)
         else:
             assert bounds is not None
-            search = Search(bounds, rng=rng, profile=profile, settings=settings, local=local, x_scale=x_scale)
+            search = Search(
+                bounds, rng=rng, profile=profile, settings=settings, local=local, stop=stop, x_scale=x_scale
+            )
         target = -np.inf if f_target is None else f_target
         try:
             reason = _run(search, evaluation, max_nfev=max_nfev, target=target, show=_shower(callback))

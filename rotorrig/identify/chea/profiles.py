@@ -8,7 +8,7 @@ import numpy as np
 from rotorrig.identify.chea.chapter import chapter
 from rotorrig.identify.chea.engine import Engine
 from rotorrig.identify.chea.modern import modern
-from rotorrig.identify.chea.session import Evaluations, Record, StopReason
+from rotorrig.identify.chea.session import Evaluations, Record, Stop, StopReason
 
 Profile = Literal["modern", "seed"]
 Local = Literal["model", "sqp"]
@@ -20,21 +20,33 @@ _PROFILES: dict[str, tuple[Any, Any]] = {
 }
 
 
+#: name -> where its search may end
+_STOPS: dict[str, tuple[Stop, ...]] = {"modern": ("natural", "budget", "all"), "seed": ("natural",)}
+
 #: name -> the profile whose local search it is
 _LOCALS = {"model": "modern", "sqp": "seed"}
 
 
 def begin(
-    profile: str, settings: Any, dim: int, rng: np.random.Generator, *, local: str | None = None
+    profile: str,
+    settings: Any,
+    dim: int,
+    rng: np.random.Generator,
+    *,
+    local: str | None = None,
+    stop: Stop = "natural",
 ) -> tuple[Record, Evaluations[StopReason]]:
     """Return an empty record and the search that fills it; `settings` and `local` None mean the profile's own.
 
-    Raises ValueError for a name that is none of the two, or the settings of the other.
+    Raises ValueError for a name that is none of the two, the settings of the other, and a `stop` that is none or not of
+    this profile.
     """
     if local is not None and local not in _LOCALS:
         raise ValueError(f"local is {local!r}, expected one of {', '.join(map(repr, _LOCALS))}")
     if profile not in _PROFILES:
         raise ValueError(f"profile is {profile!r}, expected one of {', '.join(map(repr, _PROFILES))}")
+    if stop not in _STOPS[profile]:
+        raise ValueError(f"stop is {stop!r}, expected {' or '.join(map(repr, _STOPS[profile]))} for {profile=}")
     method, usual = _PROFILES[profile]
     chosen = usual if settings is None else settings
     if type(chosen) is not type(usual):
@@ -45,4 +57,4 @@ def begin(
         other, its_settings = _PROFILES[_LOCALS[local]]
         parts = replace(parts, local=other(dim, its_settings).local)
     record = Record(dim, same_point=chosen.same_point)
-    return record, Engine(record, rng, parts).run()
+    return record, Engine(record, rng, parts).run(stop)

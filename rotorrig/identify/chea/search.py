@@ -15,6 +15,7 @@ from rotorrig.identify.chea.session import (
     Evaluations,
     Record,
     SearchState,
+    Stop,
     StopReason,
     assemble,
     from_bounds,
@@ -52,6 +53,7 @@ class Search:
         profile: Profile = "modern",
         settings: Any = None,
         local: Local | None = None,
+        stop: Stop = "natural",
         x_scale: str | Sequence[str] = "linear",
     ) -> None:
         """Begin a search; the arguments are those of `chea`. Raises ValueError on an unusable one.
@@ -61,7 +63,8 @@ class Search:
         """
         seed = np.random.default_rng(rng).integers(2**32, size=4).tolist()
         scaling = from_bounds(bounds, x_scale)
-        self._begin(SearchState(scaling=scaling, profile=profile, settings=settings, local=local, seed=tuple(seed)))
+        chosen = {"profile": profile, "settings": settings, "local": local, "stop": stop}
+        self._begin(SearchState(scaling=scaling, seed=tuple(seed), **chosen))
 
     @classmethod
     def resume(cls, state: SearchState) -> Self:
@@ -116,7 +119,9 @@ class Search:
         self._failure = start.failure
         self._reason = None
         rng = np.random.Generator(np.random.PCG64(start.seed))
-        self.record, self._plan = begin(start.profile, start.settings, start.scaling.dim, rng, local=start.local)
+        self.record, self._plan = begin(
+            start.profile, start.settings, start.scaling.dim, rng, local=start.local, stop=start.stop
+        )
         self._advance(None)
 
     def _advance(self, values: Array | None) -> None:

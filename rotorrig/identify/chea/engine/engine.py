@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.chea.engine.local_search import End, LocalSearch
-from rotorrig.identify.chea.session import Evaluations, Record, StopReason, one_point
+from rotorrig.identify.chea.session import Evaluations, Record, Stop, StopReason, one_point
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -44,6 +44,8 @@ class Method:
     note: Callable[[Engine], None] = lambda engine: None  # looks at the minima whenever one was met
     is_over: Callable[[Engine], bool]  # the natural end, asked before every round
     finish: Step = nothing  # after the last one
+    more: Step | None = None  # a round for minima that the natural end leaves unlisted; None: it knows none
+    has_all: Callable[[Engine], bool] = lambda engine: False  # whether such rounds have come to their end
 
 
 class Engine:
@@ -59,8 +61,9 @@ class Engine:
         self.values = np.empty(0)
         self.started = np.empty(0, dtype=np.bool_)  # whether a descent began there
 
-    def run(self) -> Evaluations[StopReason]:
-        """Search until the natural end."""
+    def run(self, stop: Stop = "natural") -> Evaluations[StopReason]:
+        """Search until the natural end; beyond it, for more minima, if the method can."""
+        more = self.method.more
         boxes = [np.stack([np.zeros(self.record.dim), np.ones(self.record.dim)])]
         for _ in range(self.method.levels):
             inner = []
@@ -77,6 +80,8 @@ class Engine:
             for step in self.method.steps:
                 yield from step(self)
             self.rounds += 1
+        while more and (stop == "budget" or (stop == "all" and not self.method.has_all(self))):
+            yield from more(self)
         yield from self.method.finish(self)
         return StopReason.STALLED if boxes else StopReason.CONVERGED
 

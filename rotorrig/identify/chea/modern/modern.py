@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rotorrig.identify.chea.engine import Clusters, End, Engine, Method, nearest_better, next_head
 from rotorrig.identify.chea.modern.funnel import fit_funnel
 from rotorrig.identify.chea.modern.local_search import descend
+from rotorrig.identify.chea.modern.more_minima import MoreMinima
 from rotorrig.identify.chea.modern.natural_stop import Finds
 from rotorrig.identify.chea.modern.recombination import offspring, spacing
 from rotorrig.identify.chea.modern.settings import MODERN, ModernSettings
@@ -42,6 +43,8 @@ def method(dim: int, settings: ModernSettings) -> Method:
         ),
         note=parts.finds.note,
         is_over=parts.finds.are_over,
+        more=parts.more.search,
+        has_all=parts.more.has_all,
     )
 
 
@@ -50,6 +53,7 @@ class _Parts:
 
     def __init__(self, dim: int, settings: ModernSettings) -> None:
         self.finds = Finds(dim, settings)
+        self.more = MoreMinima(dim, settings, self.finds.margin)
         self._settings = settings
         self._neighbours = dim + settings.neighbours
         self._bottoms = np.empty((0, dim))  # of funnels, that were looked into
@@ -181,7 +185,7 @@ class _Parts:
 
     def _makes_for_known(self, record: Record, u: Array, _fun: float, goal: Array, _foreseen: float) -> bool:
         """Return whether the `goal` of a descent now at `u` is a known minimum, and clearly which."""
-        minima, _, _ = record.minima.sorted()
+        minima = record.minima.points
         if not len(minima):
             return False
         away = np.abs(minima - goal).max(axis=1)

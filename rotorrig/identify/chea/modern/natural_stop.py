@@ -64,10 +64,14 @@ class Finds:
         sample = engine.values[: self._settings.sample * (engine.record.dim + 1)]
         return float(np.median(sample[np.isfinite(sample)]))
 
+    def margin(self, engine: Engine) -> float:
+        """Return how far above the best value a minimum may lie that shares it."""
+        return self._settings.tie * (self.usual(engine) - engine.record.minima.best)
+
     def note(self, engine: Engine) -> None:
         """Take note of a minimum: a lower value elsewhere, or one as low, is a find."""
         u, values, _ = engine.record.minima.sorted()
-        margin = self._settings.tie * (self.usual(engine) - values[0])
+        margin = self.margin(engine)
         before, fun_before = self._lowest
         elsewhere = np.abs(u[0] - before).max() > self._settings.same_point
         self._stop.note_minimum(

@@ -34,6 +34,8 @@ class DescentSettings:
 
     # the model
     points: int = 40  # nearest ones it is fitted to, or (dim + 1) (dim + 2) if that is more
+    many: int = 4096  # points, of more than which those about the descent alone are gone through,
+    crowd: int = 8  # so many for every one that is taken
     outlook: float = 4.0  # radii within which the model's minimum is shown to `stop_if`
     cliff: float = 1e8  # see _without_cliffs; from 1e4 on it costs nothing on smooth ground
     quadratics: int = 3  # in succession, for the least of the model
@@ -88,6 +90,11 @@ class ModernSettings:
     descents: int = 6  # up to so many,
     descents_per_parameter: int = 3  # and so many more per parameter
     shared: int = 3  # minima with one value: more say no more about a lower one
+
+    # Beyond it, for all minima as low as the best
+    doublings: int = 5  # of the sample, round by round
+    patience_for_all: float = 3.0  # calls without one more, times those until the last
+    idle_for_all: int = 3000  # and so many at least, times one more than there are parameters
 
 
 #: One set of values for every function.

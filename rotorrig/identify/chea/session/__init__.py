@@ -5,7 +5,7 @@ from rotorrig.identify.chea.session.record import Evaluations, Record, Stage
 from rotorrig.identify.chea.session.result import CheaResult, assemble
 from rotorrig.identify.chea.session.scaling import Box, from_bounds
 from rotorrig.identify.chea.session.state import SearchState
-from rotorrig.identify.chea.session.stopping import StopReason
+from rotorrig.identify.chea.session.stopping import Stop, StopReason
 
 __all__ = [
     "Box",
@@ -15,6 +15,7 @@ __all__ = [
     "Record",
     "SearchState",
     "Stage",
+    "Stop",
     "StopReason",
     "assemble",
     "from_bounds",

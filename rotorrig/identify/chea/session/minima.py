@@ -34,6 +34,11 @@ class Minima:
         return len(self._fun)
 
     @property
+    def points(self) -> Array:
+        """Where they are (n, dim), in the order they were found."""
+        return self._u
+
+    @property
     def best(self) -> float:
         """The lowest value found, +inf before the first."""
         return float(self._fun.min(initial=np.inf))

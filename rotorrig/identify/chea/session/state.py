@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.chea.session.scaling import Scaling
+from rotorrig.identify.chea.session.stopping import Stop
 
 Array = NDArray[np.float64]
 
@@ -23,6 +24,7 @@ class SearchState:
     profile: str
     settings: Any  # None: the profile's own
     local: str | None = None  # the local search; None: the profile's own
+    stop: Stop = "natural"  # where it is to end
     seed: tuple[int, ...]  # of the search's generator
     values: Array = field(default_factory=lambda: np.empty(0))  # (nfev,) in the order told; +inf where there was none
     checksum: int = 0  # of the points they belong to

@@ -1,6 +1,10 @@
-"""Why a search ends, as a value."""
+"""Where a search is to end, and why it ended."""
 
 from enum import StrEnum
+from typing import Literal
+
+#: "natural": once nothing lower is to be expected; "budget": never by itself; "all": once no further global minimum is
+Stop = Literal["natural", "budget", "all"]
 
 
 class StopReason(StrEnum):
