@@ -5,7 +5,7 @@ JOBS ?= $(shell expr $$(getconf _NPROCESSORS_ONLN) + 1)
 PYTEST = env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: setup demo test test-all lint types check docs tutorial pictures bench chea-tables chea-table7 identification-tables blind recorder tracking soak fuzz clean
+.PHONY: setup demo test test-all lint types check docs tutorial pictures bench chea-tables chea-niching chea-table7 identification-tables blind recorder tracking soak fuzz clean
 
 demo: .venv/ready
 	$(BIN)/rotor demo --out demo --force
@@ -53,6 +53,10 @@ bench: .venv/ready .venv-ross/ready
 # Long: the optimiser beside its peers, and the chapter's identification tables. One BLAS thread: the matrices are small.
 chea-tables: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chea_tables.py --seeds 100 --peer-seeds 100 --dimensions --write
+
+# How many global minima are listed when all are asked for: hours; Ctrl-C and the same command go on.
+chea-niching: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/chea_niching.py --seeds 20 --write
 
 # The chapter's Table 7 by the chapter's algorithm: some twenty minutes of one core; Ctrl-C and the same command go on.
 chea-table7: .venv/ready

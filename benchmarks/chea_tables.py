@@ -21,6 +21,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from benchmarks.parts.chea import niching_runs
 from benchmarks.parts.chea.chapter import CHAPTER
 from benchmarks.parts.chea.functions import Case, cases_beyond, chapter_cases
 from benchmarks.parts.chea.page import Scores, dimension_tables, page, tables
@@ -105,13 +106,17 @@ def _watched(runs: Iterable[Run], total: int) -> Iterable[Run]:
 
 
 def summary(chapter: Scores, beyond: Scores) -> dict[str, Any]:
-    """Return all figures: "seed" and "modern", each by function, "peers" by method, "chapter", "dimensions"."""
+    """Return all figures: "seed" and "modern", each by function, "peers" by method, "chapter", "dimensions".
+
+    "niching" is of the runs that chea_niching.py has kept.
+    """
     plain, ours = _plain(chapter), {method.name for method in CHEA}
     found: dict[str, Any] = {name: plain[name] for name in plain if name in ours}
     found["peers"] = {name: plain[name] for name in plain if name not in ours}
     found["chapter"] = {name: {f: asdict(row) for f, row in rows.items()} for name, rows in CHAPTER.items()}
     if any(beyond.values()):
         found["dimensions"] = _plain(beyond)
+    found["niching"] = niching_runs.summarise(niching_runs.read_runs(niching_runs.source_version(), any_version=True))
     return found
 
 

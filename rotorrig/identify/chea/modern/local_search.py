@@ -21,7 +21,6 @@ from rotorrig.identify.chea.session import Evaluations, Record
 from rotorrig.identify.chea.steps import minimize_on_box
 
 Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 #: Asked once per step with the best point (dim,), its value, the model's minimum (dim,) and the value foreseen there.
 StopIf = Callable[[Array, float, Array, float], bool]
@@ -69,8 +68,6 @@ class _Descent:
         self._settings = settings
         self._calls = 0
         self._unconfirmed = 0  # attempts since the last move
-        self._about = np.empty(0, dtype=np.intp)  # rows of the points nearest to `_anchor`, of the first `_since` ones
-        self._anchor, self._reach, self._since = u, -1.0, 0
 
     def run(
         self, tolerance: float, max_calls: int, stop_if: StopIf | None
@@ -100,7 +97,7 @@ class _Descent:
     def _model(self) -> TaylorModel:
         """Fit the nearest points."""
         points, dim = self._record.points, len(self.u)
-        near = self._nearest(points, max(self._settings.points, (dim + 1) * (dim + 2)))
+        near = self._record.nearest(self.u, max(self._settings.points, (dim + 1) * (dim + 2)))
         values = _without_cliffs(self._record.values[near], self._settings.cliff)
         return fit(
             points[near],
@@ -110,22 +107,6 @@ class _Descent:
             hessian=self.hessian,
             settings=self._settings.taylor,
         )
-
-    def _nearest(self, points: Array, most: int) -> Index:
-        """Return the rows of the nearest `most` points.
-
-        Of many, only those about the place where the descent was are gone through, until it has gone half as far as
-        they reach.
-        """
-        if len(points) <= self._settings.many:
-            return _least(((points - self.u) ** 2).sum(axis=1), most)
-        if np.linalg.norm(self.u - self._anchor) > 0.5 * self._reach:
-            away = ((points - self.u) ** 2).sum(axis=1)
-            self._about = _least(away, self._settings.crowd * most)
-            self._anchor, self._since = self.u.copy(), len(points)
-            self._reach = float(np.sqrt(away[self._about].max()))
-        rows = np.append(self._about, np.arange(self._since, len(points)))
-        return rows[_least(((points[rows] - self.u) ** 2).sum(axis=1), most)]
 
     def _doubtful_points(self, model: TaylorModel) -> Array:
         """Return points (n, dim) at the radius along which the slope is in doubt, downhill if that is known."""
@@ -202,11 +183,6 @@ class _Descent:
             if length <= 0.05 * np.abs(x).max():
                 break
         return x
-
-
-def _least(values: Array, number: int) -> Index:
-    """Return the places of so many least values, all if there are no more."""
-    return np.argpartition(values, number)[:number] if len(values) > number else np.arange(len(values))
 
 
 def _without_cliffs(values: Array, cliff: float) -> Array:

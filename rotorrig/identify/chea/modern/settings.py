@@ -34,8 +34,6 @@ class DescentSettings:
 
     # the model
     points: int = 40  # nearest ones it is fitted to, or (dim + 1) (dim + 2) if that is more
-    many: int = 4096  # points, of more than which those about the descent alone are gone through,
-    crowd: int = 8  # so many for every one that is taken
     outlook: float = 4.0  # radii within which the model's minimum is shown to `stop_if`
     cliff: float = 1e8  # see _without_cliffs; from 1e4 on it costs nothing on smooth ground
     quadratics: int = 3  # in succession, for the least of the model

@@ -5,10 +5,12 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from rotorrig.identify.chea.session.minima import Minima
 
 Array = NDArray[np.float64]
+UNSORTED = 4096  # points at the most that are gone through one by one for the nearest
 T = TypeVar("T")
 
 #: A part of a search: it yields points (n, dim) of the unit cube, is sent their values (n,), and returns its finding.
@@ -49,6 +51,8 @@ class Record:
         self._points = np.empty((1024, dim))
         self._values = np.empty(1024)
         self._best = -1  # row of the lowest value
+        self._tree: cKDTree | None = None  # of the first `_sorted` points
+        self._sorted = 0
 
     @property
     def points(self) -> Array:
@@ -66,6 +70,17 @@ class Record:
         if self._best < 0:
             return np.full(self.dim, np.nan), np.inf
         return _read_only(self._points[self._best]), float(self._values[self._best])
+
+    def nearest(self, u: Array, number: int) -> NDArray[np.intp]:
+        """Return the rows of so many points nearest to u (dim,), in no order; all if there are no more."""
+        if self.nfev - self._sorted > UNSORTED:
+            self._tree, self._sorted = cKDTree(self._points[: self.nfev]), self.nfev
+        squared = ((self._points[self._sorted : self.nfev] - u) ** 2).sum(axis=1)
+        rows = np.arange(self._sorted, self.nfev)
+        if self._tree is not None:
+            away, sorted_rows = self._tree.query(u, k=min(number, self._sorted))
+            squared, rows = np.append(squared, away**2), np.append(rows, sorted_rows)
+        return rows[np.argpartition(squared, number)[:number]] if len(rows) > number else rows
 
     def add(self, points: Array, values: Array) -> None:
         """Take in points (n, dim) and values (n,); a value that is not finite counts as a failure and as +inf."""

@@ -68,3 +68,17 @@ def test_steps_are_counted_and_the_latest_is_named(record: Record) -> None:
     record.step("genetic")
     record.step("local")
     assert (record.nit, record.stage) == (2, "local")
+
+
+@pytest.mark.parametrize("count", [30, 4096, 4500, 9500])
+def test_the_nearest_points_are_the_same_however_many_there_are(count: int) -> None:
+    rng = np.random.default_rng(count)
+    points, record = rng.random((count, 3)), Record(3)
+    for part in np.array_split(points, 7):
+        record.add(part, np.zeros(len(part)))
+        record.nearest(rng.random(3), 40)  # whatever was asked before
+    for u in rng.random((5, 3)):
+        away = np.linalg.norm(points - u, axis=1)
+        found = record.nearest(u, 40)
+        assert sorted(away[found]) == pytest.approx(np.sort(away)[:40])
+        assert len(set(found.tolist())) == min(40, count)
