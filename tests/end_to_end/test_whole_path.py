@@ -76,9 +76,9 @@ def test_what_the_rig_hid_is_found(healthy: Path, hurried_rig: RigConfig) -> Non
     assert len(fits) == 2
     for estimate in fits[0]["estimates"][:5]:
         off = abs(estimate["value"] - truth[estimate["name"]])
-        if not estimate["name"].startswith("c"):  # its damping changes with speed, which no model here has
-            assert off < 4 * estimate["sigma"], estimate
-        assert off < 0.05 * truth[estimate["name"]], estimate
+        assert off < 4 * estimate["sigma"], estimate
+        if not estimate["name"].startswith("c"):  # of a rig whose damping changes by a tenth sigma alone says how well
+            assert off < 0.05 * truth[estimate["name"]], estimate
 
 
 def test_the_healthy_rig_is_called_adequate(healthy: Path) -> None:
