@@ -1,5 +1,6 @@
 """`rotor investigate` on a simulated rig: it ends with a verdict, and goes on after it was stopped."""
 
+import html
 from pathlib import Path
 from typing import Any
 
@@ -84,7 +85,7 @@ def test_a_run_that_holds_speeds_is_made_and_judged_with_the_one_before(
     assert dwells - {"slow roll"} == {"dwell 900 rpm", "dwell 1500 rpm"}
     assert diagnosis.causes[0].label == "delay"
     assert len(diagnosis.responses) == 2
-    assert "plan 'default-held' at 900, 1500 rpm" in (tmp_path / "found/report.html").read_text()
+    assert "plan 'default-held' at 900, 1500 rpm" in html.unescape((tmp_path / "found/report.html").read_text())
 
 
 def test_a_rig_without_a_proof_test_is_not_left_alone(brief_rig: RigConfig, tmp_path: Path) -> None:
