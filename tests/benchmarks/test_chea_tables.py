@@ -126,7 +126,7 @@ def test_json_has_the_agreed_keys_on_its_last_line_and_the_page_the_tables(monke
     assert "\n".join(out.splitlines()[:-1]) in (tmp_path / "docs/chea-tables.md").read_text()
     found = json.loads(out.splitlines()[-1])
     functions = {"f1", "f2", "f3", "f1s", "f2s", "f3s", "f3r"}
-    assert found.keys() == {"seed", "modern", "peers", "chapter"}
+    assert found.keys() == {"seed", "modern", "peers", "chapter", "niching"}
     for figures in (found["seed"], found["modern"], found["peers"]["elitist GA"]):
         assert figures.keys() == functions
         for figure in figures.values():
