@@ -59,7 +59,7 @@ def add_runs(rig: RigConfig, base: str) -> tuple[RigConfig, Menu]:
     made = {
         f"{base}-slower": plan.model_copy(update={"ramp": plan.ramp / FACTOR}),
         f"{base}-faster": plan.model_copy(update={"ramp": plan.ramp * FACTOR}),
-        f"{base}-held": _held(plan),
+        f"{base}-held": _plan_dwells(plan),
         **{name: plan.model_copy(update={"end": top}) for name, top in tops.items()},
     }
     if taken := sorted(made.keys() & rig.plans.keys()):
@@ -73,7 +73,7 @@ def add_runs(rig: RigConfig, base: str) -> tuple[RigConfig, Menu]:
     return parse(text, where=rig.name), menu
 
 
-def _held(plan: RunUpCoastDown | RunUpRampDown) -> Stepped:
+def _plan_dwells(plan: RunUpCoastDown | RunUpRampDown) -> Stepped:
     """Return a plan that holds speeds; those it has stand for the ones that are chosen when it is run."""
     speeds = {"slow_roll": plan.slow_roll, "start": plan.start, "end": plan.end}
     speeds["step"] = (plan.end - plan.start) / (VERDICT.dwells - 1)

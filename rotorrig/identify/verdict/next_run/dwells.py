@@ -22,7 +22,7 @@ def parting_speeds(best: Fit, rivals: Sequence[Fit]) -> tuple[float, ...]:
     """
     recording = best[0].recordings[0]
     omega = recording.response.omega[recording.rows]
-    parted = np.min([_parted(recording, best, rival) for rival in rivals], axis=0)
+    parted = np.min([_compare(recording, best, rival) for rival in rivals], axis=0)
     parted[_in_bands(omega, recording.rig.limits)] = 0.0
     speeds: list[float] = []
     while len(speeds) < VERDICT.dwells and parted.max() > 0.0:
@@ -31,7 +31,7 @@ def parting_speeds(best: Fit, rivals: Sequence[Fit]) -> tuple[float, ...]:
     return tuple(sorted(speeds))
 
 
-def _parted(recording: Recording, best: Fit, rival: Fit) -> Reals:
+def _compare(recording: Recording, best: Fit, rival: Fit) -> Reals:
     """Return chi2 (row,) between two predictions, of all orders and probes."""
     (one, *_), (other, *_) = (problem.model.predict(fit.p) for problem, fit in (best, rival))
     response, rows = recording.response, recording.rows

@@ -31,6 +31,7 @@ class Plan:
     trial: dict[str, complex] = field(default_factory=dict)  # kg m, on the rotor
     backward: bool = False  # the rotor turns the other way
     dwells: tuple[float, ...] = ()  # rad/s, held one after the other instead of a sweep; rising
+    sweeps: int = 1  # that are made
     hands: float = 0.0  # s, of mounting things
 
     @property
@@ -38,7 +39,7 @@ class Plan:
         """How long it takes, about: at the rig, and of hands."""
         if self.dwells:
             return self.high / self.ramp + len(self.dwells) * (VERDICT.settle + VERDICT.dwell) + self.hands
-        return 2 * self.high / self.ramp + self.hands
+        return self.sweeps * 2 * self.high / self.ramp + self.hands
 
 
 def plans(
@@ -100,8 +101,7 @@ def plans(
         second = partial(again, kind="second plane", rig=fitted, probes=probes)
         yield second(words=f"{words}.", hands=VERDICT.fitting)
         words = f"{words}, and once more with a known trial mass."
-        twice = VERDICT.fitting + VERDICT.mounting + 2 * high / manner.ramp
-        yield second(words=words, trial=trial, hands=twice)
+        yield second(words=words, trial=trial, sweeps=2, hands=VERDICT.fitting + VERDICT.mounting)
 
 
 def _against(unbalance: complex) -> complex:

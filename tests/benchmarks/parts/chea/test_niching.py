@@ -37,7 +37,7 @@ def test_every_minimum_is_one_and_all_are_as_low(name: str) -> None:
         assert case.fun(around).min() >= value - 1e-9 * np.ptp(sample)
 
 
-def test_a_long_tie_is_cut_and_so_is_one_that_stands_out_among_many() -> None:
+def test_a_long_tie_between_two_groups_is_cut() -> None:
     two = np.array([[0.1, 0.1], [0.12, 0.1], [0.1, 0.12], [0.9, 0.9], [0.92, 0.9], [0.9, 0.92]])
     found = clusters(two, np.array([0.0, 1.0, 1.0, 0.5, 2.0, 2.0]))
     assert [place.tolist() for place, _ in found] == [[0.1, 0.1], [0.9, 0.9]]
