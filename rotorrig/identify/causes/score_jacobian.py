@@ -89,8 +89,8 @@ def _of_recording(
         else:
             motion = model.motion_of(recording, p, moving, order=order)
         columns += model.probes.bent_changes(p, first, first_changes, order)
-        z = model.probes.of_motion(p, motion, order=order) + model.probes.hum(recording, p, order)
-        _at_probes(model, recording, p, z + model.probes.bent(p, first, order), steps, order, columns)
+        z = model.probes.of_motion(p, motion, order=order) + model.probes.bent(p, first, order)
+        _at_probes(model, recording, p, z, steps, order, columns)
         stacked.append(measured.sigmas(columns).reshape(-1, len(steps)))
     return np.concatenate(stacked)
 
@@ -158,16 +158,17 @@ def _at_probes(
     columns: Complex,
 ) -> None:
     """Take the columns through the effects of the model at the probes, which read `z`, and add the candidates' own."""
-    if any("probes" in effect.acts_on for effect in model.effects):
-        seen = model.probes.through_effects(recording, p, z, order=order)
-        for c in range(columns.shape[-1]):
-            if columns[..., c].any():
-                columns[..., c] = model.probes.through_effects(recording, p, z + columns[..., c], order=order) - seen
-        z = seen
+    acting = any("probes" in effect.acts_on for effect in model.effects)
     view = recording.view(order)
-    for c, step in enumerate(steps):
-        effect = step.effect
-        if "probes" in effect.acts_on and step.acts_in(recording):
-            columns[..., c] += (
-                effect.change_readings(z, view, step.theta) - effect.change_readings(z, view, effect.at_zero)
-            ) / step.h
+    for after_hum, through in ((False, model.probes.read), (True, model.probes.recorded)):
+        seen = through(recording, p, z, order=order)
+        for c in range(columns.shape[-1] if acting else 0):
+            if columns[..., c].any():
+                columns[..., c] = through(recording, p, z + columns[..., c], order=order) - seen
+        z = seen
+        for c, step in enumerate(steps):
+            effect = step.effect
+            if "probes" in effect.acts_on and effect.after_hum == after_hum and step.acts_in(recording):
+                columns[..., c] += (
+                    effect.change_readings(z, view, step.theta) - effect.change_readings(z, view, effect.at_zero)
+                ) / step.h

@@ -133,13 +133,12 @@ def _exact(
         _by_runout(model, free, order, found[order])
         if order == 1:
             first, first_changes = model.probes.of_motion(p, motion, order=1), found[1].copy()
-        _by_hum(model, recording, free, order, found[order])
         found[order] += model.probes.bent_changes(p, first, first_changes, order)
         _by_curvature(model, first, free, order, found[order])
         if any("probes" in effect.acts_on for effect in model.effects):
-            z = model.probes.of_motion(p, motion, order=order) + model.probes.hum(recording, p, order)
-            z = z + model.probes.bent(p, first, order)
+            z = model.probes.of_motion(p, motion, order=order) + model.probes.bent(p, first, order)
             _through_effects(model, recording, p, z, free, order, found[order])
+        _by_hum(model, recording, p, free, order, found[order])
     return found
 
 
@@ -265,14 +264,17 @@ def _by_runout(model: ExtendedModel, free: Index, order: int, found: Complex) ->
         found[:, probe, np.searchsorted(free, i)] = 1j if imaginary else 1.0
 
 
-def _by_hum(model: ExtendedModel, recording: Recording, free: Index, order: int, found: Complex) -> None:
-    """Fill in the columns by the amounts of hum."""
+def _by_hum(model: ExtendedModel, recording: Recording, p: Reals, free: Index, order: int, found: Complex) -> None:
+    """Fill in the columns by the amounts of hum, in which the effects behind it are linear but for a constant."""
+    none = np.zeros(found.shape[:2], complex)
     names, leaks = model.parameters, recording.hum[order]
     for i in free[(free >= names.hums.start) & (free < names.hums.stop)]:
         line, imaginary = divmod(int(i) - names.hums.start, 2)
         number, frequency = names.hum_lines[line]
         if number == recording.number and frequency in leaks:
-            found[..., np.searchsorted(free, i)] = leaks[frequency] * (1j if imaginary else 1)
+            hum = leaks[frequency] * (1j if imaginary else 1)
+            after, before = (model.probes.after_hum(recording, p, z, order=order) for z in (hum, none))
+            found[..., np.searchsorted(free, i)] = after - before
 
 
 def _by_curvature(model: ExtendedModel, first: Complex, free: Index, order: int, found: Complex) -> None:

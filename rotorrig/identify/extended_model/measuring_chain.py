@@ -1,4 +1,8 @@
-"""Measuring chain, from motion to readings: the base's nuisances of it, then the effects behind them."""
+"""Measuring chain, from motion to readings, in the order of a signal's path.
+
+Where a probe looks and what it makes of the gap, with the effects on that; the hum that its cable picks up, which knows
+nothing of either; then the effects on what was recorded.
+"""
 
 from collections.abc import Mapping
 
@@ -25,7 +29,7 @@ class ProbeSide:
         found = {}
         first = self.of_motion(p, motion[1], order=1)
         for order, moved in motion.items():
-            z = self.of_motion(p, moved, order=order) + self.hum(recording, p, order) + self.bent(p, first, order)
+            z = self.of_motion(p, moved, order=order) + self.bent(p, first, order)
             found[order] = self.through_effects(recording, p, z, order=order)
         return found
 
@@ -65,9 +69,24 @@ class ProbeSide:
         return found
 
     def through_effects(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
-        """Return vectors as the effects on the probes' side leave them."""
+        """Return vectors as they are recorded, of what the base's probes read: hum and all effects on this side."""
+        return self.recorded(recording, p, self.read(recording, p, z, order=order), order=order)
+
+    def read(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
+        """Return vectors as the effects on the probes leave them, before hum."""
+        return self._changed(recording, p, z, order=order, after_hum=False)
+
+    def recorded(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
+        """Return vectors with hum, as the effects on what is recorded leave them."""
+        return self.after_hum(recording, p, z + self.hum(recording, p, order), order=order)
+
+    def after_hum(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
+        """Return vectors, hum included, as the effects on what is recorded leave them."""
+        return self._changed(recording, p, z, order=order, after_hum=True)
+
+    def _changed(self, recording: Recording, p: Reals, z: Complex, *, order: int, after_hum: bool) -> Complex:
         for i, effect in enumerate(self._parameters.effects):
-            if effect.recording in (None, recording.number):
+            if effect.after_hum == after_hum and effect.recording in (None, recording.number):
                 z = effect.change_readings(z, recording.view(order), self._parameters.of_effect(p, i))
         return z
 

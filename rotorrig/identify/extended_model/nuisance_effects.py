@@ -32,6 +32,7 @@ class MarkEdge(Effect):
     name = "mark_edge"
     title = "width of the keyphasor's mark"
     orders = EVERY
+    after_hum = True
 
     @classmethod
     def of_recording(cls, number: int) -> Self:

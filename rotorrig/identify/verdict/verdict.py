@@ -7,7 +7,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from rotorrig.identify.causes import Candidate, Selection, SelectionStep, is_significant, plausible
+from rotorrig.identify.causes import SELECTION, Candidate, Selection, SelectionStep, plausible
 from rotorrig.identify.least_squares import Stop
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.cross_validation import Prediction
@@ -106,7 +106,9 @@ def _step_of(selection: Selection, effect: Effect) -> SelectionStep | None:
 
 
 def _rivals(step: SelectionStep, best: Candidate) -> list[Candidate]:
-    return [c for c in step.tried[1:] if is_significant(c) and best.evidence - c.evidence < VERDICT.nameable]
+    """Return what fits nearly as well; beside a cause that is barely detected that need not be detected itself."""
+    near = (c for c in step.tried[1:] if best.evidence - c.evidence < VERDICT.nameable)
+    return [c for c in near if c.evidence > SELECTION.enough]
 
 
 def visible_share(selection: Selection) -> float:

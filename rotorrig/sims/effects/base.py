@@ -109,6 +109,7 @@ class Effect:
     linear_in: ClassVar[str] = ""  # of one with starts: the unknown it is linear in while that is small, if any
     scales_base: ClassVar[bool] = True  # its matrices are by what the base's are by: a share of a bearing, say
     as_nuisance: ClassVar[bool] = False  # every fit has it as a nuisance too: then it is larger than the prior expects
+    after_hum: ClassVar[bool] = False  # changes what was recorded, hum included: a filter, not where a probe looks
     acts_on: ClassVar[frozenset[Target]] = frozenset()  # by the methods that its class overrides
     where: str = ""  # "plane 1", "probe 2y", "at 381 mm"; empty where there is one place only
     parameters: tuple[Parameter, ...] = ()

@@ -20,6 +20,7 @@ class Delay(Effect):
     name = "delay"
     title = "time delay"
     orders = EVERY
+    after_hum = True
     probes: tuple[str, ...]
 
     def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:

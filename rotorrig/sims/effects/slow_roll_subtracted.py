@@ -21,6 +21,7 @@ class SlowRollSubtracted(Effect):
     title = "slow roll subtracted already"
     orders = EVERY
     linear = True
+    after_hum = True
 
     def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:
         """Return the rows less that share of the measured slow roll, or else the model's; that row itself stays."""

@@ -205,15 +205,21 @@ def test_causes_that_fit_alike_are_tied_the_chosen_one_first() -> None:
 
 
 @pytest.mark.parametrize(
-    ("rival", "why"),
+    ("best", "rival", "why"),
     [
-        (Tried(LUMP, 50.0), "it fits far worse"),
-        (Tried(LUMP, 95.0, lam=1.0), "the data do not call for it"),
-        (Tried(effect(Bend, "elsewhere"), 95.0), "it is the same cause at another place"),
+        (100.0, Tried(LUMP, 50.0), "it fits far worse"),
+        (13.0, Tried(LUMP, 2.0, lam=8.0), "the data do not call for it"),
+        (100.0, Tried(effect(Bend, "elsewhere"), 95.0), "it is the same cause at another place"),
     ],
 )
-def test_a_rival_is_none_if(rival: Tried, why: str) -> None:
-    assert tied_labels(selection([Tried(BEND, 100.0), rival])) == (), why
+def test_a_rival_is_none_if(best: float, rival: Tried, why: str) -> None:
+    assert tied_labels(selection([Tried(BEND, best), rival])) == (), why
+
+
+def test_beside_a_cause_barely_detected_a_rival_may_be_below_that() -> None:
+    """As measured: cross-talk of lam 18.2 in place of a turned probe, of 14.6, which it was."""
+    barely = selection([Tried(BEND, 12.6, lam=18.2), Tried(LUMP, 9.0, lam=14.6)])
+    assert tied_labels(barely) == (("bend", "lump"),)
 
 
 def test_a_rival_of_a_size_no_rig_has_is_one_all_the_same() -> None:
