@@ -43,27 +43,30 @@ def try_candidates(
     *,
     wrong: bool,
     first: bool,
+    needed: float = SELECTION.detected,
     go_on: Callable[[], bool] = lambda: True,
 ) -> SelectionStep:
     """Fit what scores high; where the misfit is loud or biases the base, force laws only if nothing else explains it.
 
-    Once `go_on` says no, nothing more is fitted.
+    What scores less than half of the fall of chi2 that is `needed` is not fitted. Once `go_on` says no, nothing more
+    is.
     """
     scored = scores(problem, polished.p, candidates)
     excess = _excess(problem, polished)
-    plain = fit_with_pinned_nuisances(problem, polished.p) if nuisances_biased(problem, polished.p) else None
+    biased = nuisances_biased(problem, polished.p)
     searched = first and (wrong or (bool(scored) and scored[0].lam > SELECTION.detected))
     by_score = bool(scored) and excess - scored[0].lam < SELECTION.reached * excess
-    later = by_score and (plain is not None or excess > SELECTION.loud)
+    later = by_score and (biased or excess > SELECTION.loud)
     search = partial(search_from_nameplate, problem, polished, candidates, biased=wrong, go_on=go_on)
     laws = search() if searched and not later else []
-    promising = _promising(sorted((*scored, *laws), key=lambda s: -s.lam))
+    promising = _promising(sorted((*scored, *laws), key=lambda s: -s.lam), needed)
     progress(0.3)
+    plain = fit_with_pinned_nuisances(problem, polished.p) if biased and (promising or later) else None
     fit_all = partial(_fit_all, problem, polished, plain, go_on=go_on)
     tried = fit_all(promising, (), progress=lambda share: progress(0.3 + 0.5 * share))
     if searched and not any(_explains(candidate, excess) for candidate in tried):
         laws = search() if later else laws
-        late = [s for s in _promising(laws if later else scored) if s not in promising]
+        late = [s for s in _promising(laws if later else scored, needed) if s not in promising]
         tried = fit_all(late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
     if go_on():
         tried = _finish_near(tried)
@@ -132,7 +135,7 @@ def _explains(candidate: Candidate, excess: float) -> bool:
     return _excess(candidate.problem, candidate.polished) <= left
 
 
-def _promising(scored: Sequence[Score]) -> list[Score]:
+def _promising(scored: Sequence[Score], needed: float) -> list[Score]:
     """Return the scores whose causes are fitted: of every kind the best, of the best kind a few.
 
     Those that score nearly alike come by the number of their unknowns: few of them are soon fitted, and then the long
@@ -142,7 +145,7 @@ def _promising(scored: Sequence[Score]) -> list[Score]:
     if not scored:
         return []
     law = SELECTION.rival_search * max((s.lam for s in scored if s.begin is not None), default=0.0)
-    least = max(SELECTION.detected / 2, SELECTION.promising * scored[0].lam)
+    least = max(needed / 2, SELECTION.promising * scored[0].lam)
     high = [s for s in scored if s.lam > (max(least, law) if s.begins_at_full_amount else least)]
     kinds: dict[str, int] = {}
     kept = []

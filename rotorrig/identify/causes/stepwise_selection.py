@@ -73,8 +73,9 @@ def select(
     def search(what: str, problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> SelectionStep:
         taken = {own.label for own in problem.effects if not own.is_nuisance}
         rest = [e for e in among if e.label not in taken]
+        needed = _needed(base.chi2 - polished.chi2)
         return try_candidates(
-            problem, polished, rest, partial(progress, what), wrong=wrong, first=not steps, go_on=go_on
+            problem, polished, rest, partial(progress, what), wrong=wrong, first=not steps, needed=needed, go_on=go_on
         )
 
     for number in range(SELECTION.most):
@@ -84,7 +85,7 @@ def select(
             break
         if number == 0 and (lower := _find_lower_base(base, step.tried[0])):
             return Selection(start=problem, base=lower, steps=(), problem=problem, polished=lower)
-        current, polished = _with_error_above_first(*_refit_best(steps))
+        current, polished = _with_error_of_effects(*_refit_best(steps))
         if current.curved:
             break  # what a force law leaves is its own harmonics as much as another cause
         if not go_on():
@@ -118,8 +119,13 @@ def _describes_data(fit: Solution) -> bool:
 
 def is_significant(candidate: Candidate, *, explained: float = 0.0) -> bool:
     """Say whether the data support the candidate beside causes that have explained so much of chi2."""
-    needed = SELECTION.detected + _search_penalty(candidate) + SELECTION.model_error**2 * explained
+    needed = _needed(explained) + _search_penalty(candidate)
     return candidate.evidence > SELECTION.enough and candidate.lam > needed
+
+
+def _needed(explained: float) -> float:
+    """Return by how much chi2 has to fall beside causes that have explained so much of it."""
+    return SELECTION.detected + SELECTION.model_error**2 * max(explained, 0.0)
 
 
 def _search_penalty(candidate: Candidate) -> float:
@@ -163,9 +169,9 @@ def _search_again(
     return problem, polished
 
 
-def _with_error_above_first(problem: ExtendedProblem, fit: Solution) -> tuple[ExtendedProblem, Solution]:
-    """Return a fit with what its effects may be wrong by above 1X in the covariance; itself where they do nothing."""
-    if not any(problem.error_above_first(fit.p)):
+def _with_error_of_effects(problem: ExtendedProblem, fit: Solution) -> tuple[ExtendedProblem, Solution]:
+    """Return a fit with what its effects may be wrong by in the covariance; itself where that is nothing."""
+    if not any(problem.error_of_effects(fit.p)):
         return problem, fit
     expecting = problem.expecting_error(fit.p)
     return expecting, refit(expecting, fit.p)

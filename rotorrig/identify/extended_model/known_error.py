@@ -3,9 +3,11 @@
 What an effect does above 1X, a coupling or an uneven shaft at 2X, is known no better than the motion at 1X: by the same
 share, and by the same dampings, which there count where that order meets the critical speed.
 
-What they are to begin with: measurement/model_error.py. Under a force law comes that of the law: a wall creeps back, a
-spring levels off, friction is another when warm. So what the law does to the motion at 1X may be another, as smooth
-over speed as the rest, by a share of `EXTENDED_MODEL.law_error`.
+What they are to begin with: measurement/model_error.py. To that comes what the law of an effect may be off by: a wall
+creeps back, friction is another when warm, the bushes of a coupling stiffen, a flat does not go all along. So what an
+effect does to a vector may be another, as smooth over speed as the rest, by a share that its class states as
+`law_error`: a tenth of contacts, a twentieth of other mechanisms, nothing of what is so by definition, as a probe's
+angle is. Where the motion is under a force law that is told at 1X alone.
 """
 
 from dataclasses import replace
@@ -24,27 +26,29 @@ from rotorrig.sims.effects import position_rows
 DRIVEN_END = 0.0  # m, where the mark is
 
 
-def known_error(model: ExtendedModel, p: Reals, *, of_laws: bool = True) -> list[dict[int, Complex]]:
-    """Return vectors of every recording at `p`, order -> (row + 1, probe, column) m, one standard deviation each.
-
-    Without `of_laws` a force law is taken for exact.
-    """
+def known_error(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
+    """Return vectors of every recording at `p`, order -> (row + 1, probe, column) m, one standard deviation each."""
     slopes = vectors_by(model, p, model.parameters.base.dampings)
     ends = position_rows(model.rotor(p), DRIVEN_END)
     found = []
-    above = above_first(model, p)
+    by_effects = error_of_effects(model, p)
     for n, (recording, own, z) in enumerate(zip(model.recordings, slopes, model.predict(p, orders=(1,)), strict=True)):
         moved = mark_vectors(z[1], model.motion_at(recording, p, ends), radius=recording.rig.prior.mark_radius)
-        by_laws = [_by_laws(model, recording, p)] if of_laws else []
-        found.append({1: np.concatenate([_by_damping(recording, own), moved, *by_laws], axis=-1), **above[n]})
+        first = np.concatenate([_by_damping(recording, own), moved, _by_laws(model, recording, p)], axis=-1)
+        found.append(_joined({1: first}, by_effects[n]))
     return found
 
 
-def above_first(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
-    """Return the same above 1X, of what the rotor itself does there; nothing under a force law, or where nothing is."""
+def error_of_effects(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
+    """Return the same of effects alone, by their laws and above 1X; nothing under a force law, or where nothing is."""
     moving = model.moving(p)
     if moving.laws:
         return [{} for _ in model.recordings]
+    return [_joined(*each) for each in zip(_above_first(model, p, moving), _by_effects(model, p), strict=True)]
+
+
+def _above_first(model: ExtendedModel, p: Reals, moving: Moving) -> list[dict[int, Complex]]:
+    """Return those above 1X, of what the rotor itself does there."""
     h, changed = EXTENDED_MODEL.step, []
     for i in model.parameters.base.dampings:
         other = p.copy()
@@ -60,6 +64,41 @@ def above_first(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
     return found
 
 
+def _by_effects(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
+    """Return those of every effect, by what it does beyond what it does to the slow roll, which was measured."""
+    found: list[dict[int, Complex]] = [{} for _ in model.recordings]
+    inexact = [i for i, effect in enumerate(model.effects) if effect.law_error and not effect.is_nuisance]
+    predicted = model.predict(p) if inexact else []
+    for i in inexact:
+        effect, without = model.effects[i], p.copy()
+        without[model.parameters.theta[i]] = [q.at_zero / q.size for q in effect.parameters]
+        for n, (z, other) in enumerate(zip(predicted, model.predict(without), strict=True)):
+            done = {order: z[order][:-1] - other[order][:-1] - (z[order][-1] - other[order][-1]) for order in z}
+            own = {
+                order: _in_share(model.recordings[n], order, motion, share=effect.law_error)
+                for order, motion in done.items()
+                if motion.any()
+            }
+            found[n] = _joined(found[n], own)
+    return found
+
+
+def _joined(*parts: dict[int, Complex]) -> dict[int, Complex]:
+    """Return the columns of all parts, order by order."""
+    orders = dict.fromkeys(order for part in parts for order in part)
+    return {n: np.concatenate([part[n] for part in parts if n in part], axis=-1) for n in orders}
+
+
+def _in_share(
+    recording: Recording, order: int, motion: Complex, *, share: float, repeatability: float = 0.0
+) -> Complex:
+    """Return those of a motion (row, probe) [m] known to a share, (row + 1, probe, column); none of the slow roll."""
+    rows = recording.measured[order].rows
+    omega, run = recording.response.omega[rows], recording.response.run[rows]
+    own = error_vectors(motion, omega, run, share=share, repeatability=repeatability)
+    return np.concatenate([own, np.zeros_like(own[:1])])
+
+
 def _seen(model: ExtendedModel, recording: Recording, p: Reals, moving: Moving, order: int) -> Complex:
     """Return what the probes see of a rotor's motion above 1X, (row + 1, probe)."""
     motion = recording.columns(moving.model, moving.loads(recording, order), order=order).sum(axis=-1)
@@ -68,11 +107,10 @@ def _seen(model: ExtendedModel, recording: Recording, p: Reals, moving: Moving, 
 
 def _own(recording: Recording, z: Complex, slopes: Complex, order: int) -> Complex:
     """Return those of an order by a share of its motion and by dampings that change over speed."""
-    prior, measured = recording.rig.prior, recording.measured[order]
-    omega, run = recording.response.omega[measured.rows], recording.response.run[measured.rows]
+    prior = recording.rig.prior
     by = {"share": prior.model_error, "repeatability": prior.repeatability}
-    own = error_vectors(z[:-1] - z[-1], omega, run, **by) if any(by.values()) else slopes[:-1, :, :0]
-    return np.concatenate([np.concatenate([own, np.zeros_like(own[:1])]), _by_damping(recording, slopes, order)], -1)
+    own = _in_share(recording, order, z[:-1] - z[-1], **by) if any(by.values()) else slopes[..., :0]
+    return np.concatenate([own, _by_damping(recording, slopes, order)], axis=-1)
 
 
 def _by_damping(recording: Recording, slopes: Complex, order: int = 1) -> Complex:
@@ -93,7 +131,5 @@ def _by_laws(model: ExtendedModel, recording: Recording, p: Reals) -> Complex:
         return np.zeros((*first.z.shape, 0), complex)
     motion = model.motions(recording, p, moving, orders=(1,))[1]
     bare = model.motion_of(recording, p, replace(moving, laws=()), order=1)
-    by_laws = model.probes.linear(p, motion - bare)[:-1]
-    omega, run = recording.response.omega[first.rows], recording.response.run[first.rows]
-    own = error_vectors(by_laws, omega, run, share=EXTENDED_MODEL.law_error, repeatability=0.0)
-    return np.concatenate([own, np.zeros_like(own[:1])])
+    share = max(effect.law_error for effect in model.effects if "force laws" in effect.acts_on)
+    return _in_share(recording, 1, model.probes.linear(p, motion - bare)[:-1], share=share)

@@ -12,7 +12,7 @@ import numpy as np
 
 from rotorrig.identify.base_model import BASE_MODEL, Reals, thin_rows
 from rotorrig.identify.extended_model.jacobian import columns, vectors_by
-from rotorrig.identify.extended_model.known_error import above_first, known_error
+from rotorrig.identify.extended_model.known_error import error_of_effects, known_error
 from rotorrig.identify.extended_model.model import Complex, ExtendedModel
 from rotorrig.identify.extended_model.settings import ORDERS
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -52,13 +52,12 @@ class ExtendedProblem:
         """Return the same problem of other vectors per recording, order -> (row + 1, probe) [m], with their noise."""
         return self.on([r.instead(z) for r, z in zip(self.recordings, vectors, strict=True)])
 
-    def expecting_error(self, p: Reals, *, pinned: bool = False, of_laws: bool = True) -> "ExtendedProblem":
+    def expecting_error(self, p: Reals, *, pinned: bool = False) -> "ExtendedProblem":
         """Return the same problem with the model's own error, of its motion at `p`, in the covariance.
 
-        For fits with nuisances `pinned` at their priors it holds, to the first order, what these do at 1X as well;
-        without `of_laws` a force law is taken for exact.
+        For fits with nuisances `pinned` at their priors it holds, to the first order, what these do at 1X as well.
         """
-        known = self.known_error(p, of_laws=of_laws)
+        known = self.known_error(p)
         if pinned:
             which = np.array(sorted(self.parameters.pinned), dtype=np.intp)
             moved = [z * self.parameters.prior_sigma[which] for z in vectors_by(self.model, p, which)]
@@ -66,16 +65,16 @@ class ExtendedProblem:
         each = zip(self.recordings, self.model.predict(p, orders=(1,)), known, strict=True)
         return self.on([recording.expecting_error(z, known) for recording, z, known in each])
 
-    def known_error(self, p: Reals, *, of_laws: bool = True) -> list[dict[int, Complex]]:
+    def known_error(self, p: Reals) -> list[dict[int, Complex]]:
         """Return what is known of the shape of the model's own error: order -> (row + 1, probe, column) m at `p`.
 
         Of every recording, one standard deviation each: known_error.py.
         """
-        return known_error(self.model, p, of_laws=of_laws)
+        return known_error(self.model, p)
 
-    def error_above_first(self, p: Reals) -> list[dict[int, Complex]]:
-        """Return that of what the model itself does above 1X, of every recording: empty where that is nothing."""
-        return above_first(self.model, p)
+    def error_of_effects(self, p: Reals) -> list[dict[int, Complex]]:
+        """Return that of its effects alone, of every recording: empty where that is nothing."""
+        return error_of_effects(self.model, p)
 
     def taken_for_exact(self) -> "ExtendedProblem":
         """Return the same problem with noise alone in the covariance."""

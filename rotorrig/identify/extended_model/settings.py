@@ -22,7 +22,6 @@ class ExtendedModelSettings:
     # motion under force laws
     highest_law_order: int = 2  # at which a force law is followed
     largest_motion: float = 0.1  # m: no rotor kit does
-    law_error: float = 0.1  # of what a force law does, one standard deviation: contacts are known to a tenth at best
 
     # what is kept
     recent: int = 4  # responses, motions under force laws: the next question is often about the same one

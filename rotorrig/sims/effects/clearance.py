@@ -27,6 +27,7 @@ class Clearance(Effect):
 
     name = "clearance"
     title = "clearance in a bearing's seat"
+    law_error = 0.1
     orders = EVERY
     bearings: tuple[str, ...]
     gravity: str  # as in RigConfig

@@ -62,6 +62,7 @@ class Crack(Effect):
 
     name = "crack"
     title = "breathing crack"
+    law_error = 0.1
     orders = EVERY
     rig: RigConfig = field(repr=False, compare=False)
     sag: CubicSpline = field(repr=False, compare=False)  # m, of the nameplate's rotor, (2,) at a place

@@ -28,6 +28,7 @@ class CubicSpring(Effect):
 
     name = "cubic_spring"
     title = "bearing stiffness that grows with deflection"
+    law_error = 0.1
     orders = EVERY
     linear_in = "k3"
     bearings: tuple[str, ...]

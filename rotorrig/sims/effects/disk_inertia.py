@@ -17,6 +17,7 @@ class DiskInertia(Effect):
 
     name = "disk_inertia"
     title = "disk inertia"
+    law_error = 0.0
     orders = EVERY
     disk: str
 

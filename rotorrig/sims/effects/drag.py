@@ -25,6 +25,7 @@ class Drag(Effect):
 
     name = "drag"
     title = "drag on a disk"
+    law_error = 0.1
     orders = EVERY
     linear_in = "c2"
     disk: str

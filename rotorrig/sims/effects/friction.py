@@ -37,6 +37,7 @@ class Friction(Effect):
 
     name = "friction"
     title = "dry friction at a bearing"
+    law_error = 0.1
     orders = EVERY
     bearings: tuple[str, ...]
 

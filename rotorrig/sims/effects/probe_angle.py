@@ -22,6 +22,7 @@ class ProbeAngle(Effect):
 
     name = "probe_angle"
     title = "probe turned about the shaft"
+    law_error = 0.0
     orders = EVERY
     as_nuisance = True
     plane: tuple[str, ...]  # the probes that tell x and y there

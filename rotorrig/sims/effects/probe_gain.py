@@ -17,6 +17,7 @@ class ProbeGain(Effect):
 
     name = "probe_gain"
     title = "probe gain"
+    law_error = 0.0
     orders = EVERY
     as_nuisance = True
     linear = True

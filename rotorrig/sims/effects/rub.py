@@ -30,6 +30,7 @@ class Rub(Effect):
 
     name = "rub"
     title = "rub"
+    law_error = 0.1
     orders = EVERY
     place: str  # disk or plane
     surface_speed: float  # m/s, of the turning shaft

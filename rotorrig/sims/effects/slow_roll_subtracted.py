@@ -19,6 +19,7 @@ class SlowRollSubtracted(Effect):
 
     name = "slow_roll_subtracted"
     title = "slow roll subtracted already"
+    law_error = 0.0
     orders = EVERY
     linear = True
     after_hum = True

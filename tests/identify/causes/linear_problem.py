@@ -87,7 +87,7 @@ class LinearProblem:
     def solve(self, start: Reals, *, fixed: Mapping[int, float] | None = None, **how: Any) -> Solution:
         return solve(self, start, fixed={**self.frozen, **(fixed or {})}, **how)
 
-    def error_above_first(self, p: Reals) -> list[dict[int, Reals]]:
+    def error_of_effects(self, p: Reals) -> list[dict[int, Reals]]:
         return [{}]
 
     def _of_effect(self, p: Reals, i: int) -> dict[str, float]:

@@ -24,7 +24,9 @@ def humming(short: OrderTrackedResponse) -> OrderTrackedResponse:
     return replace(short, mains=(steady,))
 
 
-def problem_with(response: OrderTrackedResponse, thetas: Thetas, hidden: np.ndarray) -> tuple[ExtendedProblem, np.ndarray]:
+def problem_with(
+    response: OrderTrackedResponse, thetas: Thetas, hidden: np.ndarray
+) -> tuple[ExtendedProblem, np.ndarray]:
     effects = [find(response.rig, label) for label in thetas]
     problem = ExtendedProblem(ExtendedModel([Recording(response)], effects))
     names, p = problem.parameters, problem.parameters.start(hidden)

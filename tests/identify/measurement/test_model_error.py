@@ -16,6 +16,7 @@ from rotorrig.identify.verdict.cross_validation import cross_validate
 from rotorrig.processing.response import OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import find
+from rotorrig.sims.effects.shaft_asymmetry import ShaftAsymmetry
 from tests.identify.swept import SIGMA, C, K, swept_response
 from tests.parameters import defer_rest
 
@@ -109,15 +110,18 @@ def test_a_force_law_is_known_to_a_tenth_of_what_it_does(quiet: OrderTrackedResp
 
 
 @pytest.mark.parametrize("over_speed", [0.0, 0.1])
-def test_above_1x_a_model_is_known_as_well_as_at_1x(quiet: OrderTrackedResponse, over_speed: float) -> None:
-    """By a share of its motion there, and by dampings that are others at another speed."""
+def test_above_1x_a_model_is_known_as_well_as_at_1x(
+    quiet: OrderTrackedResponse, over_speed: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a share of its motion there, and by dampings that are others at another speed; here of a law without error."""
+    monkeypatch.setattr(ShaftAsymmetry, "law_error", 0.0)
     prior = quiet.rig.prior.model_copy(update={"damping_over_speed": over_speed})
     response = replace(quiet, rig=quiet.rig.model_copy(update={"prior": prior}))
     base = fit_base([Recording(response)])
-    assert base.problem.error_above_first(base.polished.p) == [{}], "the base does nothing there"
+    assert base.problem.error_of_effects(base.polished.p) == [{}], "the base does nothing there"
     uneven = base.problem.extended([find(response.rig, "shaft_asymmetry")])
     p = np.append(base.polished.p[: base.problem.parameters.own.start], [0.6, 0.3])  # of a size
-    (above,), (z,) = uneven.error_above_first(p), uneven.model.predict(p)
+    (above,), (z,) = uneven.error_of_effects(p), uneven.model.predict(p)
     assert list(above) == [2], "at 2X alone"
     moved = np.abs(z[2][:-1] - z[2][-1])  # beyond the slow roll
     by_share = np.hypot(prior.model_error, prior.repeatability) * moved
@@ -129,6 +133,34 @@ def test_above_1x_a_model_is_known_as_well_as_at_1x(quiet: OrderTrackedResponse,
     else:
         np.testing.assert_allclose(deviation, by_share, rtol=0.03)  # curved probes make 2X of 1X, too
     assert uneven.expecting_error(p).recordings[0].measured[2].error is not None
+
+
+@pytest.mark.parametrize(
+    ("label", "share", "orders"), [("coupling", 0.05, (1, 2)), ("probe_angle, probe 2x", 0.0, (1,))]
+)
+def test_a_law_is_known_to_a_share_of_what_it_does_at_every_order(
+    label: str, share: float, orders: tuple[int, ...], quiet: OrderTrackedResponse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beyond what it does to the slow roll, which was measured; what is so by definition is known."""
+    base = fit_base([Recording(quiet)])
+    effect = find(quiet.rig, label)
+    larger = base.problem.extended([effect])
+    p, without = (larger.parameters.start(base.polished.p) for _ in range(2))
+    p[larger.parameters.own] = 0.7  # of a size, each
+    (z,), (plain,) = larger.model.predict(p), larger.model.predict(without)
+    (known,) = known_error(larger.model, p)
+    monkeypatch.setattr(type(effect), "law_error", 0.0)
+    (exact,) = known_error(larger.model, p)
+    for order in orders:
+        done = z[order][:-1] - z[order][-1] - (plain[order][:-1] - plain[order][-1])
+        added = _variance(known.get(order)) - _variance(exact.get(order))
+        assert np.abs(done).max() > 1e-7
+        np.testing.assert_allclose(added, (share * np.abs(done)) ** 2, atol=0.01 * np.abs(share * done).max() ** 2)
+
+
+def _variance(vectors: NDArray[np.complex128] | None) -> NDArray[np.float64] | float:
+    """Return that of either part of the error, (row, probe)."""
+    return 0.0 if vectors is None else np.sum(np.abs(vectors[:-1]) ** 2, axis=-1) / 2
 
 
 def test_noise_and_error_together_come_out_white(blind_response: OrderTrackedResponse) -> None:
