@@ -55,18 +55,19 @@ def try_candidates(
     excess = _excess(problem, polished)
     biased = nuisances_biased(problem, polished.p)
     searched = first and (wrong or (bool(scored) and scored[0].lam > SELECTION.detected))
-    by_score = bool(scored) and excess - scored[0].lam < SELECTION.reached * excess
+    by_score = bool(scored) and _reaches(scored[0], excess)
     later = by_score and (biased or excess > SELECTION.loud)
     search = partial(search_from_nameplate, problem, polished, candidates, biased=wrong, go_on=go_on)
     laws = search() if searched and not later else []
-    promising = _promising(sorted((*scored, *laws), key=lambda s: -s.lam), needed)
+    choose = partial(_promising, needed=needed, excess=excess)
+    promising = choose(sorted((*scored, *laws), key=lambda s: -s.lam))
     progress(0.3)
-    plain = fit_with_pinned_nuisances(problem, polished.p) if biased and (promising or later) else None
+    plain = fit_with_pinned_nuisances(problem, polished.p) if biased and (promising or searched) else None
     fit_all = partial(_fit_all, problem, polished, plain, go_on=go_on)
     tried = fit_all(promising, (), progress=lambda share: progress(0.3 + 0.5 * share))
     if searched and not any(_explains(candidate, excess) for candidate in tried):
         laws = search() if later else laws
-        late = [s for s in _promising(laws if later else scored, needed) if s not in promising]
+        late = [s for s in choose(laws if later else scored) if s not in promising]
         tried = fit_all(late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
     if go_on():
         tried = _finish_near(tried)
@@ -135,12 +136,12 @@ def _explains(candidate: Candidate, excess: float) -> bool:
     return _excess(candidate.problem, candidate.polished) <= left
 
 
-def _promising(scored: Sequence[Score], needed: float) -> list[Score]:
+def _promising(scored: Sequence[Score], *, needed: float, excess: float) -> list[Score]:
     """Return the scores whose causes are fitted: of every kind the best, of the best kind a few.
 
     Those that score nearly alike come by the number of their unknowns: few of them are soon fitted, and then the long
-    fits of the others can be given up. Where one leads that was searched for, only those begun at a small amount, which
-    are soon fitted too, come before it.
+    fits of the others can be given up; but first comes what scores for nearly all of the `excess`. Where one leads that
+    was searched for, only those begun at a small amount, which are soon fitted too, come before it.
     """
     if not scored:
         return []
@@ -158,8 +159,15 @@ def _promising(scored: Sequence[Score], needed: float) -> list[Score]:
         return kept
     if kept[0].begins_at_full_amount:
         return sorted(kept, key=lambda s: s.begin is None or s.begins_at_full_amount)
+    if _reaches(kept[0], excess):
+        return kept
     rivals = [s for s in kept if s.lam > SELECTION.rival * kept[0].lam]
     return sorted(rivals, key=lambda s: len(s.effect.parameters)) + kept[len(rivals) :]
+
+
+def _reaches(score: Score, excess: float) -> bool:
+    """Say whether so little of the excess would be left that the score may be all there is to it."""
+    return excess - score.lam < SELECTION.reached * excess
 
 
 def _labels(effects: Sequence[Effect]) -> set[str]:
