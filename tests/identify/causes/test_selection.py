@@ -9,7 +9,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from rotorrig.identify.causes import score_test
+from rotorrig.identify.causes import score_test, selection_step
+from rotorrig.identify.causes.candidate_fit import fit_candidate
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.causes.stepwise_selection import Selection, _drop_idle, is_significant, select
 from rotorrig.sims.effects.base import Effect
@@ -95,6 +96,34 @@ def test_a_second_cause_has_to_exceed_an_error_of_the_first_ones_model() -> None
     """A hundredth of an amplitude of 400 sigmas is 4: 16 of chi2, beside the 18 asked for anyway."""
     for fall, expected in ((33.0, "A"), (35.0, "AB")):
         assert taken(selected(alone(A=400.0**2, B=fall), [A, B])) == expected
+
+
+@pytest.mark.parametrize(("fall", "fitted"), [(16.5, ""), (17.5, "B")])
+def test_what_scores_less_than_half_of_what_it_needs_is_not_fitted(fall: float, fitted: str) -> None:
+    """Beside 400 sigmas 34 of chi2 are needed."""
+    found = selected(alone(A=400.0**2, B=fall), [A, B])
+    assert tried(found, 1) == fitted
+    assert "B" in names([score.effect for score in found.steps[1].scores])
+
+
+@pytest.mark.parametrize(("both", "alone", "order"), [(900.0, 100.0, "TA"), (600.0, 300.0, "AT")])
+def test_what_would_leave_next_to_nothing_is_fitted_before_what_has_fewer_unknowns(
+    both: float, alone: float, order: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """T takes what it has in common with A, and a little more; beside it `alone` is left, which neither takes."""
+    begun: list[str] = []
+
+    def log(problem: Any, polished: Any, plain: Any, score: Any, **others: Any) -> Any:
+        begun.append(score.effect.name)
+        return fit_candidate(problem, polished, plain, score, **others)
+
+    monkeypatch.setattr(selection_step, "fit_candidate", log)
+    three = effect("T", unknowns=3)
+    columns = {"A": [axis(0)], "T": [axis(0), axis(1), axis(2)]}
+    problem: Any = LinearProblem(Figures(measured([both, 20.0, 0.0, alone + FIGURES]), columns))
+    base = problem.solve(np.zeros(problem.design.shape[1]))
+    selection_step.try_candidates(problem, base, [three, A], lambda share: None, wrong=True, first=False)
+    assert "".join(begun) == order
 
 
 def test_no_more_than_three_causes_are_taken_up() -> None:
