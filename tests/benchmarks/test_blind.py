@@ -217,13 +217,13 @@ def test_the_effect_stands_before_the_place() -> None:
 
 
 def test_the_summary_of_a_fresh_clone_is_of_what_is_kept_in_the_repository(tmp_path: Path) -> None:
-    """With the files that git has, and no cache: of the attempt that stands, else of the one with the most cases."""
+    """With the files that git has, and no cache: of the attempt that stands, else of the newest that has cases."""
     clone = tmp_path / "clone"
     subprocess.run(["git", "clone", "-q", "--depth", "1", f"file://{ROOT}", clone], check=True, timeout=60)
     kept = clone / "benchmarks/parts/blind/results"
     attempts = [json.loads(text) for text in (kept / "attempts.jsonl").read_text().splitlines()]
     lines = {a["number"]: _lines_of(kept / f"attempt-{a['number']}.jsonl") for a in attempts}
-    told = max(attempts, key=lambda a: (not a["superseded"], len(lines[a["number"]])))
+    told = max(attempts, key=lambda a: (not a["superseded"], bool(lines[a["number"]]), a["number"]))
     done = subprocess.run(
         [sys.executable, "benchmarks/blind.py", "--json", "--summary"],
         cwd=clone,

@@ -107,10 +107,9 @@ def standing_attempt(folder: Path = FOLDER) -> Attempt | None:
 
 
 def choose_attempt(folder: Path = FOLDER) -> Attempt | None:
-    """Return the attempt whose figures are told: the one that stands, else the one with the most cases."""
+    """Return the attempt whose figures are told: the one that stands, else the newest of which cases are kept."""
     with_cases = [each for each in attempts(folder) if results_file(each, folder).exists()]
-    furthest = max(with_cases, key=lambda each: len(_lines(results_file(each, folder))), default=None)
-    return standing_attempt(folder) or furthest
+    return standing_attempt(folder) or (with_cases[-1] if with_cases else None)
 
 
 def begin_attempt(folder: Path = FOLDER) -> Attempt:

@@ -26,25 +26,30 @@ from rotorrig.sims.effects import position_rows
 DRIVEN_END = 0.0  # m, where the mark is
 
 
-def known_error(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
-    """Return vectors of every recording at `p`, order -> (row + 1, probe, column) m, one standard deviation each."""
+def known_error(model: ExtendedModel, p: Reals, *, of_laws: bool = True) -> list[dict[int, Complex]]:
+    """Return vectors of every recording at `p`, order -> (row + 1, probe, column) m, one standard deviation each.
+
+    Without `of_laws` the laws of effects are taken for exact.
+    """
     slopes = vectors_by(model, p, model.parameters.base.dampings)
     ends = position_rows(model.rotor(p), DRIVEN_END)
     found = []
-    by_effects = error_of_effects(model, p)
+    by_effects = error_of_effects(model, p, of_laws=of_laws)
     for n, (recording, own, z) in enumerate(zip(model.recordings, slopes, model.predict(p, orders=(1,)), strict=True)):
         moved = mark_vectors(z[1], model.motion_at(recording, p, ends), radius=recording.rig.prior.mark_radius)
-        first = np.concatenate([_by_damping(recording, own), moved, _by_laws(model, recording, p)], axis=-1)
+        by_laws = [_by_laws(model, recording, p)] if of_laws else []
+        first = np.concatenate([_by_damping(recording, own), moved, *by_laws], axis=-1)
         found.append(_joined({1: first}, by_effects[n]))
     return found
 
 
-def error_of_effects(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
+def error_of_effects(model: ExtendedModel, p: Reals, *, of_laws: bool = True) -> list[dict[int, Complex]]:
     """Return the same of effects alone, by their laws and above 1X; nothing under a force law, or where nothing is."""
     moving = model.moving(p)
     if moving.laws:
         return [{} for _ in model.recordings]
-    return [_joined(*each) for each in zip(_above_first(model, p, moving), _by_effects(model, p), strict=True)]
+    above = _above_first(model, p, moving)
+    return [_joined(*each) for each in zip(above, _by_effects(model, p), strict=True)] if of_laws else above
 
 
 def _above_first(model: ExtendedModel, p: Reals, moving: Moving) -> list[dict[int, Complex]]:

@@ -52,12 +52,13 @@ class ExtendedProblem:
         """Return the same problem of other vectors per recording, order -> (row + 1, probe) [m], with their noise."""
         return self.on([r.instead(z) for r, z in zip(self.recordings, vectors, strict=True)])
 
-    def expecting_error(self, p: Reals, *, pinned: bool = False) -> "ExtendedProblem":
+    def expecting_error(self, p: Reals, *, pinned: bool = False, of_laws: bool = True) -> "ExtendedProblem":
         """Return the same problem with the model's own error, of its motion at `p`, in the covariance.
 
-        For fits with nuisances `pinned` at their priors it holds, to the first order, what these do at 1X as well.
+        For fits with nuisances `pinned` at their priors it holds, to the first order, what these do at 1X as well;
+        without `of_laws` the laws of effects are taken for exact.
         """
-        known = self.known_error(p)
+        known = self.known_error(p, of_laws=of_laws)
         if pinned:
             which = np.array(sorted(self.parameters.pinned), dtype=np.intp)
             moved = [z * self.parameters.prior_sigma[which] for z in vectors_by(self.model, p, which)]
@@ -65,12 +66,12 @@ class ExtendedProblem:
         each = zip(self.recordings, self.model.predict(p, orders=(1,)), known, strict=True)
         return self.on([recording.expecting_error(z, known) for recording, z, known in each])
 
-    def known_error(self, p: Reals) -> list[dict[int, Complex]]:
+    def known_error(self, p: Reals, *, of_laws: bool = True) -> list[dict[int, Complex]]:
         """Return what is known of the shape of the model's own error: order -> (row + 1, probe, column) m at `p`.
 
         Of every recording, one standard deviation each: known_error.py.
         """
-        return known_error(self.model, p)
+        return known_error(self.model, p, of_laws=of_laws)
 
     def error_of_effects(self, p: Reals) -> list[dict[int, Complex]]:
         """Return that of its effects alone, of every recording: empty where that is nothing."""

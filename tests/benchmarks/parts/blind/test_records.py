@@ -146,7 +146,7 @@ def test_an_attempt_stands_until_it_is_superseded_and_the_next_has_new_seeds(
     assert choose_attempt(tmp_path) == second
     supersede_attempt("stopped before its first case", tmp_path)
     ended = attempts(tmp_path)[1]
-    assert choose_attempt(tmp_path) == ended, "of those that are superseded, the one that got furthest"
+    assert choose_attempt(tmp_path) == ended, "of those that are superseded, the newest that got to a case"
     assert ended.superseded == "a false alarm was looked at"
     assert ended.verdicts == {"adequate": 2, "named": 1}
     with pytest.raises(ConfigError, match="no attempt stands"):
