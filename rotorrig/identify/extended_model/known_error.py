@@ -7,7 +7,8 @@ What they are to begin with: measurement/model_error.py. To that comes what the 
 creeps back, friction is another when warm, the bushes of a coupling stiffen, a flat does not go all along. So what an
 effect does to a vector may be another, as smooth over speed as the rest, by a share that its class states as
 `law_error`: a tenth of contacts, a twentieth of other mechanisms, nothing of what is so by definition, as a probe's
-angle is. Where the motion is under a force law that is told at 1X alone.
+angle is. Of force laws that is told at 1X alone, of others above it alone: at 1X, where the base has all its freedom
+too, a bow whose law may be off at every probe predicts unseen data no better than none.
 """
 
 from dataclasses import replace
@@ -70,7 +71,7 @@ def _above_first(model: ExtendedModel, p: Reals, moving: Moving) -> list[dict[in
 
 
 def _by_effects(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
-    """Return those of every effect, by what it does beyond what it does to the slow roll, which was measured."""
+    """Return those above 1X of every effect, by what it does beyond what it does to the slow roll, as measured."""
     found: list[dict[int, Complex]] = [{} for _ in model.recordings]
     inexact = [i for i, effect in enumerate(model.effects) if effect.law_error and not effect.is_nuisance]
     predicted = model.predict(p) if inexact else []
@@ -82,7 +83,7 @@ def _by_effects(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
             own = {
                 order: _in_share(model.recordings[n], order, motion, share=effect.law_error)
                 for order, motion in done.items()
-                if motion.any()
+                if order > 1 and motion.any()
             }
             found[n] = _joined(found[n], own)
     return found

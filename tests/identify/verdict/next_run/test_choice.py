@@ -221,10 +221,8 @@ def test_where_no_run_may_be_made_it_says_so(tied: Selection, monkeypatch: pytes
 
 
 def test_what_nothing_explains_is_run_to_a_higher_speed_and_a_kind_that_is_not_possible_is_passed_over(
-    tied: Selection, monkeypatch: pytest.MonkeyPatch
+    tied: Selection,
 ) -> None:
-    """If it may be: what is known of its motion beforehand is another test's."""
-    monkeypatch.setattr("rotorrig.identify.verdict.next_run.choice.share_of_limit", lambda *_: 0.5)
     found = find_other_run(tied)
     assert (found.kind, found.separates) == ("through critical", ())
     assert find_other_run(tied, not_possible={"through critical"}).kind == "trial mass"
