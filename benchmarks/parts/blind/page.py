@@ -130,7 +130,8 @@ def list_attempts(attempts: Sequence[Attempt], judged: Judged) -> str:
     lines = []
     for each in attempts:
         counts = each.verdicts if each.superseded else now
-        found = ", ".join(f"{count} {verdict}" for verdict, count in counts.items()) or "no case yet"
+        none = "no case is kept" if each.superseded else "no case yet"
+        found = ", ".join(f"{count} {verdict}" for verdict, count in counts.items()) or none
         ended = f"Superseded on {each.until}: {each.superseded}." if each.superseded else "It stands."
         about = f"begun on {each.begun}, version {each.version}, seeds from {each.first_seed}"
         lines.append(f"- **Attempt {each.number}**, {about}: {found}. {ended}")

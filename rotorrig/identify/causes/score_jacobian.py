@@ -160,7 +160,7 @@ def _at_probes(
     """Take the columns through the effects of the model at the probes, which read `z`, and add the candidates' own."""
     acting = any("probes" in effect.acts_on for effect in model.effects)
     view = recording.view(order)
-    for after_hum, through in ((False, model.probes.read), (True, model.probes.recorded)):
+    for after_hum, through in ((False, model.probes.read), (True, model.probes.record)):
         seen = through(recording, p, z, order=order)
         for c in range(columns.shape[-1] if acting else 0):
             if columns[..., c].any():

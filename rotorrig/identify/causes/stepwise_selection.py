@@ -73,7 +73,7 @@ def select(
     def search(what: str, problem: ExtendedProblem, polished: Solution, among: Sequence[Effect]) -> SelectionStep:
         taken = {own.label for own in problem.effects if not own.is_nuisance}
         rest = [e for e in among if e.label not in taken]
-        needed = _needed(base.chi2 - polished.chi2)
+        needed = _require_fall(base.chi2 - polished.chi2)
         return try_candidates(
             problem, polished, rest, partial(progress, what), wrong=wrong, first=not steps, needed=needed, go_on=go_on
         )
@@ -119,12 +119,12 @@ def _describes_data(fit: Solution) -> bool:
 
 def is_significant(candidate: Candidate, *, explained: float = 0.0) -> bool:
     """Say whether the data support the candidate beside causes that have explained so much of chi2."""
-    needed = _needed(explained) + _search_penalty(candidate)
+    needed = _require_fall(explained) + _search_penalty(candidate)
     return candidate.evidence > SELECTION.enough and candidate.lam > needed
 
 
-def _needed(explained: float) -> float:
-    """Return by how much chi2 has to fall beside causes that have explained so much of it."""
+def _require_fall(explained: float) -> float:
+    """Return by how much chi2 has to fall, beside causes that have explained so much of it."""
     return SELECTION.detected + SELECTION.model_error**2 * max(explained, 0.0)
 
 

@@ -273,7 +273,7 @@ def _by_hum(model: ExtendedModel, recording: Recording, p: Reals, free: Index, o
         number, frequency = names.hum_lines[line]
         if number == recording.number and frequency in leaks:
             hum = leaks[frequency] * (1j if imaginary else 1)
-            after, before = (model.probes.after_hum(recording, p, z, order=order) for z in (hum, none))
+            after, before = (model.probes.change_recorded(recording, p, z, order=order) for z in (hum, none))
             found[..., np.searchsorted(free, i)] = after - before
 
 

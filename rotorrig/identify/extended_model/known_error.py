@@ -40,7 +40,7 @@ def known_error(model: ExtendedModel, p: Reals, *, of_laws: bool = True) -> list
         moved = mark_vectors(z[1], model.motion_at(recording, p, ends), radius=recording.rig.prior.mark_radius)
         by_laws = [_by_laws(model, recording, p)] if of_laws else []
         first = np.concatenate([_by_damping(recording, own), moved, *by_laws], axis=-1)
-        found.append(_joined({1: first}, by_effects[n]))
+        found.append(_join({1: first}, by_effects[n]))
     return found
 
 
@@ -50,7 +50,7 @@ def error_of_effects(model: ExtendedModel, p: Reals, *, of_laws: bool = True) ->
     if moving.laws:
         return [{} for _ in model.recordings]
     above = _above_first(model, p, moving)
-    return [_joined(*each) for each in zip(above, _by_effects(model, p), strict=True)] if of_laws else above
+    return [_join(*each) for each in zip(above, _by_effects(model, p), strict=True)] if of_laws else above
 
 
 def _above_first(model: ExtendedModel, p: Reals, moving: Moving) -> list[dict[int, Complex]]:
@@ -79,17 +79,17 @@ def _by_effects(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
         effect, without = model.effects[i], p.copy()
         without[model.parameters.theta[i]] = [q.at_zero / q.size for q in effect.parameters]
         for n, (z, other) in enumerate(zip(predicted, model.predict(without), strict=True)):
-            done = {order: z[order][:-1] - other[order][:-1] - (z[order][-1] - other[order][-1]) for order in z}
+            changes = {order: z[order] - other[order] for order in z if order > 1}
             own = {
-                order: _in_share(model.recordings[n], order, motion, share=effect.law_error)
-                for order, motion in done.items()
-                if order > 1 and motion.any()
+                order: _in_share(model.recordings[n], order, change[:-1] - change[-1], share=effect.law_error)
+                for order, change in changes.items()
+                if (change != change[-1]).any()
             }
-            found[n] = _joined(found[n], own)
+            found[n] = _join(found[n], own)
     return found
 
 
-def _joined(*parts: dict[int, Complex]) -> dict[int, Complex]:
+def _join(*parts: dict[int, Complex]) -> dict[int, Complex]:
     """Return the columns of all parts, order by order."""
     orders = dict.fromkeys(order for part in parts for order in part)
     return {n: np.concatenate([part[n] for part in parts if n in part], axis=-1) for n in orders}

@@ -70,21 +70,21 @@ class ProbeSide:
 
     def through_effects(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
         """Return vectors as they are recorded, of what the base's probes read: hum and all effects on this side."""
-        return self.recorded(recording, p, self.read(recording, p, z, order=order), order=order)
+        return self.record(recording, p, self.read(recording, p, z, order=order), order=order)
 
     def read(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
         """Return vectors as the effects on the probes leave them, before hum."""
-        return self._changed(recording, p, z, order=order, after_hum=False)
+        return self._apply_effects(recording, p, z, order=order, after_hum=False)
 
-    def recorded(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
+    def record(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
         """Return vectors with hum, as the effects on what is recorded leave them."""
-        return self.after_hum(recording, p, z + self.hum(recording, p, order), order=order)
+        return self.change_recorded(recording, p, z + self.hum(recording, p, order), order=order)
 
-    def after_hum(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
+    def change_recorded(self, recording: Recording, p: Reals, z: Complex, *, order: int) -> Complex:
         """Return vectors, hum included, as the effects on what is recorded leave them."""
-        return self._changed(recording, p, z, order=order, after_hum=True)
+        return self._apply_effects(recording, p, z, order=order, after_hum=True)
 
-    def _changed(self, recording: Recording, p: Reals, z: Complex, *, order: int, after_hum: bool) -> Complex:
+    def _apply_effects(self, recording: Recording, p: Reals, z: Complex, *, order: int, after_hum: bool) -> Complex:
         for i, effect in enumerate(self._parameters.effects):
             if effect.after_hum == after_hum and effect.recording in (None, recording.number):
                 z = effect.change_readings(z, recording.view(order), self._parameters.of_effect(p, i))

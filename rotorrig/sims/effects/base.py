@@ -108,7 +108,7 @@ class Effect:
     linear: ClassVar[bool] = False  # what it adds to a fixed rotor is linear in the parameters, but grid-searched ones
     linear_in: ClassVar[str] = ""  # of one with starts: the unknown it is linear in while that is small, if any
     scales_base: ClassVar[bool] = True  # its matrices are by what the base's are by: a share of a bearing, say
-    law_error: ClassVar[float] = 0.05  # share of what it does that its law may be off by, 1 sigma; 0: a definition
+    law_error: ClassVar[float] = 0.05  # share of what it does that its law is off by, 1 sigma (known_error.py); 0: none
     as_nuisance: ClassVar[bool] = False  # every fit has it as a nuisance too: then it is larger than the prior expects
     after_hum: ClassVar[bool] = False  # changes what was recorded, hum included: a filter, not where a probe looks
     acts_on: ClassVar[frozenset[Target]] = frozenset()  # by the methods that its class overrides

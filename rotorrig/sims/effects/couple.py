@@ -21,7 +21,6 @@ class Couple(Effect):
 
     name = "couple"
     title = "couple unbalance of a skew disk"
-    law_error = 0.0
     linear = True
     disk: str
 

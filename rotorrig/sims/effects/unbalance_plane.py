@@ -22,7 +22,6 @@ class UnbalancePlane(Effect):
 
     name = "unbalance_plane"
     title = "unbalance in another plane"
-    law_error = 0.0
     plane: str = ""  # of the model; "": none
     position: float = 0.0  # m from the coupling, where there is none
     length: float = 0.0  # m, of the shaft
