@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.adequacy.settings import ADEQUACY
-from rotorrig.identify.extended_model import CURVED_AT
+from rotorrig.identify.extended_model import CURVED_AT, EXTENDED_MODEL
 from rotorrig.identify.measurement import SLOW_ROLL
 from rotorrig.processing import OrderTrackedResponse, measured_planes
 
@@ -89,7 +89,7 @@ def _apparent_shift(response: OrderTrackedResponse) -> Reals:
             along += np.abs(z) ** 2
             across += np.abs(_across(response, z)) ** 2
     curved = response.rig.prior.probe_linearity * along / (2 * CURVED_AT)
-    round_shaft = ADEQUACY.roundness * across / (2 * response.rig.shaft.diameter)
+    round_shaft = EXTENDED_MODEL.roundness * across / (2 * response.rig.shaft.diameter)
     return np.hypot(curved, round_shaft)
 
 

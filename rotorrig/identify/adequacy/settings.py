@@ -16,7 +16,6 @@ class AdequacySettings:
     one_sided: float = 0.8  # of the residual's square, from which it is called forward or backward
     least_rows: int = 3  # of the other run, for a comparison with it
     fewest_rows: int = 16  # of a run that tell a change of its mean position from scatter
-    roundness: float = 0.5  # of the largest mean a round shaft makes, in one standard deviation: a probe sees a part
 
 
 ADEQUACY = AdequacySettings()

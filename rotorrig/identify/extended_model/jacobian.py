@@ -9,7 +9,6 @@ from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.excited_rotor import Moving, halved_amounts
 from rotorrig.identify.extended_model.force_law_jacobian import LawColumns, under_laws
 from rotorrig.identify.extended_model.model import ExtendedModel
-from rotorrig.identify.extended_model.probe_curve import POWERS, bend
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.measurement import Measurement
@@ -278,11 +277,10 @@ def _by_hum(model: ExtendedModel, recording: Recording, p: Reals, free: Index, o
 
 
 def _by_curvature(model: ExtendedModel, first: Complex, free: Index, order: int, found: Complex) -> None:
-    part, probes = model.parameters.curves, first.shape[1]
-    bent = {power: bend(first, order, power) for power in POWERS}
+    part, curves = model.parameters.curves, model.parameters.probe_curves
+    bent = curves.columns(first, order)
     for i in free[(free >= part.start) & (free < part.stop)]:
-        power, probe = divmod(int(i) - part.start, probes)
-        found[:, probe, np.searchsorted(free, i)] = bent[POWERS[power]][:, probe]
+        found[:, curves.probe[i - part.start], np.searchsorted(free, i)] = bent[:, i - part.start]
 
 
 def _through_effects(

@@ -7,8 +7,11 @@ What they are to begin with: measurement/model_error.py. To that comes what the 
 creeps back, friction is another when warm, the bushes of a coupling stiffen, a flat does not go all along. So what an
 effect does to a vector may be another, as smooth over speed as the rest, by a share that its class states as
 `law_error`: a tenth of contacts, a twentieth of other mechanisms, nothing of what is so by definition, as a probe's
-angle is. Of force laws that is told at 1X alone, of others above it alone: at 1X, where the base has all its freedom
-too, a bow whose law may be off at every probe predicts unseen data no better than none.
+angle is. Of force laws that is told at 1X alone, of probes at all orders, of others above 1X alone: at 1X, where the
+base has all its freedom too, a bow whose law may be off at every probe predicts unseen data no better than none.
+
+What came on at a moment, as a step of unbalance, may have taken its time: half of it, one standard deviation, came on
+at any of the moments around that the effect states.
 """
 
 from dataclasses import replace
@@ -50,7 +53,9 @@ def error_of_effects(model: ExtendedModel, p: Reals, *, of_laws: bool = True) ->
     if moving.laws:
         return [{} for _ in model.recordings]
     above = _above_first(model, p, moving)
-    return [_join(*each) for each in zip(above, _by_effects(model, p), strict=True)] if of_laws else above
+    if not of_laws:
+        return above
+    return [_join(*each) for each in zip(above, _by_effects(model, p), _by_moments(model, p), strict=True)]
 
 
 def _above_first(model: ExtendedModel, p: Reals, moving: Moving) -> list[dict[int, Complex]]:
@@ -71,7 +76,7 @@ def _above_first(model: ExtendedModel, p: Reals, moving: Moving) -> list[dict[in
 
 
 def _by_effects(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
-    """Return those above 1X of every effect, by what it does beyond what it does to the slow roll, as measured."""
+    """Return those of every effect above 1X, at 1X of probes, by what it does beyond what it does to the slow roll."""
     found: list[dict[int, Complex]] = [{} for _ in model.recordings]
     inexact = [i for i, effect in enumerate(model.effects) if effect.law_error and not effect.is_nuisance]
     predicted = model.predict(p) if inexact else []
@@ -79,13 +84,27 @@ def _by_effects(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
         effect, without = model.effects[i], p.copy()
         without[model.parameters.theta[i]] = [q.at_zero / q.size for q in effect.parameters]
         for n, (z, other) in enumerate(zip(predicted, model.predict(without), strict=True)):
-            changes = {order: z[order] - other[order] for order in z if order > 1}
+            lowest = 1 if effect.acts_on == {"probes"} else 2
+            changes = {order: z[order] - other[order] for order in z if order >= lowest}
             own = {
                 order: _in_share(model.recordings[n], order, change[:-1] - change[-1], share=effect.law_error)
                 for order, change in changes.items()
                 if (change != change[-1]).any()
             }
             found[n] = _join(found[n], own)
+    return found
+
+
+def _by_moments(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
+    """Return those at 1X of effects that came on once, by what half of each at another moment changes."""
+    found: list[dict[int, Complex]] = [{} for _ in model.recordings]
+    for i, effect in enumerate(model.effects):
+        for moved in effect.at_other_moments(model.parameters.of_effect(p, i)):
+            other = p.copy()
+            other[model.parameters.theta[i]] = [moved[q.name] / q.size for q in effect.parameters]
+            both = zip(model.predict(p, orders=(1,)), model.predict(other, orders=(1,)), strict=True)
+            halves = [{1: (after[1] - z[1])[..., None] / 2} for z, after in both]
+            found = [_join(*each) for each in zip(found, halves, strict=True)]
     return found
 
 

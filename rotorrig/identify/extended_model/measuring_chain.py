@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.parameters import ExtendedParameters
-from rotorrig.identify.extended_model.probe_curve import POWERS, bend, bend_slopes
 from rotorrig.identify.extended_model.tracked_recording import Recording
 
 Complex = NDArray[np.complex128]
@@ -45,18 +44,12 @@ class ProbeSide:
         return gain * (cos * change[:, :n] + sin * change[:, n:])
 
     def bent(self, p: Reals, first: Complex, order: int) -> Complex:
-        """Return what the curvature of the probes' scale adds to an order, of 1X vectors `first`."""
-        shares = p[self._parameters.curves].reshape(len(POWERS), -1)
-        return np.sum([own * bend(first, order, power) for power, own in zip(POWERS, shares, strict=True)], axis=0)
+        """Return what the curvature of the probes' readings adds to an order, of 1X vectors `first`."""
+        return self._parameters.probe_curves.bent(p[self._parameters.curves], first, order)
 
     def bent_changes(self, p: Reals, first: Complex, changes: Complex, order: int) -> Complex:
         """Return how `bent` goes with small changes of the 1X vectors, (row + 1, probe, column)."""
-        shares = p[self._parameters.curves].reshape(len(POWERS), -1)
-        if not shares.any():
-            return np.zeros_like(changes)
-        slopes = [own * bend_slopes(first, order, power) for power, own in zip(POWERS, shares, strict=True)]
-        along, mirrored = np.sum(slopes, axis=0)[..., None]
-        return along * changes + mirrored * changes.conj()
+        return self._parameters.probe_curves.changes(p[self._parameters.curves], first, changes, order)
 
     def hum(self, recording: Recording, p: Reals, order: int) -> Complex:
         """Return what the mains leave in the vectors of every probe, (row + 1, probe)."""

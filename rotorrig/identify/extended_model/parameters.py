@@ -1,7 +1,7 @@
 """The unknowns of a diagnosis: those of the base model, a few more nuisances, and those of effects in their sizes.
 
 The nuisances more than a fit of one recording at 1X has: runout at higher orders, the angle of the keyphasor's mark,
-which a known trial mass shows, a little hum of the mains in every recording, and the curvature of a probe's scale.
+which a known trial mass shows, a little hum of the mains in every recording, and the curvature of what a probe reads.
 """
 
 from collections.abc import Collection, Sequence
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rotorrig.identify.base_model import Parameters, Reals
 from rotorrig.identify.extended_model.mains_hum import HumLine, hum_names
-from rotorrig.identify.extended_model.probe_curve import curve_names
+from rotorrig.identify.extended_model.probe_curve import ProbeCurves
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects import Effect
@@ -49,8 +49,8 @@ class ExtendedParameters:
         runouts = [f"runout {n}X {name} {part}" for n in orders if n > 1 for name in probes for part in ("re", "im")]
         hums = hum_names(hum_lines)
         own = [f"{effect.label}: {p.name}" for effect in effects for p in effect.parameters]
-        curves = curve_names(probes)
-        self.names = (*self.base.names, *runouts, KEYPHASOR, *hums, *curves, *own)
+        self.probe_curves = ProbeCurves(rig, probes)
+        self.names = (*self.base.names, *runouts, KEYPHASOR, *hums, *self.probe_curves.names, *own)
         count, per_order = len(self.base), 2 * len(probes)
         self.runouts = {1: self.base.runout}
         for n in orders:
@@ -60,7 +60,7 @@ class ExtendedParameters:
         self.keyphasor = count
         self.hums = slice(count + 1, count + 1 + len(hums))
         self.hum_lines = tuple(hum_lines)
-        self.curves = slice(self.hums.stop, self.hums.stop + len(curves))
+        self.curves = slice(self.hums.stop, self.hums.stop + len(self.probe_curves.names))
         count = self.curves.stop
         self.theta: list[slice] = []
         for effect in effects:
@@ -72,7 +72,7 @@ class ExtendedParameters:
                 np.full(len(runouts), rig.prior.runout),
                 [rig.prior.keyphasor_angle],
                 np.full(len(hums), rig.prior.line_hum),
-                np.full(len(curves), rig.prior.probe_linearity),
+                self.probe_curves.prior_sigma,
                 [q.prior / q.size for q in self._own],
             ]
         )

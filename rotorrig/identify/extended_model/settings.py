@@ -17,6 +17,7 @@ class ExtendedModelSettings:
     # unknowns
     fit_range: float = 2.0  # times its plausible range an unknown may be fitted: what ends there says so
     wider: float = 4.0  # times its standard deviation a prior is of what the config is found to have wrong
+    roundness: float = 0.5  # of what a round shaft does to a reading across, in one standard deviation: part is seen
     mark_width: float = 0.35  # rad, one standard deviation: a notch of 20 degrees is common
 
     # motion under force laws

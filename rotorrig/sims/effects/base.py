@@ -179,6 +179,10 @@ class Effect:
         """Return whether a rotor can have it, where the ranges of its unknowns alone do not tell."""
         return True
 
+    def at_other_moments(self, theta: Theta) -> tuple[Theta, ...]:
+        """Return what came on once at other moments too, at each of which part of it may have come on."""
+        return ()
+
     def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with other matrices, coordinates or bearings."""
         return model

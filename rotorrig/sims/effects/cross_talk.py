@@ -20,6 +20,7 @@ class CrossTalk(Effect):
     title = "cross-talk between probes"
     orders = EVERY
     linear = True
+    law_error = 0.1  # the field that a tip leaves to the other goes with both gaps
     probes: tuple[str, ...]
 
     def change_readings(self, z: Complex, context: ReadingContext, theta: Theta) -> Complex:

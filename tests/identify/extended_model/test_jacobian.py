@@ -43,7 +43,8 @@ def central(problem: ExtendedProblem, p: np.ndarray, i: int) -> np.ndarray:
 def typical(problem: ExtendedProblem, hidden: np.ndarray) -> np.ndarray:
     names, (effect,) = problem.parameters, problem.effects
     p = names.start(hidden)
-    p[names.curves] = 0.01 * np.resize([1.0, -1.0, 0.5], names.curves.stop - names.curves.start)
+    products = np.array([name.split()[-1] in ("s", "s^2") for name in names.names[names.curves]])
+    p[names.curves] = 0.01 * np.resize([1.0, -1.0, 0.5], len(products)) * np.where(products, 0.3, 1.0)
     p[names.base.positions], p[names.base.diameter] = 1e-3, 1e-3
     p[names.base.hubs], p[names.base.tilts] = 0.5, 20.0
     rk4 = {q.name: q for q in find(problem.recordings[0].rig, effect.label).parameters}
