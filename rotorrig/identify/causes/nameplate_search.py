@@ -6,11 +6,12 @@ of all these unknowns would lead. Cluster: the lowest few of them that are apart
 pinned at their priors; the lowest then with every unknown free. It begins at the nameplate and at the base's fit. What
 promises most descends first, and what could not come near it is given up.
 
-Those that are linear while small are scored for that as well: small_amounts.py.
+Those that are linear while small are scored for that as well: small_amounts.py. Those that have a first order are
+searched for where the base is far off: `search_scored`.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import minimum_filter
@@ -38,8 +39,44 @@ def search_from_nameplate(
     `biased`, which what is adequate cannot be by much, it is where the search begins, and not at the nameplate too.
     """
     able = [effect for effect in candidates if effect.needs_starts]
-    if not able:
-        return []
+    scores = _search_all(problem, polished, able, biased=biased, go_on=go_on) if able else []
+    scores += score_small_amounts(problem, polished.p, able) if able and go_on() else []
+    return sorted(scores, key=lambda score: -score.lam)
+
+
+def search_scored(
+    problem: ExtendedProblem,
+    polished: Solution,
+    scored: Sequence[Score],
+    *,
+    go_on: Callable[[], bool] = lambda: True,
+) -> list[Score]:
+    """Return the scores of effects that have a first order, the best of every kind searched from the nameplate too.
+
+    Of a base that its cause has taken far off, to another minimum, the first order misleads. What the search finds a
+    higher score for begins where it has led; best first. What acts in one recording, or from a moment on, is left out:
+    the rows searched are of the first recording.
+    """
+    best: dict[str, Effect] = {}
+    for score in scored:
+        if not score.effect.grid and score.effect.recording is None:
+            best.setdefault(score.effect.name, score.effect)
+    found = _search_all(problem, polished, list(best.values()), biased=True, go_on=go_on) if best else []
+    higher = {f.effect.label: f for f in found}
+    both = [(score, higher.get(score.effect.label, score)) for score in scored]
+    better = [replace(s, lam=f.lam, begin=f.begin) if f.lam > s.lam else s for s, f in both]
+    return sorted(better, key=lambda score: -score.lam)
+
+
+def _search_all(
+    problem: ExtendedProblem,
+    polished: Solution,
+    able: Sequence[Effect],
+    *,
+    biased: bool,
+    go_on: Callable[[], bool],
+) -> list[Score]:
+    """Search for every effect; a score, and where a fit to all recordings is to begin, of each that came near."""
     search = _Search.of(problem, polished.p, biased=biased)
     gathered = [(effect, search.gather(effect)) for effect in able if go_on()]
     scores: list[Score] = []
@@ -57,8 +94,7 @@ def search_from_nameplate(
         begin[search.index] = fit.p[: len(search.index)]
         lam = polished.chi2 * (1 - fit.chi2 / search.chi2)
         scores.append(Score(effect=effect, lam=lam, step=np.zeros(0), visible=0.0, begin=begin))
-    scores += score_small_amounts(problem, polished.p, able) if go_on() else []
-    return sorted(scores, key=lambda score: -score.lam)
+    return scores
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,7 +176,8 @@ class _Search:
             p, chi2 = np.append(base, [theta[q.name] / q.size for q in effect.parameters]), np.inf
             try:
                 r = problem.residual(p)
-                if np.abs(r - bare).max() > SELECTION.no_change:  # a wall out of reach leads nowhere
+                moved = np.abs(r - bare).max() > SELECTION.no_change
+                if moved or not effect.needs_starts:  # a wall out of reach leads nowhere
                     J = problem.jacobian(p, free)
                     chi2 = float(r @ r) - LinearModel(J, r, p[free], (low, high)).full_promise
             except NO_MOTION:

@@ -1,8 +1,9 @@
 """One step of forward selection: score all candidates beside those a model has, and fit the promising ones.
 
-What scores high is fitted, one by one. Force laws and pedestals have no score of the first order: they are searched
-from the nameplate, and where an unmodelled cause has biased the base, or is loud, only if nothing else explains it or
-promises to: what is faint may be explained by another that is like it, what is loud not down to the noise.
+What scores high is fitted, one by one; where the misfit is loud and biases the base, causes are searched from the
+nameplate as well. Force laws and pedestals have no score of the first order: they are always searched from there, and
+where an unmodelled cause has biased the base, or is loud, only if nothing else explains it or promises to: what is
+faint may be explained by another that is like it, what is loud not down to the noise.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from rotorrig.identify.causes.candidate_fit import Candidate, finish, fit_candidate, plausible
-from rotorrig.identify.causes.nameplate_search import search_from_nameplate
+from rotorrig.identify.causes.nameplate_search import search_from_nameplate, search_scored
 from rotorrig.identify.causes.pinned_nuisances import fit_with_pinned_nuisances, nuisances_biased
 from rotorrig.identify.causes.score_test import Score, scores
 from rotorrig.identify.causes.settings import SELECTION
@@ -54,6 +55,8 @@ def try_candidates(
     scored = scores(problem, polished.p, candidates)
     excess = _excess(problem, polished)
     biased = nuisances_biased(problem, polished.p)
+    if first and biased and excess > SELECTION.loud:
+        scored = search_scored(problem, polished, scored, go_on=go_on)
     searched = first and (wrong or (bool(scored) and scored[0].lam > SELECTION.detected))
     by_score = bool(scored) and _reaches(scored[0], excess)
     later = by_score and (biased or excess > SELECTION.loud)

@@ -15,24 +15,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
+from rotorrig.processing import measured_planes
 from rotorrig.rig.config import RigConfig
-from rotorrig.sims.effects.places import probe_planes
 
 Complex = NDArray[np.complex128]
 Reals = NDArray[np.float64]
 
 CURVED_AT = 300e-6  # m, 0-peak
 POWERS = (2, 3, 4, 5)  # of r
-ACROSS = ("r s", "s^2")  # products with the motion across
-ASIDE = 0.5  # least sine of the angle to a probe that reads the motion across
+ACROSS = ("r s", "s^2")  # products with the reading of the other probe of its plane
 
 
 class ProbeCurves:
     """Coefficients of all probes: of one power of r after those of another, then of the products with s."""
 
     def __init__(self, rig: RigConfig, probes: Sequence[str]) -> None:
-        """Lay out those of `probes`; one across which no other of its plane looks has none with s."""
-        across = _across(rig, probes)
+        """Lay out those of `probes`; one that is alone in its plane has none with s."""
+        pairs = [pair for _, pair in measured_planes(rig, probes)]
+        across = dict(sorted(both for i, j in pairs for both in ((i, j), (j, i))))
         powers = [(probe, power) for power in POWERS for probe in range(len(probes))]
         #: (coefficient, 3): of a product, the probe that reads it and the two whose readings it is of
         products = [*((i, i, s) for i, s in across.items()), *((i, s, s) for i, s in across.items())]
@@ -68,19 +68,6 @@ class ProbeCurves:
             by_r = _bend_product(first[:, s, None], changes[:, r], order)
             found[:, probe] += share * (by_r + _bend_product(first[:, r, None], changes[:, s], order))
         return found
-
-
-def _across(rig: RigConfig, probes: Sequence[str]) -> dict[int, int]:
-    """Return probe -> the other of its plane that looks most nearly across it, where one does, by their numbers."""
-    found = {}
-    for plane in probe_planes(rig).values():
-        here = {probes.index(p.name): p.angle for p in plane if p.name in probes}
-        for i, angle in here.items():
-            sine = {j: abs(math.sin(other - angle)) for j, other in here.items()}
-            other = max(sine, key=sine.__getitem__)
-            if sine[other] > ASIDE:
-                found[i] = other
-    return dict(sorted(found.items()))
 
 
 def _bend_product(r: Complex, s: Complex, order: int) -> Complex:

@@ -9,8 +9,8 @@ import pytest
 from benchmarks.parts.blind.rigs.drawn import LAYOUTS, character, draw_rig, layout
 from rotorrig.identify.causes import candidates
 from rotorrig.identify.causes.candidate_fit import Candidate, fit_candidate, plausible
-from rotorrig.identify.causes.nameplate_search import _Search, search_from_nameplate
-from rotorrig.identify.causes.score_test import Score
+from rotorrig.identify.causes.nameplate_search import _Search, search_from_nameplate, search_scored
+from rotorrig.identify.causes.score_test import Score, scores
 from rotorrig.identify.causes.small_amounts import score_small_amounts
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
@@ -133,6 +133,24 @@ def test_a_force_law_of_a_drawn_size_is_found(rig_config: RigConfig, form: str, 
     best = best_fit(problem, base, found)
     assert best.lam > 15
     assert_reached(best, theta)
+
+
+def test_beside_a_base_that_is_far_off_a_fit_begins_where_the_search_from_the_nameplate_led(
+    rig_config: RigConfig,
+) -> None:
+    rig, theta = drawn_rig("one disk"), {"bow re": 60e-6, "bow im": 20e-6}
+    problem = recorded(rig_config, rig, "bow", theta, seed=14)
+    names = problem.parameters.base
+    twice = problem.begin(names.space.nameplate)
+    twice[names.sought] += np.log(2.0)
+    held = dict(zip(range(len(twice))[names.sought], twice[names.sought], strict=True))
+    base = problem.solve(twice, fixed=held)  # at twice the stiffness and damping
+    scored = scores(problem, base.p, [find(rig, "bow"), find(rig, "couple")])
+    best, other = search_scored(problem, base, scored)
+    assert best.effect.label == "bow" and best.lam > scored[0].lam
+    assert other is scored[1]  # which came near nothing
+    assert best.begin is not None
+    assert_reached(best_fit(problem, base, [best]), theta)
 
 
 def test_a_wall_that_is_out_of_reach_is_no_start(rig_config: RigConfig) -> None:
