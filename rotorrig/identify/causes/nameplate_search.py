@@ -7,7 +7,7 @@ pinned at their priors; the lowest then with every unknown free. It begins at th
 promises most descends first, and what could not come near it is given up.
 
 Those that are linear while small are scored for that as well: small_amounts.py. Those that have a first order are
-searched for where the base is far off: `search_scored`.
+searched for where the base is far off: `rescore_from_nameplate`.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -44,7 +44,7 @@ def search_from_nameplate(
     return sorted(scores, key=lambda score: -score.lam)
 
 
-def search_scored(
+def rescore_from_nameplate(
     problem: ExtendedProblem,
     polished: Solution,
     scored: Sequence[Score],

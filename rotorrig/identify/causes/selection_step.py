@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from rotorrig.identify.causes.candidate_fit import Candidate, finish, fit_candidate, plausible
-from rotorrig.identify.causes.nameplate_search import search_from_nameplate, search_scored
+from rotorrig.identify.causes.nameplate_search import rescore_from_nameplate, search_from_nameplate
 from rotorrig.identify.causes.pinned_nuisances import fit_with_pinned_nuisances, nuisances_biased
 from rotorrig.identify.causes.score_test import Score, scores
 from rotorrig.identify.causes.settings import SELECTION
@@ -56,7 +56,7 @@ def try_candidates(
     excess = _excess(problem, polished)
     biased = nuisances_biased(problem, polished.p)
     if first and biased and excess > SELECTION.loud:
-        scored = search_scored(problem, polished, scored, go_on=go_on)
+        scored = rescore_from_nameplate(problem, polished, scored, go_on=go_on)
     searched = first and (wrong or (bool(scored) and scored[0].lam > SELECTION.detected))
     by_score = bool(scored) and _reaches(scored[0], excess)
     later = by_score and (biased or excess > SELECTION.loud)

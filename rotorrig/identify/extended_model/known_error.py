@@ -20,7 +20,7 @@ import numpy as np
 
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model.excited_rotor import Moving
-from rotorrig.identify.extended_model.jacobian import vectors_by
+from rotorrig.identify.extended_model.jacobian import on_probes_alone, vectors_by
 from rotorrig.identify.extended_model.model import Complex, ExtendedModel
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -84,7 +84,7 @@ def _by_effects(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
         effect, without = model.effects[i], p.copy()
         without[model.parameters.theta[i]] = [q.at_zero / q.size for q in effect.parameters]
         for n, (z, other) in enumerate(zip(predicted, model.predict(without), strict=True)):
-            lowest = 1 if effect.acts_on == {"probes"} else 2
+            lowest = 1 if on_probes_alone(effect) else 2
             changes = {order: z[order] - other[order] for order in z if order >= lowest}
             own = {
                 order: _in_share(model.recordings[n], order, change[:-1] - change[-1], share=effect.law_error)
@@ -99,11 +99,13 @@ def _by_moments(model: ExtendedModel, p: Reals) -> list[dict[int, Complex]]:
     """Return those at 1X of effects that came on once, by what half of each at another moment changes."""
     found: list[dict[int, Complex]] = [{} for _ in model.recordings]
     for i, effect in enumerate(model.effects):
-        for moved in effect.at_other_moments(model.parameters.of_effect(p, i)):
+        others = effect.at_other_moments(model.parameters.of_effect(p, i))
+        predicted = model.predict(p, orders=(1,)) if others else []
+        for theta in others:
             other = p.copy()
-            other[model.parameters.theta[i]] = [moved[q.name] / q.size for q in effect.parameters]
-            both = zip(model.predict(p, orders=(1,)), model.predict(other, orders=(1,)), strict=True)
-            halves = [{1: (after[1] - z[1])[..., None] / 2} for z, after in both]
+            other[model.parameters.theta[i]] = [theta[q.name] / q.size for q in effect.parameters]
+            pairs = zip(predicted, model.predict(other, orders=(1,)), strict=True)
+            halves = [{1: (after[1] - z[1])[..., None] / 2} for z, after in pairs]
             found = [_join(*each) for each in zip(found, halves, strict=True)]
     return found
 

@@ -45,7 +45,7 @@ class ProbeSide:
 
     def bent(self, p: Reals, first: Complex, order: int) -> Complex:
         """Return what the curvature of the probes' readings adds to an order, of 1X vectors `first`."""
-        return self._parameters.probe_curves.bent(p[self._parameters.curves], first, order)
+        return self._parameters.probe_curves.bend(p[self._parameters.curves], first, order)
 
     def bent_changes(self, p: Reals, first: Complex, changes: Complex, order: int) -> Complex:
         """Return how `bent` goes with small changes of the 1X vectors, (row + 1, probe, column)."""

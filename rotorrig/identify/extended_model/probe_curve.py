@@ -50,21 +50,23 @@ class ProbeCurves:
         r, s = first[:, self._products[:, 1]], first[:, self._products[:, 2]]
         return np.concatenate([*powers, _bend_product(r, s, order)], axis=1)
 
-    def bent(self, shares: Reals, first: Complex, order: int) -> Complex:
+    def bend(self, shares: Reals, first: Complex, order: int) -> Complex:
         """Return what the coefficients `shares` add to an order, (row + 1, probe) [m], of 1X vectors `first`."""
         found = np.zeros_like(first)
         np.add.at(found.T, self.probe, (shares * self.columns(first, order)).T)
         return found
 
     def changes(self, shares: Reals, first: Complex, changes: Complex, order: int) -> Complex:
-        """Return how `bent` goes with small changes of the 1X vectors, (row + 1, probe, column)."""
+        """Return how `bend` goes with small changes of the 1X vectors, (row + 1, probe, column)."""
         if not shares.any():
             return np.zeros_like(changes)
         own = shares[: self._powers].reshape(len(POWERS), -1)
         slopes = [share * bend_slopes(first, order, power) for power, share in zip(POWERS, own, strict=True)]
         along, mirrored = np.sum(slopes, axis=0)[..., None]
         found = along * changes + mirrored * changes.conj()
-        for share, (probe, r, s) in zip(shares[self._powers :], self._products if order == 2 else (), strict=False):
+        if order != 2:
+            return found
+        for share, (probe, r, s) in zip(shares[self._powers :], self._products, strict=True):
             by_r = _bend_product(first[:, s, None], changes[:, r], order)
             found[:, probe] += share * (by_r + _bend_product(first[:, r, None], changes[:, s], order))
         return found

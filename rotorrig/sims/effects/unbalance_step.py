@@ -17,7 +17,7 @@ from rotorrig.sims.effects.shaft_motion import forward
 from rotorrig.sims.rotor.model import Load, RotorModel, recording_at
 
 LONGEST = 1e9  # s: a thousand recordings
-LASTING = (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0)  # s from a step to when else part of it may have come: it lasts seconds
+OTHER_MOMENTS = (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0)  # s from a step, when part of it may have come: it takes seconds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,7 +50,7 @@ class UnbalanceStep(Effect):
     def at_other_moments(self, theta: Theta) -> tuple[Theta, ...]:
         """Return the step a little earlier and later; none of one that no recording saw."""
         _, t = recording_at(theta["time"])
-        return tuple({**theta, "time": theta["time"] + apart} for apart in LASTING if t > 0)
+        return tuple({**theta, "time": theta["time"] + apart} for apart in OTHER_MOMENTS if t > 0)
 
     def words(self, theta: Theta) -> str:
         """Say how much it is and since when."""

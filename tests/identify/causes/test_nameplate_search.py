@@ -9,7 +9,7 @@ import pytest
 from benchmarks.parts.blind.rigs.drawn import LAYOUTS, character, draw_rig, layout
 from rotorrig.identify.causes import candidates
 from rotorrig.identify.causes.candidate_fit import Candidate, fit_candidate, plausible
-from rotorrig.identify.causes.nameplate_search import _Search, search_from_nameplate, search_scored
+from rotorrig.identify.causes.nameplate_search import _Search, rescore_from_nameplate, search_from_nameplate
 from rotorrig.identify.causes.score_test import Score, scores
 from rotorrig.identify.causes.small_amounts import score_small_amounts
 from rotorrig.identify.extended_model.model import ExtendedModel
@@ -146,7 +146,7 @@ def test_beside_a_base_that_is_far_off_a_fit_begins_where_the_search_from_the_na
     held = dict(zip(range(len(twice))[names.sought], twice[names.sought], strict=True))
     base = problem.solve(twice, fixed=held)  # at twice the stiffness and damping
     scored = scores(problem, base.p, [find(rig, "bow"), find(rig, "couple")])
-    best, other = search_scored(problem, base, scored)
+    best, other = rescore_from_nameplate(problem, base, scored)
     assert best.effect.label == "bow" and best.lam > scored[0].lam
     assert other is scored[1]  # which came near nothing
     assert best.begin is not None

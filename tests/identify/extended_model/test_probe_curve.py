@@ -32,7 +32,7 @@ def test_what_all_coefficients_add_is_that_of_readings_in_time(rig: RigConfig, o
         added = sum(of[f"curvature {name} r^{power}"] * r**power for power in POWERS)
         added += of[f"curvature {name} r s"] * r * s + of[f"curvature {name} s^2"] * s**2
         expected = CURVED_AT * fourier(added, order)
-        assert curves.bent(shares, FIRST, order)[0, probe] == pytest.approx(expected, abs=1e-14)
+        assert curves.bend(shares, FIRST, order)[0, probe] == pytest.approx(expected, abs=1e-14)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -40,7 +40,7 @@ def test_changes_are_the_derivative(rig: RigConfig, order: int) -> None:
     curves = ProbeCurves(rig, ("1x", "1y"))
     shares = np.linspace(-0.03, 0.05, len(curves.names))
     step = 1e-9 * np.array([[1 - 2j, 0.5 + 1j]])
-    ahead, behind = (curves.bent(shares, FIRST + sign * step, order) for sign in (1, -1))
+    ahead, behind = (curves.bend(shares, FIRST + sign * step, order) for sign in (1, -1))
     found = curves.changes(shares, FIRST, step[..., None], order)[..., 0]
     assert found == pytest.approx((ahead - behind) / 2, rel=1e-6, abs=1e-16)
 
