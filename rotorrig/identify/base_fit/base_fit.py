@@ -15,7 +15,7 @@ from rotorrig.identify.adequacy import Adequacy, assess, assess_all, excess_scat
 from rotorrig.identify.base_model import ObjectiveName, Reals, SearchName, SearchResult, search
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording, nuisance_effects
 from rotorrig.identify.least_squares import LEAST_SQUARES, Solution
-from rotorrig.rig import ConfigError
+from rotorrig.rig import ConfigError, DataError
 from rotorrig.rig.config import Identify, RigConfig
 from rotorrig.sims.effects import Effect, find
 
@@ -32,6 +32,7 @@ class BaseFitSettings:
     settled: float = 0.1  # of chi2 of all, where a fit for a diagnosis ends: a step of a third of a standard deviation
     roughly: float = 1e-4  # of chi2, where it ends at first: how much rows scatter is not known yet
     wrong: float = 1e-5  # of chi2, where it ends at last if that is more: a wrong one wanders on for next to nothing
+    poor: float = 2.0  # chi2 per degree of freedom from which it ends roughly: it is no place to begin from
 
 
 BASE_FIT = BaseFitSettings()
@@ -136,7 +137,7 @@ def _refine_starts(base: BaseProblem, optima: list[Reals], near: Reals | None) -
                     continue
                 approached.append(sought)
                 refined = problem.solve(begin, share=BASE_FIT.begun, damped=True)
-        except np.linalg.LinAlgError:
+        except (DataError, np.linalg.LinAlgError):
             continue
         if np.isfinite(refined.chi2):
             yield refined
@@ -173,7 +174,8 @@ def fit_base(recordings: Sequence[Recording], effects: Sequence[KnownEffect] = (
         _, fitted, roughly = search_and_refine(base, options)
         problem = with_scatter(fitted, roughly.p)
         known = roughly.jacobian if problem is fitted else None
-        polished = problem.solve(roughly.p, tolerance=options.tolerance, share=BASE_FIT.wrong, jacobian=known)
+        share = BASE_FIT.wrong if roughly.chi2 < BASE_FIT.poor * roughly.dof else BASE_FIT.roughly
+        polished = problem.solve(roughly.p, tolerance=options.tolerance, share=share, jacobian=known)
     return assess_fit(problem, polished)
 
 

@@ -158,8 +158,13 @@ def _search_again(
             continue  # one of them has been replaced
         if len(leaving) == 1 and any(step.chose(leaving[0], beside=others) for step in steps):
             continue
-        of_kind = [e for e in candidates if len(leaving) == 1 or e.name == leaving[0].name]
-        step = search(*leave_out(problem, polished, leaving), of_kind)
+        if len(leaving) > 1:
+            among = [e for e in candidates if e.name == leaving[0].name]
+        else:
+            among = _rivals(leaving[0], others, candidates, steps, polished)
+        if not among:
+            continue
+        step = search(*leave_out(problem, polished, leaving), among)
         best = step.tried[0] if step.tried else None
         now = polished.chi2 + sum(price(problem, effect) for effect in leaving)
         if best is None or best.polished.chi2 + price(problem, best.effect) > now + SELECTION.as_good:
@@ -167,6 +172,28 @@ def _search_again(
         steps.append(step)
         problem, polished = _refit_best(steps)
     return problem, polished
+
+
+def _rivals(
+    effect: Effect,
+    others: Sequence[Effect],
+    candidates: Sequence[Effect],
+    steps: Sequence[SelectionStep],
+    polished: Solution,
+) -> list[Effect]:
+    """Return what could take the place of a cause beside `others`: what came near when it was chosen beside fewer.
+
+    Near is what was behind by no more than `SELECTION.near` and twice what those found since have explained. All may
+    where it was chosen beside what has left, or in no step, and where the fit does not describe the data.
+    """
+    chosen = next((step.tried for step in steps if step.tried and step.tried[0].effect.label == effect.label), ())
+    stayed = {e.label for e in others}
+    comparable = bool(chosen) and stayed.issuperset(e.label for e in chosen[0].problem.effects[:-1])
+    if not comparable or not _describes_data(polished):
+        return list(candidates)
+    least = chosen[0].evidence - SELECTION.near - 2 * max(chosen[0].polished.chi2 - polished.chi2, 0.0)
+    near = {c.effect.label for c in chosen[1:] if c.evidence > least}
+    return [e for e in candidates if e.label in near - stayed]
 
 
 def _with_error_of_effects(problem: ExtendedProblem, fit: Solution) -> tuple[ExtendedProblem, Solution]:

@@ -14,7 +14,7 @@ from rotorrig.identify.base_model import BASE_MODEL, Reals, thin_rows
 from rotorrig.identify.extended_model.jacobian import columns, vectors_by
 from rotorrig.identify.extended_model.known_error import error_of_effects, known_error
 from rotorrig.identify.extended_model.model import Complex, ExtendedModel
-from rotorrig.identify.extended_model.settings import ORDERS
+from rotorrig.identify.extended_model.settings import EXTENDED_MODEL, ORDERS
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.least_squares import (
     LEAST_SQUARES,
@@ -220,6 +220,9 @@ class ExtendedProblem:
             vectors = self.model.predict(p, orders=orders)
         except np.linalg.LinAlgError as error:
             raise DataError(f"the rotor has no bounded motion with these parameters ({error})") from error
+        largest = max(np.abs(z).max(initial=0.0) for motions in vectors for z in motions.values())
+        if not largest < EXTENDED_MODEL.bounded:  # NaN is not
+            raise DataError("the rotor has no bounded motion with these parameters")
         parts = []
         for recording, predicted in zip(self.recordings, vectors, strict=True):
             for order, measured in recording.measured.items():
@@ -243,7 +246,7 @@ class ExtendedProblem:
             return self._scale_unbalance(p)
         linear = np.intersect1d(free, self.model.linear())
         J, r = self.jacobian(p, linear), self.residual(p)
-        if not (np.isfinite(J).all() and np.isfinite(r).all()):
+        if not (np.all(np.abs(J) < LEAST_SQUARES.unbounded) and np.isfinite(r).all()):  # NaN is not
             raise np.linalg.LinAlgError("the motion is beyond bounds")
         out = p.copy()
         anywhere = np.full(len(linear), np.inf)

@@ -33,6 +33,7 @@ class LeastSquaresSettings:
 
     tolerance: float = 1e-4  # of chi2: a step of a hundredth of a standard deviation
     steps: int = 50  # a fit that takes as many does not converge
+    unbounded: float = 1e100  # sigma per unit: so does an unstable rotor move, and no square of more is finite
     rounding: float = 1e-9  # singular value of the scaled Jacobian, relative: less is rounding
 
 
@@ -111,7 +112,7 @@ def solve(
     free = np.setdiff1d(np.arange(len(p)), list(fixed))
     low, high = problem.bounds
     part = _Free(problem, p, free)
-    with np.errstate(over="ignore", invalid="ignore"):  # steps that go too far, and are taken back
+    with np.errstate(over="ignore", invalid="ignore"):  # of steps too far, which are taken back, and of J
         minimum = minimize_squares(
             part,
             part.first(part.solve_linear(p[free])) if damped else part.first(p[free], jacobian),
@@ -123,7 +124,7 @@ def solve(
             max_steps=max_steps,
             watch=lambda at: None if worth(at.point.cost, at.model.full_promise) else Stop.GIVEN_UP,
         )
-    return _solution(minimum, part.full(minimum.point.p), free, size=problem.size)
+        return _solution(minimum, part.full(minimum.point.p), free, size=problem.size)
 
 
 class _Free:
@@ -165,7 +166,10 @@ class _Free:
             return part
 
     def _jacobian(self, part: Reals) -> Reals:
-        return self._problem.jacobian(self.full(part), self._free)
+        """Return the Jacobian, 0 along what moves the model without bound, where there is no telling a good step."""
+        J = self._problem.jacobian(self.full(part), self._free)
+        bounded = np.all(np.abs(J) < LEAST_SQUARES.unbounded, axis=0)  # NaN is not
+        return J if bounded.all() else np.where(bounded, J, 0.0)
 
 
 def _solution(minimum: Minimum, p: Reals, free: Index, *, size: int) -> Solution:

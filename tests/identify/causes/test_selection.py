@@ -148,6 +148,27 @@ def test_an_effect_that_two_later_ones_make_superfluous_is_dropped() -> None:
     assert found.polished.chi2 == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize(("second", "again"), [(30.0, False), (100.0, True)])
+def test_another_is_tried_again_in_place_of_a_cause_if_it_came_as_near_as_what_is_found_since(
+    second: float, again: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """R was behind A by 144: too far with 48 and twice the 30 that B takes, and not with twice 100."""
+    begun: list[str] = []
+
+    def log(problem: Any, polished: Any, plain: Any, score: Any, **others: Any) -> Any:
+        begun.append(names(problem.effects) + score.effect.name)
+        return fit_candidate(problem, polished, plain, score, **others)
+
+    monkeypatch.setattr(selection_step, "fit_candidate", log)
+    rival = 0.8 * axis(0) + 0.6 * axis(2)
+    figures = Figures(20.0 * axis(0) + np.sqrt(second) * axis(1), {"A": [axis(0)], "B": [axis(1)], "R": [rival]})
+    found = selected(figures, [A, B, effect("R")])
+    assert taken(found) == "AB"
+    assert "R" in begun  # beside nothing, where it was behind
+    assert ("BR" in begun) == again
+    assert "BA" not in begun
+
+
 def left(*, kept: int = 0, **falls: float) -> str:
     """Name the effects that are left of a model of those named."""
     effects = [e for e in (A, B, C) if e.name in falls]

@@ -73,6 +73,23 @@ def test_what_no_row_restricts_is_said_to_be_unknown_not_well_known() -> None:
     np.testing.assert_allclose(alone, np.diag([0.25, 1e6]))
 
 
+class Unstable(Line):
+    """A rotor that is unstable: whatever the second parameter stands for moves it without bound."""
+
+    def residual(self, p: Reals) -> Reals:
+        return p[0] - self.y
+
+    def jacobian(self, p: Reals, free: Index | None = None) -> Reals:
+        J = np.stack([np.ones_like(self.x), np.full_like(self.x, 1e200)], axis=1)
+        return J if free is None else J[:, free]
+
+
+@pytest.mark.filterwarnings("error")
+def test_along_what_moves_the_model_without_bound_no_step_is_taken() -> None:
+    found = solve(Unstable(X, 3 + OFF), np.array([0.0, 5.0]))
+    np.testing.assert_allclose(found.p, [3.0, 5.0], rtol=1e-4)
+
+
 class Walled(Line):
     """The same, without an answer beyond a = 2."""
 
