@@ -10,9 +10,9 @@ COLOURS = 256  # of a PNG: a palette is a third of the size
 KEY = "Source"  # of the PNG's text
 
 
-def origin(command: str, config_hash: str) -> str:
-    """Return the command, the code and the config that a picture is made from."""
-    return f"{command}; rotorrig {code_version()}; config {config_hash}"
+def origin(command: str, config_hash: str = "") -> str:
+    """Return the command, the code and the config, if there is one, that a picture is made from."""
+    return f"{command}; rotorrig {code_version()}{f'; config {config_hash}' if config_hash else ''}"
 
 
 def save_png(picture: Image.Image, out: Path, *, origin: str) -> None:

@@ -31,6 +31,7 @@ from benchmarks.parts.identification.chapter import (
 from benchmarks.parts.identification.cramer_rao import amplitude_root, bounds
 from benchmarks.parts.identification.table8 import HALF
 from benchmarks.parts.tables import markdown
+from rotorrig.acquisition import RawRecording
 from rotorrig.identify import identify, measurement
 from rotorrig.identify.base_fit import BaseProblem
 from rotorrig.identify.base_model import ObjectiveName, Space
@@ -109,11 +110,14 @@ def rig() -> RigConfig:
     return rk4.model_copy(update={**changes, "identify": rk4.identify.model_copy(update={"bands": {}})})
 
 
+def recorded(seed: int) -> RawRecording:
+    """Return a run-up of the plant of that seed."""
+    return record(rig(), seed=seed, noise=Noise(bearing_force=FLUCTUATION), unmodelled=False)
+
+
 def simulated(seed: int) -> OrderTrackedResponse:
     """Return what the pipeline makes of the plant of that seed: the rows of the run-up next to SPEEDS."""
-    response = track(
-        record(rig(), seed=seed, noise=Noise(bearing_force=FLUCTUATION), unmodelled=False), Tracking(orders=(1.0,))
-    )
+    response = track(recorded(seed), Tracking(orders=(1.0,)))
     (up,) = (i for i, run in enumerate(response.runs) if run.name == "up")
     rows = np.flatnonzero(response.run == up)
     rows = rows[np.abs(response.omega[rows, None] - SPEEDS).argmin(axis=0)]
