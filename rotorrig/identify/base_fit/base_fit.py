@@ -15,7 +15,7 @@ from rotorrig.identify.adequacy import Adequacy, assess, assess_all, excess_scat
 from rotorrig.identify.base_model import ObjectiveName, Reals, SearchName, SearchResult, search
 from rotorrig.identify.extended_model import ExtendedModel, ExtendedProblem, Recording, nuisance_effects
 from rotorrig.identify.least_squares import LEAST_SQUARES, Solution
-from rotorrig.rig import ConfigError, DataError
+from rotorrig.rig import ConfigError
 from rotorrig.rig.config import Identify, RigConfig
 from rotorrig.sims.effects import Effect, find
 
@@ -137,7 +137,7 @@ def _refine_starts(base: BaseProblem, optima: list[Reals], near: Reals | None) -
                     continue
                 approached.append(sought)
                 refined = problem.solve(begin, share=BASE_FIT.begun, damped=True)
-        except (DataError, np.linalg.LinAlgError):
+        except np.linalg.LinAlgError:
             continue
         if np.isfinite(refined.chi2):
             yield refined

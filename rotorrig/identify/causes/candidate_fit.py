@@ -87,6 +87,8 @@ def fit_candidate(
             best = _fit_from_better_guess(larger, best, worth=worth)
     except (DataError, np.linalg.LinAlgError):
         return None  # no motion is found, or none that is finite
+    if not np.isfinite(best.chi2):
+        return None
     larger, best = relocate_last_effect(larger, best)
     lam = polished.chi2 - best.chi2
     best = replace(best, jacobian=np.zeros((0, len(best.p))))  # some 15 MB that nobody asks for again

@@ -55,7 +55,7 @@ def try_candidates(
     scored = scores(problem, polished.p, candidates)
     excess = _excess(problem, polished)
     biased = nuisances_biased(problem, polished.p)
-    if first and biased and excess > SELECTION.loud:
+    if first and biased and excess > SELECTION.loud and not (scored and _reaches(scored[0], excess)):
         scored = rescore_from_nameplate(problem, polished, scored, go_on=go_on)
     searched = first and (wrong or (bool(scored) and scored[0].lam > SELECTION.detected))
     by_score = bool(scored) and _reaches(scored[0], excess)

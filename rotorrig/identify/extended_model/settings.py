@@ -24,9 +24,6 @@ class ExtendedModelSettings:
     highest_law_order: int = 2  # at which a force law is followed
     largest_motion: float = 0.1  # m: no rotor kit does
 
-    # motion without force laws
-    bounded: float = 1e6  # m: beyond, a rotor is unstable
-
     # what is kept
     recent: int = 4  # responses, motions under force laws: the next question is often about the same one
     recent_rotors: int = 64  # a Jacobian asks for one a step along every unknown, the next for most of them again
