@@ -21,7 +21,7 @@ GATHERED, AFTERWARDS, WITHOUT = COLOURS[2], COLOURS[4], COLOURS[0]
 
 
 def well(width: float) -> Function:
-    """Return a bowl with a well aside, twice as deep as the bowl is high there."""
+    """Return a bowl with a well aside, 2 deep where the bowl is 1.3 high."""
 
     def fun(x: Array) -> Array:
         bowl = ((x - WIDE) ** 2).sum(axis=1)

@@ -55,10 +55,10 @@ def try_candidates(
     scored = scores(problem, polished.p, candidates)
     excess = _excess(problem, polished)
     biased = nuisances_biased(problem, polished.p)
-    if first and biased and excess > SELECTION.loud and not (scored and _reaches(scored[0], excess)):
+    if first and biased and excess > SELECTION.loud and not _best_reaches(scored, excess):
         scored = rescore_from_nameplate(problem, polished, scored, go_on=go_on)
     searched = first and (wrong or (bool(scored) and scored[0].lam > SELECTION.detected))
-    by_score = bool(scored) and _reaches(scored[0], excess)
+    by_score = _best_reaches(scored, excess)
     later = by_score and (biased or excess > SELECTION.loud)
     search = partial(search_from_nameplate, problem, polished, candidates, biased=wrong, go_on=go_on)
     laws = search() if searched and not later else []
@@ -166,6 +166,10 @@ def _promising(scored: Sequence[Score], *, needed: float, excess: float) -> list
         return kept
     rivals = [s for s in kept if s.lam > SELECTION.rival * kept[0].lam]
     return sorted(rivals, key=lambda s: len(s.effect.parameters)) + kept[len(rivals) :]
+
+
+def _best_reaches(scored: Sequence[Score], excess: float) -> bool:
+    return bool(scored) and _reaches(scored[0], excess)
 
 
 def _reaches(score: Score, excess: float) -> bool:

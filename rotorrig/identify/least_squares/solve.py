@@ -112,7 +112,7 @@ def solve(
     free = np.setdiff1d(np.arange(len(p)), list(fixed))
     low, high = problem.bounds
     part = _Free(problem, p, free)
-    with np.errstate(over="ignore", invalid="ignore"):  # of steps too far, which are taken back, and of J
+    with np.errstate(over="ignore", invalid="ignore"):  # steps too far, taken back; columns without bound
         minimum = minimize_squares(
             part,
             part.first(part.solve_linear(p[free])) if damped else part.first(p[free], jacobian),

@@ -126,6 +126,25 @@ def test_what_would_leave_next_to_nothing_is_fitted_before_what_has_fewer_unknow
     assert "".join(begun) == order
 
 
+@pytest.mark.parametrize(("best", "searched"), [(700.0, True), (900.0, False)])
+def test_where_a_score_promises_four_fifths_of_a_loud_misfit_no_other_is_sought_from_the_nameplate(
+    best: float, searched: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[int] = []
+
+    def rescore(problem: Any, polished: Any, scored: Any, **others: Any) -> Any:
+        asked.append(len(scored))
+        return scored
+
+    monkeypatch.setattr(selection_step, "rescore_from_nameplate", rescore)
+    monkeypatch.setattr(selection_step, "nuisances_biased", lambda problem, p: True)
+    monkeypatch.setattr(selection_step, "fit_with_pinned_nuisances", lambda problem, p: None)
+    problem: Any = LinearProblem(alone(A=best, B=1000.0 + FIGURES - best))
+    base = problem.solve(np.zeros(problem.design.shape[1]))
+    selection_step.try_candidates(problem, base, [A], lambda share: None, wrong=True, first=True)
+    assert bool(asked) == searched
+
+
 def test_no_more_than_three_causes_are_taken_up() -> None:
     found = selected(alone(A=130.0, B=120.0, C=110.0, D=100.0), [A, B, C, D])
     assert SELECTION.most == 3

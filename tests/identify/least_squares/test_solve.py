@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from rotorrig.identify.least_squares.solve import Index, Reals, inverse_information, solve
+from rotorrig.identify.least_squares.solve import Index, Reals, Stop, inverse_information, solve
 from rotorrig.rig.errors import DataError
 
 
@@ -88,6 +88,8 @@ class Unstable(Line):
 def test_along_what_moves_the_model_without_bound_no_step_is_taken() -> None:
     found = solve(Unstable(X, 3 + OFF), np.array([0.0, 5.0]))
     np.testing.assert_allclose(found.p, [3.0, 5.0], rtol=1e-4)
+    assert found.stop is Stop.CONVERGED
+    assert found.sigma[1] > 1e6  # not known, where a square that overflows would say exactly
 
 
 class Walled(Line):
