@@ -1,5 +1,6 @@
-"""The pictures of docs/chea.md, drawn from runs of the search. All randomness is seeded."""
+"""The pictures of docs/chea.md, and Fig. 3 of docs/chapter.md, from runs of the search. All randomness is seeded."""
 
+from docs.chapter_network import network
 from docs.chea_gathering import generations, maturity, operators, similarities
 from docs.chea_searching import descents, far_search
 from docs.chea_whole_runs import modern, six_panels
@@ -9,6 +10,7 @@ from docs.svg_plot import Figure
 def pictures() -> dict[str, Figure]:
     """Return every picture by its file name."""
     return {
+        "chapter-fig3.svg": network(),
         "chea-operators.svg": operators(),
         "chea-generations.svg": generations(),
         "chea-maturity.svg": maturity(),
