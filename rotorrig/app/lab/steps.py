@@ -15,6 +15,7 @@ from typing import Any
 from rotorrig.acquisition import Event
 from rotorrig.acquisition.files import open_recording
 from rotorrig.app.commands.diagnose import with_model_of
+from rotorrig.app.lab.page import write_bode_data
 from rotorrig.app.lab.recordings import Recording, find_recordings
 from rotorrig.app.lab.settings import STEPS, LabSettings
 from rotorrig.app.lab.storage import Lab
@@ -106,6 +107,8 @@ def do_steps(job: Job, outcome: Outcome) -> None:
             outcome.seconds[step] = time.perf_counter() - began
         outcome.files[step] = path
         _READ[step](job, path, outcome)
+        if step == "track":
+            _keep_curves(job, _response(outcome))
         outcome.step = step
 
 
@@ -140,6 +143,15 @@ def _read_response(job: Job, path: Path, outcome: Outcome) -> None:
             f"config given ({rig.name}, {rig.nameplate_hash}), want recordings of one rig"
         )
     outcome.response = with_model_of(response, rig) if rig else response
+
+
+def _keep_curves(job: Job, response: OrderTrackedResponse) -> None:
+    """Write what a page of the lab shows of a response while it is at hand: pages need not read it again."""
+    if 1.0 not in response.orders:
+        return
+    path = job.lab.curves(job.recording.run_id, job.key)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_bode_data(path, job.recording.run_id, response)
 
 
 def _make_fit(job: Job, path: Path, outcome: Outcome) -> None:

@@ -45,6 +45,10 @@ class Lab:
         """Return the folder of a computation's files."""
         return self.root / FOLDER / "results" / run_id / key
 
+    def curves(self, run_id: str, key: str) -> Path:
+        """Return the script with the 1X curves of a computation's response, for pages."""
+        return self.results(run_id, key) / "curves.js"
+
     def relative(self, path: Path) -> str:
         """Return a path below the lab's folder as the catalogue has it, with "/"."""
         return path.relative_to(self.root).as_posix()

@@ -15,8 +15,10 @@ from distributed import Client
 from rotorrig.app.lab import cluster
 from rotorrig.app.lab import run as run_module
 from rotorrig.app.lab.catalogue import query_table
+from rotorrig.app.lab.page import write_lab_page
 from rotorrig.app.lab.settings import LabSettings
 from rotorrig.app.lab.steps import Job, find_jobs
+from rotorrig.app.lab.storage import Lab
 from rotorrig.app.lab.task import work_through
 from rotorrig.processing.files.response_mcap import read_response
 from rotorrig.rig import ConfigError, code_version
@@ -222,3 +224,24 @@ def assert_same_results(alone: Path, together: Path) -> None:
 def without_time(path: Path) -> Any:
     """Return a file's content, of a fit without how long it took."""
     return json.loads(path.read_bytes()) | {"wall_s": 0} if path.suffix == ".json" else path.read_bytes()
+
+
+def test_pages_take_the_curves_that_were_kept_and_read_no_response_for_them(
+    recordings: Path, rotor: Rotor, processes: str, tmp_path: Path
+) -> None:
+    rotor("lab", "run", recordings, "--steps", "track", "--scheduler", processes)
+    (row,) = rows(recordings, "runs")
+    assert write_lab_page(recordings, tmp_path / "kept").curves == 1
+    kept = Lab(recordings).curves(row["run_id"], row["key"])
+    whole = kept.read_text()
+    kept.unlink()
+    assert write_lab_page(recordings, tmp_path / "read").curves == 1  # as with a lab of an earlier version
+    (recordings / row["response_file"]).write_bytes(b"damaged")
+    assert write_lab_page(recordings, tmp_path / "neither").curves == 0
+    kept.write_text(whole)
+    assert write_lab_page(recordings, tmp_path / "again").curves == 1
+    curves = {
+        (tmp_path / page / "bode" / f"{row['run_id']}-{row['key']}.js").read_text()
+        for page in ("kept", "read", "again")
+    }
+    assert curves == {whole}

@@ -5,9 +5,11 @@ run, `curve_files` those of all, `pages` puts all of it into a folder. What the 
 draws in assets/lab-plots.js.
 """
 
+from rotorrig.app.lab.page.bode_data import write_bode_data
 from rotorrig.app.lab.page.pages import LabPage, write_lab_page
 
 __all__ = [
     "LabPage",
+    "write_bode_data",
     "write_lab_page",
 ]

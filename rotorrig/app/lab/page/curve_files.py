@@ -1,25 +1,21 @@
 """The files of curves beside a page, one for each run with a response: missing ones are made, others stay, old ones go.
 
-Reading a response takes 50 ms; many are read in several processes.
+They are copies of what the lab kept when it tracked the run. Where it kept none, as versions before did, the response
+is read, which takes 50 ms.
 """
 
-import multiprocessing
-import os
 import re
-import signal
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from rotorrig.app.lab.page.bode_data import is_written, write_bode_data
 from rotorrig.app.lab.page.catalogue import Row
+from rotorrig.app.lab.storage import Lab
 from rotorrig.processing.files import read_response
-from rotorrig.rig import DataError
+from rotorrig.rig import DataError, write_whole_text
 
 CURVES = "bode"  # folder beside the page
-FEW = 50  # files, for which starting processes would take longer than it saves
 _HASH = re.compile(r"[0-9a-f]{16}")
 _FILE = re.compile(r"[0-9a-f]{16}-[0-9a-f]{16}\.js")
 
@@ -31,6 +27,7 @@ class CurveFile:
     path: Path
     run_id: str
     response: Path
+    kept: Path  # its curves as the lab wrote them, if it did
 
     @property
     def address(self) -> str:
@@ -46,12 +43,12 @@ def write_curve_files(
     `progress` is told the share of the files done. Raises DataError if they cannot be written.
     """
     wanted = [file for run in runs if (file := _file_of(lab, folder, run))]
-    missing = [file for file in wanted if not is_written(file.path)]
+    missing = [file for file in wanted if not (is_written(file.path) or _copy(file))]
     faults: dict[CurveFile, str] = {}
-    for done, (file, fault) in enumerate(_write_all(missing), start=1):
-        progress(done / len(missing))
-        if fault:
+    for done, file in enumerate(missing, start=1):
+        if fault := _write(file):
             faults[file] = fault
+        progress(done / len(missing))
     addresses = {file.run_id: file.address for file in wanted if file not in faults}
     _remove_others(folder / CURVES, {file.path.name for file in wanted})
     return addresses, [faults[file] for file in missing if file in faults]
@@ -64,29 +61,21 @@ def _file_of(lab: Path, folder: Path, run: Row) -> CurveFile | None:
     for name in ("run_id", "key"):
         if not _HASH.fullmatch(run[name]):
             raise DataError(f"{lab}: its catalogue has {name} {run[name]!r}, want 16 hexadecimal digits")
-    path = folder / CURVES / f"{run['run_id']}-{run['key']}.js"
-    return CurveFile(path=path, run_id=run["run_id"], response=lab / run["response_file"])
-
-
-def _write_all(files: Sequence[CurveFile]) -> Iterator[tuple[CurveFile, str]]:
-    """Write files and yield each as it is done, with why it could not be made; Ctrl-C reaches this process alone."""
-    if len(files) <= FEW:
-        yield from ((file, _write(file)) for file in files)
-        return
-    pool = ProcessPoolExecutor(
-        os.cpu_count(),
-        mp_context=multiprocessing.get_context("spawn"),  # a fork would copy locks that threads of this process hold
-        initializer=signal.signal,
-        initargs=(signal.SIGINT, signal.SIG_IGN),
+    run_id, key = run["run_id"], run["key"]
+    return CurveFile(
+        path=folder / CURVES / f"{run_id}-{key}.js",
+        run_id=run_id,
+        response=lab / run["response_file"],
+        kept=Lab(lab).curves(run_id, key),
     )
-    try:
-        by_future = {pool.submit(_write, file): file for file in files}
-        for future in as_completed(by_future):
-            yield by_future[future], future.result()
-    except BrokenProcessPool as error:
-        raise DataError("a process that read responses ended by itself: killed, or out of memory; try again") from error
-    finally:
-        pool.shutdown(cancel_futures=True)
+
+
+def _copy(file: CurveFile) -> bool:
+    """Copy the curves that the lab kept; return whether it did. Raises DataError if they cannot be written."""
+    if not is_written(file.kept):
+        return False
+    write_whole_text(file.path, file.kept.read_text(encoding="utf-8"))
+    return True
 
 
 def _write(file: CurveFile) -> str:

@@ -135,13 +135,12 @@ def test_a_response_that_cannot_be_read_costs_its_bode_plot_alone(
     assert any(sentence.endswith("has no 1X, want it for a Bode plot") for sentence in written.unread)
 
 
-@pytest.mark.campaign
-def test_many_responses_are_read_in_several_processes(tmp_path: Path, response: OrderTrackedResponse) -> None:
+def test_progress_is_the_share_of_the_responses_read(tmp_path: Path, response: OrderTrackedResponse) -> None:
     write_response(tmp_path / "response.mcap", response)
-    make_lab(tmp_path, runs=60, response=tmp_path / "response.mcap", responses=60)
+    make_lab(tmp_path, runs=6, response=tmp_path / "response.mcap", responses=6)
     told: list[float] = []
     written = write_lab_page(tmp_path, tmp_path / "page", progress=told.append)
-    assert written.curves == len(list((tmp_path / "page/bode").iterdir())) > 50
+    assert written.curves == len(list((tmp_path / "page/bode").iterdir())) == len(told) > 3
     assert told == sorted(told) and told[-1] == 1.0
 
 

@@ -11,9 +11,9 @@ from tests.app.browser import needs_chromium
 def test_a_small_lab_is_quick_and_curves_that_are_there_are_quicker() -> None:
     figures = measure_page(runs=60)
     assert set(figures) == {
-        *("page_seconds", "page_seconds_first", "page_seconds_again"),
+        *("page_seconds", "page_seconds_again", "page_seconds_reading"),
         *("page_open_ms", "page_open_first_ms", "page_index_mb"),
     }
-    assert 0 < figures["page_seconds_again"] < figures["page_seconds_first"]
+    assert 0 < figures["page_seconds_again"] < figures["page_seconds_reading"]
     assert 0 < figures["page_open_ms"] < 1000
     assert 0.02 < figures["page_index_mb"] < 0.15
