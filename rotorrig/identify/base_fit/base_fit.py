@@ -30,7 +30,7 @@ class BaseFitSettings:
     same: float = 0.01  # in working coordinates: unknowns so near to one another are one start
     begun: float = 0.01  # of chi2 of the first recording: where a refinement in it ends, and that in all begins
     settled: float = 0.1  # of chi2 of all, where a fit for a diagnosis ends: a step of a third of a standard deviation
-    roughly: float = 1e-4  # of chi2, where it ends at first: how much rows scatter is not known yet
+    roughly: float = 1e-3  # of chi2, where it ends at first: how much rows scatter is not known yet
     wrong: float = 1e-5  # of chi2, where it ends at last if that is more: a wrong one wanders on for next to nothing
     poor: float = 2.0  # chi2 per degree of freedom from which it ends roughly: it is no place to begin from
 

@@ -6,6 +6,7 @@ values at 1X that are independent: those of neighbouring rows, `ADEQUACY.stretch
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from rotorrig.identify.extended_model import ExtendedProblem
 from rotorrig.identify.least_squares import Solution, Stop, Worth
 from rotorrig.rig import DataError
 from rotorrig.sims.effects import Effect, magnitudes
+
+Refine = Callable[..., Solution]  # of a problem from a start
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,16 +78,17 @@ def fit_candidate(
     if not SELECTION.promised_by_law * score.lam - cost > leader - SELECTION.near:
         return None
     larger = problem.extended((*problem.effects, score.effect))
+    refine = partial(_refine, worth=worth, tolerance=tolerance(polished))
     try:
-        best = _fit_first(larger, polished, plain, score, worth=worth)
+        best = _fit_first(larger, polished, plain, score, worth=worth, refine=refine)
         for _ in range(SELECTION.relocations if score.effect.grid and best.stop is not Stop.GIVEN_UP else 0):
             moved = relocate(problem, best.p[: len(polished.p)], score.effect)
             if _same_place(moved, larger.effects[-1]):
                 break
             larger = problem.extended((*problem.effects, moved))
-            best = _refine(larger, best.p, worth=worth)
+            best = refine(larger, best.p)
         if score.effect.initial_guesses and best.stop is not Stop.GIVEN_UP:
-            best = _fit_from_better_guess(larger, best, worth=worth)
+            best = _fit_from_better_guess(larger, best, refine)
     except (DataError, np.linalg.LinAlgError):
         return None  # no motion is found, or none that is finite
     if not np.isfinite(best.chi2):
@@ -125,10 +129,10 @@ def relocate_last_effect(problem: ExtendedProblem, fit: Solution) -> tuple[Exten
     return problem if same else problem.extended((*problem.effects[:-1], moved)), replace(fit, p=p)
 
 
-def _fit_from_better_guess(problem: ExtendedProblem, fit: Solution, *, worth: Worth) -> Solution:
+def _fit_from_better_guess(problem: ExtendedProblem, fit: Solution, refine: Refine) -> Solution:
     """Return the better of a fit and that from another initial guess of its effect, if one promises to be better."""
     begin = better_guess(problem, fit)
-    return fit if begin is None else min(_refine(problem, begin, worth=worth), fit, key=_chi2)
+    return fit if begin is None else min(refine(problem, begin), fit, key=_chi2)
 
 
 def _chi2(fit: Solution) -> float:
@@ -142,7 +146,13 @@ def _same_place(effect: Effect, other: Effect) -> bool:
 
 
 def _fit_first(
-    problem: ExtendedProblem, polished: Solution, plain: Solution | None, score: Score, *, worth: Worth
+    problem: ExtendedProblem,
+    polished: Solution,
+    plain: Solution | None,
+    score: Score,
+    *,
+    worth: Worth,
+    refine: Refine,
 ) -> Solution:
     """Fit from the start of the score, or else from the effect at zero amplitude: beside `plain`, if there is one.
 
@@ -150,7 +160,7 @@ def _fit_first(
     it came as low as `polished`, may do so beside `polished`, if its score is worth it.
     """
     if score.begin is not None:
-        return _refine(problem, score.begin, worth=worth)
+        return refine(problem, score.begin)
     at_zero = np.array([q.at_zero / q.size for q in score.effect.parameters])
     if plain is not None:
         start, pinned = np.append(plain.p, at_zero), problem.parameters.pinned
@@ -161,12 +171,12 @@ def _fit_first(
             max_steps=SELECTION.steps,
             jacobian=jacobian_at_zero(problem, plain, start),
         )
-        fit = _refine(problem, near.p, worth=worth)
+        fit = refine(problem, near.p)
         ended = fit.stop is Stop.CONVERGED or (fit.stop is Stop.GIVEN_UP and fit.chi2 < polished.chi2)
         if ended or not worth(polished.chi2, score.lam):
             return fit
     start = np.append(polished.p, at_zero)
-    direct = _refine(problem, start, worth=worth, jacobian=jacobian_at_zero(problem, polished, start))
+    direct = refine(problem, start, jacobian=jacobian_at_zero(problem, polished, start))
     return direct if plain is None else min(direct, fit, key=_chi2)
 
 
@@ -187,12 +197,22 @@ def jacobian_at_zero(problem: ExtendedProblem, before: Solution, start: Reals) -
     return whole
 
 
-def _refine(problem: ExtendedProblem, start: Reals, *, worth: Worth, jacobian: Reals | None = None) -> Solution:
+def _refine(
+    problem: ExtendedProblem, start: Reals, *, worth: Worth, tolerance: float, jacobian: Reals | None = None
+) -> Solution:
     """Fit from `start` as long as it is worth it; `jacobian` is that there, where it is known."""
     start = np.clip(start, *problem.bounds)
-    return problem.solve(
-        start, tolerance=SELECTION.settled, max_steps=_most_steps(problem), worth=worth, jacobian=jacobian
-    )
+    return problem.solve(start, tolerance=tolerance, max_steps=_most_steps(problem), worth=worth, jacobian=jacobian)
+
+
+def tolerance(before: Solution) -> float:
+    """Return where the first fit of a candidate ends [of chi2]: what `before` it leaves to explain says how near."""
+    return max(SELECTION.settled, SELECTION.settled_share * (before.chi2 - before.dof))
+
+
+def describes_data(fit: Solution) -> bool:
+    """Say whether a fit leaves little more than noise."""
+    return fit.chi2 < SELECTION.described * fit.dof
 
 
 def refit(problem: ExtendedProblem, start: Reals) -> Solution:

@@ -1,6 +1,6 @@
 """One step of forward selection: score all candidates beside those a model has, and fit the promising ones.
 
-What scores high is fitted, one by one; where the misfit is loud and biases the base, causes are searched from the
+What scores high is fitted, one by one; where the misfit has taken the base far off, causes are searched from the
 nameplate as well. Force laws and pedestals have no score of the first order: they are always searched from there, and
 where an unmodelled cause has biased the base, or is loud, only if nothing else explains it or promises to: what is
 faint may be explained by another that is like it, what is loud not down to the noise.
@@ -12,7 +12,14 @@ from functools import partial
 
 import numpy as np
 
-from rotorrig.identify.causes.candidate_fit import Candidate, finish, fit_candidate, plausible
+from rotorrig.identify.causes.candidate_fit import (
+    Candidate,
+    describes_data,
+    finish,
+    fit_candidate,
+    plausible,
+    tolerance,
+)
 from rotorrig.identify.causes.nameplate_search import rescore_from_nameplate, search_from_nameplate
 from rotorrig.identify.causes.pinned_nuisances import fit_with_pinned_nuisances, nuisances_biased
 from rotorrig.identify.causes.score_test import Score, scores
@@ -55,17 +62,18 @@ def try_candidates(
     scored = scores(problem, polished.p, candidates)
     excess = _excess(problem, polished)
     biased = nuisances_biased(problem, polished.p)
-    if first and biased and excess > SELECTION.loud and not _best_reaches(scored, excess):
+    astray = biased and excess > _values(problem)
+    if first and astray and not _best_reaches(scored, excess):
         scored = rescore_from_nameplate(problem, polished, scored, go_on=go_on)
     searched = first and (wrong or (bool(scored) and scored[0].lam > SELECTION.detected))
     by_score = _best_reaches(scored, excess)
     later = by_score and (biased or excess > SELECTION.loud)
-    search = partial(search_from_nameplate, problem, polished, candidates, biased=wrong, go_on=go_on)
+    search = partial(search_from_nameplate, problem, polished, candidates, biased=wrong and astray, go_on=go_on)
     laws = search() if searched and not later else []
     choose = partial(_promising, needed=needed, excess=excess)
     promising = choose(sorted((*scored, *laws), key=lambda s: -s.lam))
     progress(0.3)
-    plain = fit_with_pinned_nuisances(problem, polished.p) if biased and (promising or searched) else None
+    plain = fit_with_pinned_nuisances(problem, polished.p) if astray and (promising or searched) else None
     fit_all = partial(_fit_all, problem, polished, plain, go_on=go_on)
     tried = fit_all(promising, (), progress=lambda share: progress(0.3 + 0.5 * share))
     if searched and not any(_explains(candidate, excess) for candidate in tried):
@@ -73,7 +81,7 @@ def try_candidates(
         late = [s for s in choose(laws if later else scored) if s not in promising]
         tried = fit_all(late, tried, progress=lambda share: progress(0.8 + 0.2 * share))
     if go_on():
-        tried = _finish_near(tried)
+        tried = _finish_near(tried, tolerance(polished))
     if go_on() and not any(_explains(candidate, excess) for candidate in tried):
         tried = _finish_rivals(tried)
     progress(1.0)
@@ -84,8 +92,12 @@ def try_candidates(
 def _excess(problem: ExtendedProblem, polished: Solution) -> float:
     """Return by how much chi2 of 1X is more than adequate, priors included; negative where it is less."""
     r = problem.residual(polished.p, orders=(1,))
-    size = sum(recording.measured[1].size for recording in problem.recordings)
-    return float(r @ r) - size
+    return float(r @ r) - _values(problem)
+
+
+def _values(problem: ExtendedProblem) -> int:
+    """Return the number of values at 1X: with twice their chi2, or more, a base is far off."""
+    return sum(recording.measured[1].size for recording in problem.recordings)
 
 
 def _fit_all(
@@ -110,10 +122,18 @@ def _fit_all(
     return tried
 
 
-def _finish_near(tried: Sequence[Candidate]) -> list[Candidate]:
-    """Fit to its end what came to the end of its steps near the best: it may be tied with that, or better."""
-    least = max((c.evidence for c in tried if plausible(c)), default=np.inf) - SELECTION.near
-    return [finish(c) if c.polished.stop is Stop.BUDGET and c.evidence > least else c for c in tried]
+def _finish_near(tried: Sequence[Candidate], rough: float) -> list[Candidate]:
+    """Fit to its end what came to the end of its steps near the best: it may be tied with that, or better.
+
+    So is what was fitted to so much of chi2 that its order is open, unless the best leaves too much for that to matter.
+    """
+    best = max((c for c in tried if plausible(c)), key=lambda c: c.evidence, default=None)
+    if best is None:
+        return list(tried)
+    settled = (Stop.CONVERGED, Stop.STALLED)
+    ends = (Stop.BUDGET, *settled) if rough > SELECTION.settled and describes_data(best.polished) else (Stop.BUDGET,)
+    least = best.evidence - SELECTION.near - rough
+    return [finish(c) if c.polished.stop in ends and c.evidence > least else c for c in tried]
 
 
 def _finish_rivals(tried: Sequence[Candidate]) -> list[Candidate]:

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from rotorrig.identify.adequacy import ADEQUACY
-from rotorrig.identify.causes.candidate_fit import Candidate, price, refit, relocate_last_effect
+from rotorrig.identify.causes.candidate_fit import Candidate, describes_data, price, refit, relocate_last_effect
 from rotorrig.identify.causes.selection_step import SelectionStep, try_candidates
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem
@@ -108,13 +108,9 @@ def _find_lower_base(base: Solution, best: Candidate) -> Solution | None:
     cause that describes the data where the base does not even so is: nothing is to be searched from there.
     """
     _, fit = leave_out(best.problem, best.polished, [best.effect])
-    if _describes_data(best.polished) and not _describes_data(fit):
+    if describes_data(best.polished) and not describes_data(fit):
         return None
     return fit if fit.chi2 < base.chi2 - SELECTION.detected else None
-
-
-def _describes_data(fit: Solution) -> bool:
-    return fit.chi2 < SELECTION.described * fit.dof
 
 
 def is_significant(candidate: Candidate, *, explained: float = 0.0) -> bool:
@@ -189,7 +185,7 @@ def _rivals(
     chosen = next((step.tried for step in steps if step.tried and step.tried[0].effect.label == effect.label), ())
     stayed = {e.label for e in others}
     comparable = bool(chosen) and stayed.issuperset(e.label for e in chosen[0].problem.effects[:-1])
-    if not comparable or not _describes_data(polished):
+    if not comparable or not describes_data(polished):
         return list(candidates)
     least = chosen[0].evidence - SELECTION.near - 2 * max(chosen[0].polished.chi2 - polished.chi2, 0.0)
     near = {c.effect.label for c in chosen[1:] if c.evidence > least}

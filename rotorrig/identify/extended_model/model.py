@@ -206,11 +206,16 @@ class ExtendedModel:
     def _directed(self, p: Reals, model: RotorModel, which: Index) -> list[Direction]:
         base = self.parameters.base
         values, by = base.structure(p[: len(base)]), base.structure_derivatives(p[: len(base)])
-        plain = not any("matrices" in e.acts_on and e.scales_base and not e.is_nuisance for e in self.effects)
+        scaling = [n for n, e in enumerate(self.effects) if "matrices" in e.acts_on and e.scales_base]
+        plain = all(self.effects[n].is_nuisance for n in scaling)
         found = []
         for i in which:
             if i < base.structural.stop and plain:
-                found.append(self._structure.direction(model, values, by[i]))
+                direction = self._structure.direction(model, values, by[i])
+                for n in scaling if i in base.of_shaft else ():
+                    theta = self.parameters.of_effect(p, n)
+                    direction = self.effects[n].change_along_shaft(direction, model, theta)
+                found.append(direction)
                 continue
             moved, step = p.copy(), self._matrix_step(i)
             moved[i] += step

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.rig_scale import RigScale
-from rotorrig.sims.rotor.model import Load, RotorModel
+from rotorrig.sims.rotor.model import Direction, Load, RotorModel
 from rotorrig.sims.rotor.nonlinear import ForceLaw
 
 Complex = NDArray[np.complex128]
@@ -186,6 +186,13 @@ class Effect:
     def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with other matrices, coordinates or bearings."""
         return model
+
+    def change_along_shaft(self, along: Direction, model: RotorModel, theta: Theta) -> Direction:
+        """Return the derivative `along` of the bare shaft's matrices, with that of what the effect makes of them.
+
+        Asked of nuisances, which are in every model; of others the matrices are differenced.
+        """
+        return along
 
     def loads(self, model: RotorModel, theta: Theta) -> tuple[Load, ...]:
         """Return forces on `model`, as `change_matrices` returned it."""

@@ -7,10 +7,15 @@ section 2.4; Kimball, Internal friction theory of shaft whirling, Gen. Electr. R
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rotorrig.rig.config import RigConfig
 from rotorrig.sims.effects.base import EVERY, Effect, Parameter, Theta
 from rotorrig.sims.effects.shaft_motion import pairwise_map
-from rotorrig.sims.rotor.model import Added, RotorModel, with_added
+from rotorrig.sims.rotor.model import Added, Direction, RotorModel, with_added
+
+Matrix = NDArray[np.float64]
 
 J = ((0.0, 1.0), (-1.0, 0.0))
 
@@ -27,10 +32,20 @@ class InternalDamping(Effect):
         """Return the model with it."""
         if not theta["beta"]:
             return model
-        C = theta["beta"] * model.shaft.K
+        C, H = self._of(model.shaft.K, model, theta)
+        return with_added(model, Added(C=C, H=H))
+
+    def change_along_shaft(self, along: Direction, model: RotorModel, theta: Theta) -> Direction:
+        """Return the derivative with that of the rotating damping: it is in proportion to the stiffness."""
+        C, H = self._of(along.K.real, model, theta)
+        return along._replace(C=along.C + C, H=along.H + H)
+
+    def _of(self, stiffness: Matrix, model: RotorModel, theta: Theta) -> tuple[Matrix, Matrix]:
+        """Return its matrices C and H for a shaft of that stiffness."""
+        C = theta["beta"] * stiffness
         circulatory = C @ pairwise_map(model, J)
         skew = (circulatory - circulatory.T) / 2  # exactly so, but for rounding and what a reduction leaves out
-        return with_added(model, Added(C=C, H=model.rotation * skew))
+        return C, model.rotation * skew
 
     def words(self, theta: Theta) -> str:
         """Say how large it is."""

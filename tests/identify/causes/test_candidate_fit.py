@@ -8,6 +8,7 @@ import pytest
 from rotorrig.identify.causes.candidate_fit import Candidate, finish, fit_candidate, jacobian_at_zero
 from rotorrig.identify.causes.score_test import scores
 from rotorrig.identify.causes.selection_step import _finish_near, _finish_rivals
+from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
@@ -93,10 +94,16 @@ def test_what_came_to_the_end_of_its_steps_near_the_best_is_fitted_to_its_end(
     lam = before.chi2 - short.chi2
     near = replace(whole, polished=short, lam=lam, evidence=whole.evidence - 40.0)
     far = replace(near, evidence=whole.evidence - 50.0)
-    same, done, still = _finish_near([whole, near, far])
+    same, done, still = _finish_near([whole, near, far], SELECTION.settled)
     assert same is whole and still is far
     assert done.polished.chi2 == pytest.approx(whole.polished.chi2, abs=1.0)
     assert done.lam == pytest.approx(before.chi2 - done.polished.chi2)
+    ended = replace(near, polished=replace(short, stop=Stop.CONVERGED))  # as near as was asked for
+    assert _finish_near([whole, ended], SELECTION.settled)[1] is ended
+    _, done = _finish_near([whole, ended], 5.0)
+    assert done.polished.chi2 == pytest.approx(whole.polished.chi2, abs=1.0)
+    poor = replace(whole, polished=replace(whole.polished, chi2=3.0 * whole.polished.dof))
+    assert _finish_near([poor, ended], 5.0)[1] is ended  # the order does not matter
 
 
 def test_a_candidate_without_a_bounded_motion_further_on_stays_as_it_is(

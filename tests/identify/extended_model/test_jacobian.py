@@ -7,6 +7,7 @@ import pytest
 
 from rotorrig.identify.causes.candidates import candidates
 from rotorrig.identify.extended_model.model import ExtendedModel, Models
+from rotorrig.identify.extended_model.nuisance_effects import nuisance_effects
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.processing.response import MainsHum, OrderTrackedResponse
@@ -79,6 +80,18 @@ def test_the_jacobian_is_the_derivative_of_the_residual(
             off = np.linalg.norm(column[twice] - difference[twice])
             assert off <= LAWS_ABOVE * np.linalg.norm(difference[twice]), names.names[i]
         assert np.linalg.norm(expected) > 0, names.names[i]
+
+
+def test_rotating_damping_goes_with_the_shaft_it_is_of(short: OrderTrackedResponse, hidden: np.ndarray) -> None:
+    nuisances = nuisance_effects([Recording(short)])
+    problem = ExtendedProblem(ExtendedModel([Recording(short)], nuisances, models=MODELS))
+    names, p = problem.parameters, typical(problem, hidden)
+    p[names.own] = 2.0  # 100 us
+    which = np.sort([names.names.index(name) for name in ("E", *GEOMETRY)])
+    for column, i in zip(problem.jacobian(p, which).T, which, strict=True):
+        expected = central(problem, p, int(i))
+        off = np.linalg.norm(column - expected) / np.linalg.norm(expected)
+        assert off < 1e-3, names.names[i]  # a damping that stayed as it was: 0.011 by E
 
 
 @pytest.mark.parametrize("kind", ["bow", "probe_gain", "cubic_spring"])

@@ -32,7 +32,7 @@ class LinearModel:
         self._root, self._onto = triangular_factor(columns, self._normal)
         self._independent = bool(np.abs(self._root.diagonal()).min(initial=1.0) > LINEAR_MODEL.independent)
         self._aim = -self._onto(r)
-        self._p = p
+        self._p, self._r, self._J = p, r, J
         self._bounds = bounds
         self._room = self._scale_room(p, reach)
         self._best: dict[float, Array] = {}
@@ -46,6 +46,26 @@ class LinearModel:
     def further(self, p: Array, r: Array) -> Array:
         """Return where an undamped step from elsewhere ends, where the residual is `r` and the derivatives the same."""
         return self._move(p, self._least(-self._onto(r), LINEAR_MODEL.least_damping, *self._scale_room(p, np.inf)))
+
+    def along(self, share: float, aimed: Array) -> Array:
+        """Return what lies at a share of the way to `aimed`."""
+        return self._p + share * (aimed - self._p)
+
+    def bend(self, aimed: Array, r: Array, share: float, damping: float, *, straight: float) -> Array | None:
+        """Return where a step damped by `damping` to `aimed` leads if it bends as the residual does along it.
+
+        `r` is the residual at a `share` of the step. None where there is none, or where the bend, half the second
+        derivative's least-squares image, is longer than half that part of the step that is `straight`.
+        """
+        if not np.isfinite(r).all():
+            return None
+        step = aimed - self._p
+        second = 2 / share * ((r - self._r) / share - self._J @ step)
+        anywhere = np.full(len(self._length), np.inf)
+        bent = self._least(-self._onto(second), max(damping, LINEAR_MODEL.least_damping), -anywhere, anywhere)
+        if np.linalg.norm(bent) > straight * np.linalg.norm(step[self._moving] * self._length):
+            return None
+        return self._move(aimed, bent / 2)
 
     def promise(self, aimed: Array) -> float:
         """Return by how much the sum of squares falls on the way there if the model holds."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.chea.residuals import (
+    FIT,
     SEARCH,
     Counted,
     Minimum,
@@ -152,7 +153,31 @@ def test_a_valley_that_bends_is_followed_to_its_end_on_a_few_jacobians() -> None
     np.testing.assert_allclose(found.point.p, [1, 1], atol=1e-4)
 
 
-def test_linear_parameters_are_settled_where_a_step_gains_little() -> None:
+def test_a_full_step_ends_where_a_large_residual_that_bends_is_least() -> None:
+    def residual(p: np.ndarray) -> np.ndarray:
+        return np.array([1e3 + 5e-4 * p[0] ** 2, p[0] - 1])  # squared: 1e6 + p^2 + (p - 1)^2, least at a half
+
+    def jacobian(p: np.ndarray) -> np.ndarray:
+        return np.array([[1e-3 * p[0]], [1.0]])
+
+    found = fit(residual, jacobian, np.zeros(1), bounds=(np.full(1, -np.inf), np.full(1, np.inf)))
+    assert found.converged
+    assert (found.steps, found.calls) == (2, 3)  # without, it stalls at 1
+    assert found.point.p[0] == pytest.approx(0.5, abs=1e-3)
+
+
+def test_a_damped_step_follows_the_bend_of_a_valley() -> None:
+    def residual(p: np.ndarray) -> np.ndarray:
+        return np.array([1e3 * (np.hypot(*p) - 1), p[0] - 0.99])  # a ring, 1e-3 wide
+
+    def jacobian(p: np.ndarray) -> np.ndarray:
+        return np.array([1e3 * p / np.hypot(*p), [1.0, 0.0]])
+
+    found = fit(residual, jacobian, np.array([-0.9, 0.4]), bounds=FREE, max_steps=50)
+    assert found.point.p == pytest.approx([0.93, 0.36], abs=0.05)  # almost there; without, it stalls at (0.01, 1)
+
+
+def test_linear_parameters_are_settled_after_every_damped_step() -> None:
     t = np.linspace(0, 3, 40)
     measured = 7e-6 * np.exp(-1.3 * t)
     settled = []
@@ -168,7 +193,14 @@ def test_linear_parameters_are_settled_where_a_step_gains_little() -> None:
     def jacobian(p: np.ndarray) -> np.ndarray:
         return np.column_stack([np.exp(-p[1] * t), -p[0] * t * np.exp(-p[1] * t)]) / 1e-9
 
-    found = fit(residual, jacobian, np.array([1.0, 4.0]), bounds=FREE, solve_linear=settle)
+    found = fit(
+        residual,
+        jacobian,
+        np.array([1.0, 4.0]),
+        bounds=FREE,
+        settings=replace(FIT, full_steps=False),
+        solve_linear=settle,
+    )
     np.testing.assert_allclose(found.point.p, [7e-6, 1.3], rtol=1e-6)
     assert settled
     assert found.steps < 10
