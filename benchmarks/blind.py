@@ -75,7 +75,7 @@ def main() -> None:
             supersede_attempt(options.supersede, options.results)
         if options.examine or options.summary:
             examine(options)
-        else:
+        elif not options.supersede:
             develop(options)
     except ConfigError as error:
         sys.exit(str(error))
