@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks import blind
 from benchmarks.blind import examination, judge, line
 from benchmarks.parts.blind.cases import (
     EXTENTS,
@@ -29,7 +30,7 @@ from benchmarks.parts.blind.cases import (
 from benchmarks.parts.blind.measured import trial_mass
 from benchmarks.parts.blind.nameplate_answers import answer_dimension, answer_rest
 from benchmarks.parts.blind.names import ANSWERS, answer, effect_of
-from benchmarks.parts.blind.records import Attempt
+from benchmarks.parts.blind.records import Attempt, attempts, begin_attempt
 from benchmarks.parts.blind.rigs.deviants import DEVIANTS, Deviation
 from benchmarks.parts.blind.rigs.drawn import draw_rig
 from benchmarks.parts.blind.rigs.fault_sizes import fault_of
@@ -241,3 +242,13 @@ def test_the_summary_of_a_fresh_clone_is_of_what_is_kept_in_the_repository(tmp_p
 
 def _lines_of(path: Path) -> list[str]:
     return path.read_text().splitlines() if path.exists() else []
+
+
+def test_to_end_an_attempt_runs_no_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    begin_attempt(tmp_path)
+    for name in ("examine", "develop"):
+        monkeypatch.setattr(blind, name, lambda options: pytest.fail("a case would be run"))
+    monkeypatch.setattr(sys, "argv", ["blind.py", "--supersede", "a rehearsal", "--results", str(tmp_path)])
+    blind.main()
+    (ended,) = attempts(tmp_path)
+    assert ended.superseded == "a rehearsal"

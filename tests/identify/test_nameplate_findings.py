@@ -77,8 +77,8 @@ def test_it_is_the_one_finding_tied_with_what_else_would_explain_it(found: Diagn
 def test_two_probes_in_a_bracket_move_together(hurried_rig: RigConfig) -> None:
     """On a rig that is its model but for that, and says so.
 
-    An unbalance elsewhere explains as much: the two are tied, and which of them comes first is by next to nothing. So
-    it is not among the causes here.
+    An unbalance elsewhere explains as much (evidence of 33.39 and 33.32), and is tied with it; so what is said of the
+    place is asked where that is not among the causes.
     """
     exact = with_priors(
         hurried_rig,
@@ -90,6 +90,9 @@ def test_two_probes_in_a_bracket_move_together(hurried_rig: RigConfig) -> None:
         'mark_radius = "10 m"',
     )
     response = swept(exact, Geometry(probe_shifts=(0.0, 0.0, BRACKET, BRACKET)))
+    beside_all = judged(response)
+    assert beside_all.verdict is Verdict.TIED
+    assert "probe_position, 2x" in beside_all.tied[0]
     found = judged(response, tried=TRIED - {"unbalance_plane"})
     assert found.verdict in (Verdict.NAMED, Verdict.TIED)
     assert [group[0] for group in found.tied] in ([], ["probe_position, 2x"])

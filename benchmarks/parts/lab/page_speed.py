@@ -27,9 +27,9 @@ def measure_page(runs: int = 1000) -> dict[str, float]:
     """Return seconds to make the pages of a lab and milliseconds to open them, by what they are of.
 
     page_seconds: with a response for every run that did not fail, whose curves `rotor lab run` has kept, all new.
-    page_seconds_again: the same when the pages are there. page_seconds_reading: new again, of a lab that kept no
-    curves, every response is read. page_open_ms and page_open_first_ms: from the request to the
-    table's first paint, median and first of several; page_index_mb, its size.
+    page_seconds_again: the same when the pages are there. page_seconds_reading: all new, of a lab that kept no curves,
+    so that every response is read. page_open_ms and page_open_first_ms: from the request to the table's first paint,
+    median and first of several; page_index_mb, its size.
     """
     with tempfile.TemporaryDirectory(prefix="rotor-lab-") as folder:
         root = Path(folder)

@@ -145,6 +145,24 @@ def test_where_a_score_promises_four_fifths_of_a_loud_misfit_no_other_is_sought_
     assert bool(asked) == searched
 
 
+@pytest.mark.parametrize(("misfit", "pinned"), [(100.0, False), (1000.0, True)])
+def test_candidates_begin_with_pinned_nuisances_beside_a_base_that_is_far_off_alone(
+    misfit: float, pinned: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Far off: more than as much again as the 64 figures that noise leaves."""
+    asked: list[int] = []
+
+    def log(problem: Any, p: Any) -> None:
+        asked.append(len(p))
+
+    monkeypatch.setattr(selection_step, "nuisances_biased", lambda problem, p: True)
+    monkeypatch.setattr(selection_step, "fit_with_pinned_nuisances", log)
+    problem: Any = LinearProblem(alone(A=misfit))
+    base = problem.solve(np.zeros(problem.design.shape[1]))
+    selection_step.try_candidates(problem, base, [A], lambda share: None, wrong=False, first=True)
+    assert bool(asked) == pinned
+
+
 def test_no_more_than_three_causes_are_taken_up() -> None:
     found = selected(alone(A=130.0, B=120.0, C=110.0, D=100.0), [A, B, C, D])
     assert SELECTION.most == 3

@@ -43,7 +43,7 @@ def write_curve_files(
     `progress` is told the share of the files done. Raises DataError if they cannot be written.
     """
     wanted = [file for run in runs if (file := _file_of(lab, folder, run))]
-    missing = [file for file in wanted if not (is_written(file.path) or _copy(file))]
+    missing = [file for file in wanted if not is_written(file.path)]
     faults: dict[CurveFile, str] = {}
     for done, file in enumerate(missing, start=1):
         if fault := _write(file):
@@ -70,16 +70,11 @@ def _file_of(lab: Path, folder: Path, run: Row) -> CurveFile | None:
     )
 
 
-def _copy(file: CurveFile) -> bool:
-    """Copy the curves that the lab kept; return whether it did. Raises DataError if they cannot be written."""
-    if not is_written(file.kept):
-        return False
-    write_whole_text(file.path, file.kept.read_text(encoding="utf-8"))
-    return True
-
-
 def _write(file: CurveFile) -> str:
-    """Write the curves of a run; return why its response has none, else nothing."""
+    """Write the curves of a run; return why its response has none, else nothing. Raises DataError."""
+    if is_written(file.kept):
+        write_whole_text(file.path, file.kept.read_text(encoding="utf-8"))
+        return ""
     try:
         response = read_response(file.response)
     except DataError as error:

@@ -19,7 +19,7 @@ in 26. This one's 15 extended fits ended there in 14; the other, of 59 parameter
 4737.82, where trf reaches 4735.91 (tolerance 0.1). Its base fits were compared only through whole `identify` runs, of
 four seeds: 86 residuals and 41 Jacobians before and after, chi2 equal to four decimals. Per search of Table 7 it takes
 more CPU than the searches' former method, 5.6 ms against 4.3. Where this one has no time, it was taken under another
-load of the machine.
+load of the machine. Its fits are those before damped steps followed bends and two idle steps ended a fit.
 
 Damping follows Nielsen ("Damping parameter in Marquardt's method", 1999), scaled by the columns' lengths (Marquardt
 1963). Two ways to begin, in `Settings`:
@@ -68,10 +68,10 @@ class Settings:
     reach: float = np.inf  # longest step in any parameter
     trials: int = 12  # damped steps on one Jacobian; not measured: by 2, 4, 8 .. the damping exceeds any before that
     bends: int = 4  # further full steps on it
-    shortest: float = 1 / 3  # share of a full step that is tried
+    shortest: float = 1 / 3  # share of a full step: where the parabola is lowest sooner, damped steps lead further
     left: float = 0.05  # of its promise: a full step that leaves less needs no further one
     probed: float = 0.1  # share of a damped step at which it is seen how the valley bends
-    straight: float = 0.75  # of a step's length: a bend that would move its end by more than half of it is none
+    straight: float = 0.75  # of a step's length: where its second derivative is longer, the bend is not followed
     followed: float = 0.2  # of its promise: what a step that follows the bend has to gain
     idle: float = 0.01  # of its promise: a step that gains less, or with full steps less than the tolerance, is no way
     patience: int = 2  # to the minimum; so many in a row end the descent (idle 0: none does)

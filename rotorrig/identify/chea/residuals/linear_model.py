@@ -52,10 +52,10 @@ class LinearModel:
         return self._p + share * (aimed - self._p)
 
     def bend(self, aimed: Array, r: Array, share: float, damping: float, *, straight: float) -> Array | None:
-        """Return where a step damped by `damping` to `aimed` leads if it bends as the residual does along it.
+        """Return where a step damped by `damping` to `aimed` ends if it bends as the residual does along it.
 
-        `r` is the residual at a `share` of the step. None where there is none, or where the bend, half the second
-        derivative's least-squares image, is longer than half that part of the step that is `straight`.
+        `r` is the residual at a `share` of the step. None where that has none, and where the second derivative of the
+        path, which moves its end by half, is longer than `straight` of the step: there it says nothing.
         """
         if not np.isfinite(r).all():
             return None

@@ -135,7 +135,7 @@ def test_a_response_that_cannot_be_read_costs_its_bode_plot_alone(
     assert any(sentence.endswith("has no 1X, want it for a Bode plot") for sentence in written.unread)
 
 
-def test_progress_is_the_share_of_the_responses_read(tmp_path: Path, response: OrderTrackedResponse) -> None:
+def test_progress_is_the_share_of_the_files_written(tmp_path: Path, response: OrderTrackedResponse) -> None:
     write_response(tmp_path / "response.mcap", response)
     make_lab(tmp_path, runs=6, response=tmp_path / "response.mcap", responses=6)
     told: list[float] = []
