@@ -27,7 +27,7 @@ from rotorrig.sims.plant import Truth, expected_estimates, unseal
 
 ARRAYS = ("residual", "sigmas", "extended_residual", "extended_sigmas")  # of diagnosis.json; not kept
 FAILED = "failed"  # for a verdict, of a case that ended in an error
-PATIENCE = 240.0  # s of the processor's time, less than the five minutes that a diagnosis may take
+PATIENCE = 200.0  # s of the processor's time, of the five minutes that a diagnosis may take: what is begun is ended
 JUDGED = ("adequate", "named")  # verdicts whose stiffness and unbalance are held against the truth
 
 Job = tuple[Case, Path]

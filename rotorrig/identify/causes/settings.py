@@ -12,6 +12,7 @@ class SelectionSettings:
     detected: float = 18.0  # of chi2; what healthy simulated rigs score: docs/diagnosis.md
     most: int = 3  # causes at once
     model_error: float = 0.01  # of what the causes so far explain: that much of their vectors may be wrong
+    open_end: float = 1e-3  # of chi2, by which a poor base may have ended above its minimum: BaseFitSettings.roughly
     as_good: float = 1.0  # of chi2, by which fits of one and the same cause may differ that began elsewhere
     unsure: float = 2.0  # sigmas by which a size may be beyond its plausible range
 

@@ -276,6 +276,7 @@ def test_progress_only_grows_within_each_cause(rig: RigConfig, hidden: NDArray[n
         (110.0, 6000.0, False),  # it is what is there
         (110.0, 9990.0, False),
         (5000.0, 9990.0, False),  # no lower than the base, but for what chance would do
+        (5000.0, 9980.0, True),
     ],
 )
 def test_a_search_begins_anew_from_a_lower_base_unless_the_cause_alone_describes_the_data(
@@ -288,3 +289,18 @@ def test_a_search_begins_anew_from_a_lower_base_unless_the_cause_alone_describes
     lower = fit(without)
     monkeypatch.setattr("rotorrig.identify.causes.stepwise_selection.leave_out", lambda *_: (None, lower))
     assert (_find_lower_base(fit(10000.0), best) is lower) == anew
+
+
+@pytest.mark.parametrize(("without", "anew"), [(3_486_935.0, False), (3_158_500.0, True)])
+def test_a_search_does_not_begin_anew_from_a_poor_base_no_lower_than_its_fit_had_left_open(
+    without: float, anew: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A slipping coupling's base ended at 3,487,778: 843 less is no other minimum, and cost 131 s."""
+
+    def fit(chi2: float) -> Solution:
+        return cast(Solution, SimpleNamespace(chi2=chi2, dof=6000))
+
+    best = cast(Candidate, SimpleNamespace(problem=None, polished=fit(2.9e6), effect=None))
+    lower = fit(without)
+    monkeypatch.setattr("rotorrig.identify.causes.stepwise_selection.leave_out", lambda *_: (None, lower))
+    assert (_find_lower_base(fit(3_487_778.0), best) is lower) == anew

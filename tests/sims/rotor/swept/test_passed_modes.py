@@ -39,6 +39,13 @@ def test_poles_near_the_speeds_are_passed_and_the_widest_gap_bounds_them():
     assert passed_modes._count_passed(distance, far=1e4) == 5  # all there are but one
 
 
+def test_many_modes_are_passed_only_where_few_would_part_what_is_close_together():
+    pedestal = np.array([1.4, 1.4, 1.4, 2.6, 21, 38, 65, 66, 130, 133, 233, 235, 557, 582])  # on an RK4
+    assert passed_modes._count_passed(pedestal, far=30.0) == 8  # before 2.0 times; 2.4 times after 12
+    crowded = np.array([2.0, 15, 29, 33, 38, 44, 51, 60, 70, 82, 95, 200, 210])  # no gap of the first eight is clear
+    assert passed_modes._count_passed(crowded, far=30.0) == 11
+
+
 @pytest.mark.parametrize("c", [1.0, 15.0])
 def test_passed_and_others_together_are_the_steady_response(small, c):
     model = with_bearing(small, "spring", np.diag([33.9e3, 34.6e3]), np.eye(2) * c)
