@@ -78,7 +78,7 @@ MECHANISMS: Mapping[str, Mechanism] = MappingProxyType(
         "internal_damping": Mechanism(
             "a standard linear solid in the shaft's own axes",
             "Genta, Amati 2010",
-            "viscous in the shaft's axes",
+            "stress by a fractional derivative of the strain, in the shaft's axes",
         ),
         "line_hum": Mechanism(
             "a tone and its third, unlike in every probe, at a frequency that strays",

@@ -8,7 +8,6 @@ import json
 import math
 import tempfile
 import time
-import traceback
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -21,6 +20,7 @@ from benchmarks.parts.blind.measured import Measured, measured
 from benchmarks.parts.blind.nameplate_answers import answer_dimension, answer_rest
 from benchmarks.parts.blind.names import Answer, answer
 from benchmarks.parts.blind.rigs.drawn import layout
+from benchmarks.parts.error_text import error_text
 from rotorrig.identify import diagnose, write_diagnosis
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.sims.plant import Truth, expected_estimates, unseal
@@ -47,7 +47,7 @@ def run_case(job: Job) -> Iterator[dict[str, Any]]:
             found = diagnosed(swept.responses, Path(scratch) / "diagnosis.json")
         spent = {"seconds": time.perf_counter() - began, "seconds_cpu": time.process_time() - worked}
     except Exception:  # a case that crashes counts against the diagnosis and must not end a night's run
-        yield {"verdict": FAILED, "error": traceback.format_exc()}
+        yield {"verdict": FAILED, "error": error_text()}
         return
     truth = unseal(swept.sealed)
     yield {**verdict_part(found), **spent, "hidden": [asdict(each) for each in right_answers(swept.case, truth)]}
@@ -97,7 +97,7 @@ def _after(swept: Measured, found: Mapping[str, Any], truth: Truth, folder: Path
             began = time.perf_counter()
             yield {"lam": lam_of(case, truth, folder), "seconds_lam": time.perf_counter() - began}
     except Exception:
-        yield {"error_after": traceback.format_exc()}
+        yield {"error_after": error_text()}
 
 
 def _finite(sigma: float | None) -> float | None:

@@ -2,7 +2,6 @@
 
 import math
 import time
-import traceback
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -13,6 +12,7 @@ from threadpoolctl import threadpool_limits
 from benchmarks.parts.blind.cases import Case
 from benchmarks.parts.blind.measured import measured
 from benchmarks.parts.discovery.expected import expected
+from benchmarks.parts.error_text import error_text
 from rotorrig.identify.base_fit import config_effects, fit_base
 from rotorrig.identify.causes import Selection
 from rotorrig.identify.discovery import Discovery, discover
@@ -36,7 +36,7 @@ def run_case(job: Job) -> Iterator[dict[str, Any]]:
             yield _found(swept.responses)
         yield {"again": swept.case.again, "seconds_cpu": round(time.process_time() - worked, 1)}
     except Exception:  # a case that crashes counts against the search and must not end a night's run
-        yield {"error": traceback.format_exc()}
+        yield {"error": error_text()}
         return
     truth = unseal(swept.sealed)
     rig = swept.responses[0].rig

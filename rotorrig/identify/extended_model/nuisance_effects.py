@@ -46,10 +46,10 @@ class MarkEdge(Effect):
 
 
 def nuisance_effects(recordings: Sequence[Recording]) -> list[Effect]:
-    """Return them: internal damping of the shaft, and the other edge of the mark where a rotor turned backwards."""
+    """Return them: viscous damping inside the shaft, and the other edge of the mark where a rotor turned backwards."""
     rig = recordings[0].response.rig
     damping: list[Effect] = [
-        replace(effect, parameters=tuple(replace(q, prior=rig.prior.rotating_damping) for q in effect.parameters))
+        replace(effect, parameters=(replace(effect.parameters[0], prior=rig.prior.rotating_damping),))
         for effect in catalogue(rig)
         if isinstance(effect, InternalDamping)
     ]

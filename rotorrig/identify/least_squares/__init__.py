@@ -9,7 +9,9 @@ from rotorrig.identify.least_squares.solve import (
     Worth,
     always,
     inverse_information,
+    inverse_information_root,
     solve,
+    squared_distance,
 )
 
 __all__ = [
@@ -23,6 +25,8 @@ __all__ = [
     "Worth",
     "always",
     "inverse_information",
+    "inverse_information_root",
     "solve",
+    "squared_distance",
     "take_step",
 ]

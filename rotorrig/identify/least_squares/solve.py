@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg
 
 from rotorrig.identify.chea.residuals import (
     FIT,
@@ -184,10 +185,27 @@ def _solution(minimum: Minimum, p: Reals, free: Index, *, size: int) -> Solution
 
 def inverse_information(jacobian: Reals) -> Reals:
     """Return (J^T J)^-1, (parameter, parameter); what the rows leave open gets a large variance, never a small one."""
+    root = inverse_information_root(jacobian)
+    return root @ root.T
+
+
+def inverse_information_root(jacobian: Reals) -> Reals:
+    """Return R with R R^T = (J^T J)^-1, (parameter, direction): it holds variances that are too unlike for a sum."""
     length = np.linalg.norm(jacobian, axis=0)
     scale = np.divide(1.0, length, out=np.ones_like(length), where=length > 0)
     root, _ = triangular_factor(jacobian * scale)
     square = np.pad(root, ((0, len(length) - len(root)), (0, 0)))  # fewer rows than parameters leave some open
     _, size, directions = np.linalg.svd(square)
-    root = scale[:, None] * directions.T / np.maximum(size, LEAST_SQUARES.rounding * size[0])
-    return root @ root.T
+    return scale[:, None] * directions.T / np.maximum(size, LEAST_SQUARES.rounding * size[0])
+
+
+def squared_distance(off: Reals, root: Reals) -> float:
+    """Return off^T (R R^T)^-1 off, the square of the Mahalanobis distance; R (parameter, direction) of full rank.
+
+    By the triangular factor of R, each row of it scaled: R R^T would lose the directions of small variance beside those
+    that are left open.
+    """
+    scale = 1.0 / np.linalg.norm(root, axis=1)
+    triangle = np.linalg.qr((scale[:, None] * root).T, mode="r")
+    whitened = linalg.solve_triangular(triangle, scale * off, trans="T")
+    return float(whitened @ whitened)

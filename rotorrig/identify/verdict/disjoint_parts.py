@@ -18,7 +18,7 @@ from scipy.stats import ncx2
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes import SELECTION
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
-from rotorrig.identify.least_squares import inverse_information
+from rotorrig.identify.least_squares import inverse_information_root, squared_distance
 from rotorrig.identify.verdict.cross_validation import divide
 from rotorrig.identify.verdict.part_fits import PartFit, PartFits
 from rotorrig.identify.verdict.settings import VERDICT
@@ -53,24 +53,26 @@ def measure_agreement(
             for part in (masks, [~mask for mask in masks])
         )
         off = one - other
-        each.append((float(ncx2.sf(off @ np.linalg.solve(of_one + of_other, off), len(off), allowed)), between))
+        distance = squared_distance(off, np.hstack([of_one, of_other]))
+        each.append((float(ncx2.sf(distance, len(off), allowed)), between))
     least, between = min(each)
     return Agreement(p=float(-np.expm1(len(each) * np.log1p(-min(least, 1 - 1e-16)))), between=between)
 
 
 def _select_compared(fit: PartFit) -> tuple[Reals, Reals]:
-    """Return the parameters of a fit that are compared and their covariance, scaled up where it is bad.
+    """Return the parameters of a fit that are compared and a root of their covariance, scaled up where it is bad.
 
     Those of the base, and of the causes where they are of the first order: one step takes the others nowhere near.
     """
     names = fit.problem.parameters
     free = names.free
-    covariance = inverse_information(fit.jacobian[:, free]) * max(1.0, fit.chi2 / max(fit.problem.size - len(free), 1))
+    worse = max(1.0, fit.chi2 / max(fit.problem.size - len(free), 1))
+    root = np.sqrt(worse) * inverse_information_root(fit.jacobian[:, free])
     causes = [part for effect, part in zip(names.effects, names.theta, strict=True) if not effect.is_nuisance]
     sizes = [] if fit.problem.curved else [np.arange(part.start, part.stop) for part in causes]
     which = np.intersect1d(np.concatenate([np.r_[names.base.sought, names.base.unbalance], *sizes]), free)
     own = np.searchsorted(free, which)
-    return fit.p[which], covariance[np.ix_(own, own)]
+    return fit.p[which], root[own]
 
 
 def _divisions(recordings: Sequence[Recording]) -> Iterator[tuple[str, list[Mask]]]:

@@ -5,7 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from rotorrig.identify.least_squares.solve import Index, Reals, Stop, inverse_information, solve
+from rotorrig.identify.least_squares.solve import (
+    Index,
+    Reals,
+    Stop,
+    inverse_information,
+    inverse_information_root,
+    solve,
+    squared_distance,
+)
 from rotorrig.rig.errors import DataError
 
 
@@ -71,6 +79,17 @@ def test_what_no_row_restricts_is_said_to_be_unknown_not_well_known() -> None:
     assert (np.diag(covariance) > 1e12).all(), "two rows cannot tell three columns apart"
     alone = inverse_information(np.array([[2.0, 0.0], [0.0, 1e-3]]))
     np.testing.assert_allclose(alone, np.diag([0.25, 1e6]))
+
+
+def test_a_distance_counts_what_is_known_beside_what_is_left_open() -> None:
+    root = inverse_information_root(np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 1e-6]]))  # of a pair, the sum alone is known
+    off = np.array([2.0, 4.0, 2e6])
+    assert squared_distance(off, root) == pytest.approx(36.0 + 4.0, rel=1e-6)
+    assert squared_distance(off, np.hstack([root, root])) == pytest.approx(20.0, rel=1e-6)
+    known = np.array([[2.0, 0.5], [0.5, 1.0]])
+    assert squared_distance(off[:2], np.linalg.cholesky(known)) == pytest.approx(
+        off[:2] @ np.linalg.solve(known, off[:2])
+    )
 
 
 class Unstable(Line):

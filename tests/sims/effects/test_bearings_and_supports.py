@@ -9,7 +9,14 @@ from scipy import linalg
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, catalogue, find
 from rotorrig.sims.effects.shaft_motion import pairwise_map
-from rotorrig.sims.rotor.model.assembly import RotorModel, assemble, matrices, speed_stiffness, with_bearing
+from rotorrig.sims.rotor.model.assembly import (
+    RotorModel,
+    assemble,
+    hysteretic,
+    matrices,
+    speed_stiffness,
+    with_bearing,
+)
 from tests.sims.effects.predicted import OMEGA, Complex, base_load, motion, pair_at, simple_rig
 
 SPRING, NAMES = 40e3, ("A", "B")
@@ -54,9 +61,30 @@ def replace_damping(model: RotorModel, name: str, c: float) -> RotorModel:
 
 def test_a_forward_circular_orbit_does_not_feel_internal_damping(rig: RigConfig) -> None:
     model = assemble(rig)
-    damped = find(rig, "internal_damping").change_matrices(model, {"beta": 1e-4})
+    damped = find(rig, "internal_damping").change_matrices(model, {"beta": 1e-4, "exponent": 0.5})
     for omega in OMEGA:
         assert unbalance_response(damped, omega) == pytest.approx(unbalance_response(model, omega), rel=1e-6)
+
+
+@pytest.mark.parametrize("exponent", [0.3, 0.5, 1.0, 1.1])
+def test_a_backward_whirl_bends_the_shaft_by_a_power_of_twice_the_speed(rig: RigConfig, exponent: float) -> None:
+    model, middle = assemble(rig), 2000.0 * np.pi / 30  # rad/s, where no drive says how fast it turns
+    damped = find(rig, "internal_damping").change_matrices(model, {"beta": 1e-4, "exponent": exponent})
+    for omega in (0.4 * middle, middle, 1.7 * middle):
+        change = dynamic_stiffness(damped, omega) - dynamic_stiffness(model, omega)
+        lags = 1e-4 * 2 * middle * (1j * omega / middle) ** exponent
+        for x, y in zip(*model.centreline, strict=True):  # pushed there, the shaft bends as a whole
+            backward = np.linalg.solve(model.shaft.K + 1e5 * model.shaft.M, x + 1j * model.rotation * y)
+            bending = float((backward.conj() @ model.shaft.K @ backward).real)
+            assert backward.conj() @ change @ backward == pytest.approx(lags * bending, rel=0.01)
+            assert abs(backward @ change @ backward.conj()) < 1e-3 * abs(lags) * bending, "a forward one is at rest"
+
+
+def dynamic_stiffness(model: RotorModel, omega: float) -> Complex:
+    """Z of a motion at 1X."""
+    M, C, G, K = matrices(model, omega)
+    H, S = speed_stiffness(model)
+    return K + 1j * hysteretic(model) + omega * H + omega**2 * (S - M) + 1j * omega * (C + omega * G)
 
 
 def test_an_orbit_that_is_not_circular_feels_internal_damping() -> None:
