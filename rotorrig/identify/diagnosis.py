@@ -156,9 +156,10 @@ def _judge(found: NameplateSelection, unseen: Unseen) -> tuple[Verdict, Selectio
     extended = start
     if selection.problem is not start.problem:
         extended = base_fit.assess_fit(selection.problem, selection.polished)
-    wrong = misstated(selection)
+    wrong, before = misstated(selection), misstated(selection.without_causes())
     predictions = gain.predict_unseen(selection, unseen, adequate=extended.adequacy.adequate, misstated=wrong)
-    if start.adequacy.adequate and not is_supported(selection, predictions):
+    supported = is_supported(selection, predictions, rights_nameplate=wrong < before)
+    if start.adequacy.adequate and not supported:
         selection, extended = selection.without_causes(), start
         wrong = misstated(selection)
     verdict = conclude(
@@ -168,6 +169,7 @@ def _judge(found: NameplateSelection, unseen: Unseen) -> tuple[Verdict, Selectio
         visible=visible_share(selection),
         predictions=predictions,
         misstated=wrong,
+        misstated_before=before,
     )
     return verdict, selection, extended, predictions
 
@@ -254,7 +256,10 @@ def _assemble(
     if predictions is None:
         concluded = sentences.cut_short(found.start.adequacy, extended.adequacy, causes)
     else:
-        concluded = sentences.sentence(verdict, found.start.adequacy, extended.adequacy, causes, ties, predictions)
+        otherwise = found.pulled_far(check_nameplate(found.start.polished, found.start.problem))
+        concluded = sentences.sentence(
+            verdict, found.start.adequacy, extended.adequacy, causes, ties, predictions, otherwise
+        )
         if discovery:
             missing = discovery.missing
             concluded = sentences.with_missing(concluded, missing.words, missing.shortfall, discovery.predictions)

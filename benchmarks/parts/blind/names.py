@@ -15,12 +15,14 @@ from rotorrig.acquisition.sweep.plans import SETTLING_RAMP
 from rotorrig.rig.config import RigConfig, RunUpCoastDown
 from rotorrig.sims.effects import catalogue, find
 from rotorrig.sims.effects.crack import MOUTHS, Crack
+from rotorrig.sims.effects.internal_damping import InternalDamping
 from rotorrig.sims.effects.places import MOST_STEPS, STEP, probe_planes
 from rotorrig.sims.effects.rub import Rub
 from rotorrig.sims.effects.stiffness_over_speed import StiffnessOverSpeed
 from rotorrig.sims.effects.unbalance_plane import UnbalancePlane
 from rotorrig.sims.plant import FaultSpec, Truth
 from rotorrig.sims.plant.faults import load_fault
+from rotorrig.sims.plant.faults.internal_damping import RELAXATION
 from rotorrig.sims.plant.motor import DRAG_CONSTANT, DRAG_LINEAR
 from rotorrig.sims.rotor.model import ONE_RECORDING, between_recordings
 
@@ -123,6 +125,16 @@ def _cross_talk(rig: RigConfig, truth: Truth, values: Values) -> Answer:
     )  # it depends on the gaps
 
 
+def _internal_damping(rig: RigConfig, truth: Truth, values: Values) -> Answer:
+    """Take what a backward whirl at the effect's reference loses and stiffens; the hidden one fades above."""
+    effect = find(rig, "internal_damping")
+    assert isinstance(effect, InternalDamping)
+    seen = 2j * effect.reference
+    lags = 2 * values["time"] * RELAXATION * seen / (seen + RELAXATION)
+    theta = {"beta": abs(lags) / abs(seen), "exponent": cmath.phase(lags) / (math.pi / 2)}
+    return _one("internal_damping", theta, same=())
+
+
 def _line_hum(rig: RigConfig, truth: Truth, values: Values) -> Answer:
     label = "line_hum, 50 Hz"
     return Answer(labels=(label,), exact=label, theta=_phasor("hum", values["amount"], values["phase"]))
@@ -223,7 +235,7 @@ ANSWERS: Mapping[str, Rule] = {
     "drag": _plain("drag", {"c2": "coefficient"}, same=False),  # at one speed there, and past oil that turns
     "friction": _friction,
     "hysteresis": _plain("hysteresis", {"eta": "loss_factor"}, same=False),  # at one amplitude and frequency there
-    "internal_damping": _plain("internal_damping", {"beta": "time"}, same=False),  # at one frequency there
+    "internal_damping": _internal_damping,
     "line_hum": _line_hum,
     "pedestal": _pedestal,
     "probe_angle": _probe_angle,

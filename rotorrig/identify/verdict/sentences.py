@@ -22,8 +22,12 @@ def sentence(
     causes: Sequence[Cause],
     tied: Sequence[Sequence[str]],
     predictions: Predictions,
+    otherwise: Sequence[NameplateFinding] = (),
 ) -> str:
-    """Say what was concluded, from the tests before and after the model was extended."""
+    """Say what was concluded, from the tests before and after the model was extended.
+
+    `otherwise` is what would have to be wrong of the config without the causes.
+    """
     if verdict is Verdict.ADEQUATE:
         return f"The model is adequate: {_figures(before)}."
     if verdict is Verdict.CANNOT_TELL:
@@ -38,7 +42,7 @@ def sentence(
             f"The model is NOT adequate: {_figures(before)}. {_worst(before)} {_attempt(after, causes, predictions)}."
         )
     words = "; ".join(cause.words for cause in causes if cause.chosen)
-    bought = _say_gain(predictions)
+    bought = _say_gain(predictions) if predictions.better or not otherwise else _say_otherwise(otherwise, predictions)
     if not after.adequate:
         bought += f" {NOT_YET_ALL}: {_figures(after)}."
     if verdict is Verdict.TIED:
@@ -51,6 +55,16 @@ def _say_gain(predictions: Predictions) -> str:
     return (
         f"With that the error on data no fit saw ({predictions.on}) goes from {micrometres(predictions.before.error)} "
         f"to {micrometres(predictions.after.error)} um, {predictions.after.over_floor:.1f} times the noise floor."
+    )
+
+
+def _say_otherwise(findings: Sequence[NameplateFinding], predictions: Predictions) -> str:
+    """Say what speaks for causes without which unseen data are predicted as well."""
+    before, after = (micrometres(each.error) for each in (predictions.before, predictions.after))
+    told = "; ".join(finding.words for finding in findings)
+    return (
+        f"Without that the model fits as well, its error on data no fit saw ({predictions.on}) {before} um to {after} "
+        f"with it, but the config would have to be wrong: {told}."
     )
 
 

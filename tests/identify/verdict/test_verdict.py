@@ -163,6 +163,26 @@ def test_what_every_fit_has_as_a_nuisance_need_not_predict_better(kind: type[Eff
     assert found is expected
 
 
+@pytest.mark.parametrize(
+    ("after", "misstated", "expected"),
+    [(5.0, 0, Verdict.NAMED), (5.0, 2, Verdict.UNEXPLAINED), (6.0, 0, Verdict.UNEXPLAINED)],
+)
+def test_what_rights_the_nameplate_need_not_predict_better_but_no_worse(
+    after: float, misstated: int, expected: Verdict
+) -> None:
+    """A base that fits because two statements of the config are taken for wrong predicts as well as their cause."""
+    found = conclude(
+        ALONE,
+        adequate_before=True,
+        adequate_after=True,
+        visible=0.9,
+        predictions=predicts(before=5.0, after=after),
+        misstated=misstated,
+        misstated_before=2,
+    )
+    assert found is expected
+
+
 def test_beside_a_nuisance_set_free_a_cause_is_held_against_that() -> None:
     told = predicts(before=5.0, after=6.0)
     assert not told.better
