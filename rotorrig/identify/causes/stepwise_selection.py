@@ -148,7 +148,7 @@ def _search_again(
     """Search once more for causes found beside others than those they have now, and for one in place of two.
 
     Two of one kind may be parts of a third, as the delays of both planes are of one of all probes. What BIC likes
-    better stays; what was tried is added to `steps`.
+    better takes the place, of what it likes as well what was there stays; what was tried is added to `steps`.
     """
     for leaving in _in_question(problem.effects[kept:]):
         others = [e for e in problem.effects if e not in leaving]
@@ -165,7 +165,11 @@ def _search_again(
         step = search(*leave_out(problem, polished, leaving), among)
         best = step.tried[0] if step.tried else None
         now = polished.chi2 + sum(price(problem, effect) for effect in leaving)
-        if best is None or best.polished.chi2 + price(problem, best.effect) > now + SELECTION.as_good:
+        if best is None:
+            continue
+        stays = best.effect.label in {effect.label for effect in leaving}
+        margin = SELECTION.as_good if stays else -SELECTION.as_good
+        if best.polished.chi2 + price(problem, best.effect) > now + margin:
             continue
         steps.append(step)
         problem, polished = _refit_best(steps)

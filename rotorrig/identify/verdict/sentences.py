@@ -63,8 +63,8 @@ def _say_otherwise(findings: Sequence[NameplateFinding], predictions: Prediction
     before, after = (micrometres(each.error) for each in (predictions.before, predictions.after))
     told = "; ".join(finding.words for finding in findings)
     return (
-        f"Without that the model fits as well, its error on data no fit saw ({predictions.on}) {before} um to {after} "
-        f"with it, but the config would have to be wrong: {told}."
+        f"Without that the model fits as well, its error on data no fit saw ({predictions.on}) is {before} um, with it "
+        f"{after} um; but then the config would have to be wrong: {told}."
     )
 
 

@@ -206,6 +206,14 @@ def test_another_is_tried_again_in_place_of_a_cause_if_it_came_as_near_as_what_i
     assert "BA" not in begun
 
 
+def test_what_explains_as_much_beside_another_takes_no_ones_place() -> None:
+    """R leans from A against B: alone it is behind A by 220, beside B the two are the same."""
+    against = (axis(0) - 0.5 * axis(1)) / np.sqrt(1.25)
+    figures = Figures(20.0 * axis(0) + 10.0 * axis(1), {"A": [axis(0)], "B": [axis(1)], "R": [against]})
+    found = selected(figures, [A, B, effect("R")])
+    assert taken(found) == "AB"
+
+
 def left(*, kept: int = 0, **falls: float) -> str:
     """Name the effects that are left of a model of those named."""
     effects = [e for e in (A, B, C) if e.name in falls]

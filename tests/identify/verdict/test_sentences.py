@@ -89,8 +89,8 @@ def test_a_cause_that_rights_the_nameplate_is_told_with_what_would_be_wrong_with
     )
     finding = NameplateFinding(group="probe angles", sigmas=9.0, deviation=turned)
     told = sentence(Verdict.NAMED, RIGHT, RIGHT, (BOW,), (), even, (finding,))
-    assert "its error on data no fit saw (blocks of speeds in turn) 2 um to 2.1 with it" in told
-    assert told.endswith("but the config would have to be wrong: probe 1y is turned by 10 deg (9.0 sigma).")
+    assert "error on data no fit saw (blocks of speeds in turn) is 2 um, with it 2.1 um; but then" in told
+    assert told.endswith("the config would have to be wrong: probe 1y is turned by 10 deg (9.0 sigma).")
     assert "would have to be wrong" not in sentence(Verdict.NAMED, WRONG, RIGHT, (BOW,), (), BOUGHT, (finding,))
 
 
