@@ -65,17 +65,19 @@ def fit_candidate(
     `plain` is the fit with the nuisances at their priors, where an unmodelled cause has biased them: from there a
     fit returns only slowly, as every other unknown has to move along; so the candidate is started from `plain`.
 
-    It is given up once it could not come near `leader`, the evidence of the best so far, with twice the fall of chi2
-    that a full step promises, or ten times under a force law, which bends more; and not begun where ten times its score
-    could not. So it is once `go_on` says no.
+    It is given up once it could not come near `leader`, the evidence of the best so far, nor to any that counts, with
+    twice the fall of chi2 that a full step promises, or ten times under a force law, which bends more (and counts at
+    any evidence: what a step from far off promises says little there); and not begun where ten times its score could
+    not. So it is once `go_on` says no.
     """
     cost = price(problem, score.effect)
+    least = leader - SELECTION.near if score.effect.needs_starts else max(leader - SELECTION.near, SELECTION.enough)
     hoped = SELECTION.promised_by_law if score.effect.needs_starts else SELECTION.promised
 
     def worth(chi2: float, promise: float) -> bool:
-        return go_on() and polished.chi2 - chi2 + hoped * promise - cost > leader - SELECTION.near
+        return go_on() and polished.chi2 - chi2 + hoped * promise - cost > least
 
-    if not SELECTION.promised_by_law * score.lam - cost > leader - SELECTION.near:
+    if not SELECTION.promised_by_law * score.lam - cost > least:
         return None
     larger = problem.extended((*problem.effects, score.effect))
     refine = partial(_refine, worth=worth, tolerance=tolerance(polished))

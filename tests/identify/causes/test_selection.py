@@ -13,6 +13,7 @@ from rotorrig.identify.causes import score_test, selection_step
 from rotorrig.identify.causes.candidate_fit import fit_candidate
 from rotorrig.identify.causes.settings import SELECTION
 from rotorrig.identify.causes.stepwise_selection import Selection, _drop_idle, is_significant, select
+from rotorrig.identify.least_squares import Solution, Worth
 from rotorrig.sims.effects.base import Effect
 from tests.identify.causes.linear_problem import FIGURES, Figures, LinearProblem, Reals, axis, effect
 
@@ -161,6 +162,20 @@ def test_candidates_begin_with_pinned_nuisances_beside_a_base_that_is_far_off_al
     base = problem.solve(np.zeros(problem.design.shape[1]))
     selection_step.try_candidates(problem, base, [A], lambda share: None, wrong=False, first=True)
     assert bool(asked) == pinned
+
+
+def test_a_fit_is_given_up_that_would_not_count_at_twice_what_it_promises(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten unknowns cost 20.8, and evidence counts from 4 on: twice 12 is not enough, twice 13 is."""
+    asked: list[Worth] = []
+    solve = LinearProblem.solve
+
+    def watch(self: LinearProblem, start: Reals, **how: Any) -> Solution:
+        asked.extend([how["worth"]] if "worth" in how else [])
+        return solve(self, start, **how)
+
+    monkeypatch.setattr(LinearProblem, "solve", watch)
+    selected(Figures(measured([13.0]), {"M": [axis(i) for i in range(10)]}), [effect("M", unknowns=10)])
+    assert [asked[0](13.0, promise) for promise in (12.0, 13.0)] == [False, True]
 
 
 def test_no_more_than_three_causes_are_taken_up() -> None:
