@@ -26,10 +26,14 @@ def test_mechanisms_that_differ_show_it_and_each_effect_is_still_of_its_fault(na
     assert FLOOR < KEPT[name] < 1.0
 
 
-def test_most_mechanisms_are_further_from_their_effect_than_noise_would_hide() -> None:
-    """Of 21 that differ more than half by 1 % and more; the others are absorbed by what any identification fits."""
+def test_half_the_mechanisms_are_further_from_their_effect_than_noise_would_hide() -> None:
+    """Of 21 that differ ten by 1 % and more; the others are absorbed by what any identification fits.
+
+    They were eleven until rotating damping got its exponent: a material that relaxes is within 0.4 % of that in what a
+    sweep sees of it.
+    """
     differ = [KEPT[name] for name, m in MECHANISMS.items() if m.effect and not m.is_definition]
-    assert sum(figure >= 0.01 for figure in differ) > len(differ) / 2
+    assert sum(figure >= 0.01 for figure in differ) >= 10
 
 
 def test_a_figure_is_that_of_the_code() -> None:
