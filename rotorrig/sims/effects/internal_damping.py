@@ -24,9 +24,8 @@ from rotorrig.sims.rotor.model import Added, Direction, RotorModel, with_added
 Matrix = NDArray[np.float64]
 
 J = ((0.0, 1.0), (-1.0, 0.0))
-SPEEDS = np.linspace(
-    0.3, 1.8, 31
-)  # of the reference: there the power of the frequency is within 1 %, at 0.3 within 3 %
+#: of the reference, where a power of the frequency has to be right: it is within 1 % from 0.36 on, within 3 % at 0.3
+SPEEDS = np.linspace(0.3, 1.8, 31)
 TO_POWERS = np.linalg.pinv(np.vander(SPEEDS, 3, increasing=True))  # of a function there: constant, linear, squared
 
 
