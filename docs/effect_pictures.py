@@ -45,7 +45,7 @@ DRAWN: Mapping[str, Case] = {
     "disk_inertia": Case(larger=6.0),
     "drag": Case(values={"c2": 80.0}),
     "friction": Case(values={"force": 0.4}),
-    "internal_damping": Case(larger=2.0),
+    "internal_damping": Case(values={"beta": 1e-4, "exponent": 0.5}),
     "pedestal": Case(where="x", values={"lightness": 0.12, "omega": 176.0, "damping ratio": 0.04}),
     "probe_angle": Case(where="probe 1x", larger=2.0),
     "probe_gain": Case(where="probe 1x", larger=4.0),

@@ -156,7 +156,7 @@ def _judge(found: NameplateSelection, unseen: Unseen) -> tuple[Verdict, Selectio
     extended = start
     if selection.problem is not start.problem:
         extended = base_fit.assess_fit(selection.problem, selection.polished)
-    wrong, before = misstated(selection), misstated(selection.without_causes())
+    wrong, before = misstated(selection), len(found.find_misstated())
     predictions = gain.predict_unseen(selection, unseen, adequate=extended.adequacy.adequate, misstated=wrong)
     supported = is_supported(selection, predictions, rights_nameplate=wrong < before)
     if start.adequacy.adequate and not supported:
@@ -256,10 +256,8 @@ def _assemble(
     if predictions is None:
         concluded = sentences.cut_short(found.start.adequacy, extended.adequacy, causes)
     else:
-        otherwise = found.pulled_far(check_nameplate(found.start.polished, found.start.problem))
-        concluded = sentences.sentence(
-            verdict, found.start.adequacy, extended.adequacy, causes, ties, predictions, otherwise
-        )
+        before, otherwise = found.start.adequacy, found.find_misstated()
+        concluded = sentences.sentence(verdict, before, extended.adequacy, causes, ties, predictions, otherwise)
         if discovery:
             missing = discovery.missing
             concluded = sentences.with_missing(concluded, missing.words, missing.shortfall, discovery.predictions)

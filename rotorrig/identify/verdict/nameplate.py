@@ -38,6 +38,10 @@ class NameplateSelection:
         """Nuisances with wider priors."""
         return self.start.problem.model.widened
 
+    def find_misstated(self) -> tuple[NameplateFinding, ...]:
+        """Return what has to be told of the nameplate by the start, without any cause."""
+        return self.pulled_far(check_nameplate(self.start.polished, self.start.problem))
+
     def pulled_far(self, check: NameplateCheck) -> tuple[NameplateFinding, ...]:
         """Return the findings of the final model that have to be told: pulled far, or better than any effect."""
         return tuple(

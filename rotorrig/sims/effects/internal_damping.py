@@ -31,9 +31,9 @@ TO_POWERS = np.linalg.pinv(np.vander(SPEEDS, 3, increasing=True))  # of a functi
 
 @dataclass(frozen=True, kw_only=True)
 class InternalDamping(Effect):
-    """The time "beta" [s] at a backward whirl at `reference` [rad/s], beta K_s of the whole shaft, and the "exponent".
+    """The time "beta" [s], rotating damping beta K_s of the whole shaft, and the "exponent" of frequency.
 
-    Without the exponent it is viscous.
+    The time is that of a backward whirl at the speed `reference` [rad/s]. Without the exponent it is viscous.
     """
 
     name = "internal_damping"
@@ -43,14 +43,14 @@ class InternalDamping(Effect):
 
     def change_matrices(self, model: RotorModel, theta: Theta) -> RotorModel:
         """Return the model with it; what is not viscous, above 1X as at 1X."""
-        return with_added(model, self._added(model.shaft.K, model, theta)) if theta["beta"] else model
+        return with_added(model, self._build_matrices(model.shaft.K, model, theta)) if theta["beta"] else model
 
     def change_along_shaft(self, along: Direction, model: RotorModel, theta: Theta) -> Direction:
         """Return the derivative with that of the rotating damping: it is in proportion to the stiffness."""
-        more = self._added(along.K.real, model, theta)._asdict()
+        more = self._build_matrices(along.K.real, model, theta)._asdict()
         return along._replace(**{name: getattr(along, name) + A for name, A in more.items() if A is not None})
 
-    def _added(self, stiffness: Matrix, model: RotorModel, theta: Theta) -> Added:
+    def _build_matrices(self, stiffness: Matrix, model: RotorModel, theta: Theta) -> Added:
         """Return its matrices for a shaft of that stiffness."""
         circulatory = stiffness @ pairwise_map(model, J)
         skew = model.rotation * (circulatory - circulatory.T) / 2  # exactly so, but for rounding and the reduction
@@ -65,7 +65,7 @@ class InternalDamping(Effect):
     def words(self, theta: Theta) -> str:
         """Say how large it is."""
         exponent = theta.get("exponent", 1.0)
-        growing = f", as the power {exponent:.1f} of frequency" if exponent != 1.0 else ""
+        growing = f", growing with the power {exponent:.1f} of frequency" if exponent != 1.0 else ""
         return f"the shaft has rotating damping of {1e6 * theta['beta']:.0f} us times its stiffness{growing}"
 
 

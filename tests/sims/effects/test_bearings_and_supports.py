@@ -77,7 +77,7 @@ def test_a_backward_whirl_bends_the_shaft_by_a_power_of_twice_the_speed(rig: Rig
             backward = np.linalg.solve(model.shaft.K + 1e5 * model.shaft.M, x + 1j * model.rotation * y)
             bending = float((backward.conj() @ model.shaft.K @ backward).real)
             assert backward.conj() @ change @ backward == pytest.approx(lags * bending, rel=0.01)
-            assert abs(backward @ change @ backward.conj()) < 1e-3 * abs(lags) * bending, "a forward one is at rest"
+            assert abs(backward @ change @ backward.conj()) < 1e-4 * abs(lags) * bending, "a forward one is at rest"
 
 
 def dynamic_stiffness(model: RotorModel, omega: float) -> Complex:
