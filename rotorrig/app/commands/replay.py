@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 from rotorrig.acquisition import Event, MotorSample, RawRecording, ReplayDaq, trim_before
 from rotorrig.acquisition.files import read_recording
 from rotorrig.app.terminal import progress_bars
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.rig import ConfigError
 from rotorrig.rig.probes import Block
 
@@ -15,8 +16,16 @@ if TYPE_CHECKING:
     from rotorrig.app.viewer import LiveView
 
 
-def play(path: Path, *, rate: str, view: bool, track: Path | None = None, begin: float = 0.0) -> float:
-    """Play `path` from `begin` [s of its clock] and return the length played [s].
+def play(
+    path: Path,
+    *,
+    rate: str,
+    view: bool,
+    unit: AmplitudeUnit = AS_STATED,
+    track: Path | None = None,
+    begin: float = 0.0,
+) -> float:
+    """Play `path` from `begin` [s of its clock] and return the length played [s]; a `view` tells amplitudes in `unit`.
 
     With `track`, its orders are tracked into that response file: identical bytes at any rate and, played from the
     beginning, those of `rotor track`. Raises DataError, ConfigError.
@@ -26,7 +35,7 @@ def play(path: Path, *, rate: str, view: bool, track: Path | None = None, begin:
     if begin:
         recording = trim_before(recording, begin)
     with ExitStack() as stack:
-        live = stack.enter_context(_live_view(recording)) if view else None
+        live = stack.enter_context(_live_view(recording, unit)) if view else None
         played = _play_through(recording, pace, live)
         if track is not None:
             _track(played, track)
@@ -47,10 +56,10 @@ def _pace(rate: str) -> float | Literal["max"]:
     return pace
 
 
-def _live_view(recording: RawRecording) -> "LiveView":
+def _live_view(recording: RawRecording, unit: AmplitudeUnit) -> "LiveView":
     from rotorrig.app.viewer import LiveView, serve  # Rerun takes a second to import
 
-    return LiveView(recording.rig, recording.daq, serve(), events=recording.events)
+    return LiveView(recording.rig, recording.daq, serve(), events=recording.events, unit=unit)
 
 
 def _play_through(recording: RawRecording, pace: float | Literal["max"], live: "LiveView | None") -> RawRecording:

@@ -26,6 +26,7 @@ from rotorrig.app.commands.config_model import criticals_to_pass
 from rotorrig.app.commands.simulate import SimulatedRig, run_simulated_rig
 from rotorrig.app.commands.sweep_preview import estimate_bytes
 from rotorrig.app.terminal import HINT, operator_for, progress_bars
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.rig import ConfigError, DataError, Interlock, Provenance, code_version, connect
 from rotorrig.rig.config import RPM, RigConfig
 from rotorrig.rig.control import PATIENCE, PERSIST, GuardedControl
@@ -49,6 +50,7 @@ def sweep(
     speeds: Sequence[float] = (),
     simulation: SimulatedRig | None,
     view: bool,
+    unit: AmplitudeUnit = AS_STATED,
     yes: bool = False,
     overwrite: bool = False,
     rolling: bool = False,
@@ -59,7 +61,7 @@ def sweep(
 
     A wrong plan or a full disk is refused before anything starts. With `yes`, requests to the operator do not wait.
     `on_move` is told where the recording goes on if its folder vanishes. `remark` is noted in it at its beginning. A
-    stepped plan holds `speeds` [rad/s] instead of its own, if there are any.
+    stepped plan holds `speeds` [rad/s] instead of its own, if there are any; the view tells amplitudes in `unit`.
     """
     steps = steps_of(rig, plan, trial=trial, speeds=speeds)
     if simulation and any(isinstance(step, Ask) for step in steps):
@@ -89,6 +91,7 @@ def sweep(
             ports=ports,
             overwrite=overwrite,
             view=view,
+            unit=unit,
             progress=show,
             operator=operator,
             rolling=rolling,
@@ -139,6 +142,7 @@ def record_sweep(
     ports: BenchPorts | None = None,
     overwrite: bool = False,
     view: bool = False,
+    unit: AmplitudeUnit = AS_STATED,
     progress: Progress | None = None,
     operator: Operator | None = None,
     on_move: Callable[[Path], object] = lambda path: None,
@@ -148,7 +152,7 @@ def record_sweep(
     """Run plan `plan` of the config and record it to `out`; `ports` replace the config's, for a simulated rig.
 
     `trial` are the trial masses on the rotor, such as "disk: 12 g mm at 90 deg"; they are noted in the recording. A
-    stepped plan holds `speeds` [rad/s] instead of its own, if there are any.
+    stepped plan holds `speeds` [rad/s] instead of its own, if there are any. `view` is told in `unit`.
     However the sweep ends, the rotor is stopped and the recording closed. A rotor that turns before the start is a
     trip unless `rolling`. Raises ConfigError, LinkLost, LimitExceeded.
     """
@@ -158,7 +162,7 @@ def record_sweep(
         stack.enter_context(threadpool_limits(1, user_api="blas"))
         daq = stack.enter_context(connect.daq(rig, at=ports.daq if ports else None))
         info = daq.open()
-        live = stack.enter_context(_live_view(rig, info)) if view else None
+        live = stack.enter_context(_live_view(rig, info, unit)) if view else None
         source = Provenance(
             config_hash=rig.hash, code_version=code_version(), source="simulated rig" if ports else rig.name
         )
@@ -211,7 +215,7 @@ def guardian_patience(rig: RigConfig, *, simulated: bool) -> float:
     return SIMULATED_PATIENCE if simulated else PATIENCE
 
 
-def _live_view(rig: RigConfig, info: DaqInfo) -> "LiveView":
+def _live_view(rig: RigConfig, info: DaqInfo, unit: AmplitudeUnit) -> "LiveView":
     from rotorrig.app.viewer import LiveView, serve  # Rerun takes a second to import
 
-    return LiveView(rig, info, serve())
+    return LiveView(rig, info, serve(), unit=unit)

@@ -34,6 +34,11 @@ class AmplitudeUnit:
         return self.name.split()[0]
 
     @property
+    def way(self) -> str:
+        """How an amplitude is counted, "0-peak" or "pp"."""
+        return self.name.split()[1]
+
+    @property
     def by_length(self) -> float:
         """What a length [m] is multiplied by."""
         return 1 / MIL if self.length == "mil" else UM

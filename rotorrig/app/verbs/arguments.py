@@ -2,17 +2,29 @@
 
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rotorrig.rig import RigError
+from rotorrig.rig import ConfigError, RigError
 from rotorrig.rig.config import RigConfig, find_config, load
+
+if TYPE_CHECKING:
+    from rotorrig.app.text import AmplitudeUnit
 
 
 def load_config(given: Path) -> RigConfig:
     """Read a config that was given by path or, if it is bundled, by name. Raises ConfigError."""
     return load(find_config(given))
+
+
+def unit_of_view(units: str | None, *, view: bool) -> "AmplitudeUnit":
+    """Return in which unit a live view tells amplitudes. Raises ConfigError without one, DataError for another unit."""
+    from rotorrig.app.text import AS_STATED, AmplitudeUnit, read_amplitude_unit
+
+    if units and not view:
+        raise ConfigError("--units: goes with --view")
+    return AmplitudeUnit(read_amplitude_unit(units, where="--units")) if units else AS_STATED
 
 
 def plans_of_the_config(context: typer.Context, incomplete: str) -> list[str]:
@@ -47,6 +59,9 @@ Plan = Annotated[str, typer.Option(help="sweep plan in the config", autocompleti
 Units = Annotated[
     str | None,
     typer.Option(help="amplitudes in 'um pp', 'mil pp' or 'mil 0-peak'; a page can switch", show_default=False),
+]
+LiveUnits = Annotated[
+    str | None, typer.Option("--units", help="amplitudes of --view in 'um pp', 'mil pp' or 'mil 0-peak'")
 ]
 View = Annotated[bool, typer.Option("--view", help="show orbits, Bode plots, speed and time base live")]
 AsJson = Annotated[bool, typer.Option("--json", help="print the result as one JSON object")]

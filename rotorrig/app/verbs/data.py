@@ -6,7 +6,17 @@ from typing import Annotated, Literal
 import typer
 
 from rotorrig.app.terminal import err, progress_bars, tell, working
-from rotorrig.app.verbs.arguments import OUT, AsJson, Force, Recording, Trial, View, load_config
+from rotorrig.app.verbs.arguments import (
+    OUT,
+    AsJson,
+    Force,
+    LiveUnits,
+    Recording,
+    Trial,
+    View,
+    load_config,
+    unit_of_view,
+)
 from rotorrig.app.verbs.output_guard import Arguments, Output
 from rotorrig.rig import ConfigError
 from rotorrig.rig.config import find_config
@@ -20,13 +30,14 @@ def replay(
     ] = None,
     begin: Annotated[float, typer.Option("--from", help="start time on the recording's clock, s")] = 0.0,
     view: View = False,
+    units: LiveUnits = None,
     force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Play a recording as if it were live; with --track, track its orders as `rotor track` does."""
     from rotorrig.app.commands import replay
 
-    seconds = replay.play(run, rate=rate, view=view, track=track, begin=begin)
+    seconds = replay.play(run, rate=rate, view=view, unit=unit_of_view(units, view=view), track=track, begin=begin)
     words = f"{track or run}: {seconds:.1f} s replayed" + (" and tracked" if track else "")
     tell(words, {"file": str(run), "seconds": seconds, "tracked": str(track) if track else None}, as_json=as_json)
 

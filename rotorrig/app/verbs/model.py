@@ -167,12 +167,12 @@ def view(
 ) -> None:
     """Open a file in the Rerun viewer; a response together with what was made of it."""
     from rotorrig.app.text import AS_STATED, AmplitudeUnit, read_amplitude_unit
-    from rotorrig.app.viewer import Evidence, save_result, view_file
+    from rotorrig.app.viewer import Evidence, save_view, view_file
 
     unit = AmplitudeUnit(read_amplitude_unit(units, where="--units")) if units else AS_STATED
     evidence = Evidence(fit=fit, diagnosis=diagnosis, balance=balance, run=run, unit=unit)
     if out_file is None:
         view_file(file, evidence)
         return
-    save_result(file, out_file, evidence)
+    save_view(file, out_file, evidence)
     out.print(f"{out_file}: open with rotor view {out_file}", highlight=False, markup=False, soft_wrap=True)

@@ -16,12 +16,14 @@ from rotorrig.app.verbs.arguments import (
     Force,
     Hidden,
     Hold,
+    LiveUnits,
     Plan,
     Rate,
     Seed,
     Trial,
     View,
     load_config,
+    unit_of_view,
 )
 from rotorrig.app.verbs.output_guard import Arguments, Output
 from rotorrig.rig import ConfigError, RigError
@@ -150,6 +152,7 @@ def sweep(
     trial: Trial = None,
     hold: Hold = None,
     view: View = False,
+    units: LiveUnits = None,
     yes: Annotated[bool, typer.Option("--yes", help="rehearsal: do not wait for trial masses to be mounted")] = False,
     rolling: Annotated[bool, typer.Option("--rolling", help="take over a rotor that turns already")] = False,
     seed: Seed = 1,
@@ -162,6 +165,7 @@ def sweep(
     """Run a sweep and record it; with --dry-run, show its steps, limits and objections."""
     if faults and not simulate:
         raise ConfigError("--faults: wants --simulate, faults are scripted on a simulated rig only")
+    unit = unit_of_view(units, view=view)
     rig = load_config(config)
     speeds = [read_quantity(text, "speed", where="--hold", positive=True) for text in hold or ()]
     if dry_run:
@@ -190,6 +194,7 @@ def sweep(
             speeds=speeds,
             simulation=simulation,
             view=view,
+            unit=unit,
             yes=yes,
             overwrite=force,
             rolling=rolling,

@@ -1,4 +1,4 @@
-"""Rerun views: a sweep as it runs, a file opened afterwards, and the result of a run as an .rrd file."""
+"""Rerun views: a sweep as it runs, a file opened afterwards, and a run or its result as an .rrd file."""
 
 import tempfile
 from contextlib import nullcontext
@@ -18,7 +18,7 @@ from rotorrig.balancing import read_balance
 from rotorrig.identify import read_diagnosis, read_identification
 from rotorrig.processing import OrderTrackedResponse, require_phases
 from rotorrig.processing.files import read_response
-from rotorrig.rig import DataError
+from rotorrig.rig import DataError, provisional_file
 
 __all__ = ["LiveView", "Sink", "serve", "to_file", "view_file", "write_recording_rrd", "write_result_rrd"]
 
@@ -35,8 +35,8 @@ class Evidence:
 
     @property
     def given(self) -> bool:
-        """True if there is any, or another unit than the usual."""
-        return self.unit != AS_STATED or bool(self.fit or self.diagnosis or self.balance or self.run)
+        """True if there is any."""
+        return bool(self.fit or self.diagnosis or self.balance or self.run)
 
 
 ALONE = Evidence()
@@ -57,37 +57,45 @@ def view_file(path: Path, evidence: Evidence = ALONE, *, headless: bool | None =
             viewer.wait()
 
 
-def save_result(path: Path, out: Path, evidence: Evidence = ALONE) -> None:
-    """Write the picture of a response.mcap and what belongs to it to `out`, an .rrd. Raises DataError, RigError."""
+def save_view(path: Path, out: Path, evidence: Evidence = ALONE) -> None:
+    """Write the picture of a run.mcap, or of a response.mcap and what belongs to it, to `out`, an .rrd.
+
+    Raises DataError, RigError.
+    """
     if out.suffix != ".rrd":
         raise DataError(f"{out}: ends in '{out.suffix}', want a name that ends in .rrd")
     with working(f"drawing {path.name}"):
-        _write_result(out, read_response(path), evidence)
+        _draw(path, out, evidence)
 
 
 def as_rrd(path: Path, folder: Path, evidence: Evidence = ALONE) -> Path:
     """Return `path` if it is an .rrd, else its picture written into `folder`. Raises DataError."""
-    if evidence.given:
-        made = folder / "result.rrd"
-        _write_result(made, read_response(path), evidence)
+    if path.suffix != ".rrd" or evidence.given:
+        made = folder / f"{path.stem}.rrd"
+        _draw(path, made, evidence)
         return made
-    if path.suffix == ".rrd":
-        if not path.is_file():
-            raise DataError(f"{path}: there is no such file, want an .rrd, run.mcap or response.mcap")
-        return path
-    made = folder / f"{path.stem}.rrd"
+    if not path.is_file():
+        raise DataError(f"{path}: there is no such file, want an .rrd, run.mcap or response.mcap")
+    if evidence.unit != AS_STATED:
+        raise DataError(f"{path}: is drawn already, want the run.mcap or response.mcap to draw it in other units")
+    return path
+
+
+def _draw(path: Path, out: Path, evidence: Evidence) -> None:
+    """Write the picture of a response, or of a recording if it is one and nothing else belongs to it."""
     try:
         response = read_response(path)
     except DataError as not_a_response:
+        if evidence.given:
+            raise
         try:
             recording = read_recording(path)
         except DataError as not_a_run:
             # the file says what it is: the complaint about its own kind is the useful one
             raise (not_a_run if "run" in path.name else not_a_response) from None
-        write_recording_rrd(made, recording)
+        write_recording_rrd(out, recording, unit=evidence.unit)
     else:
-        _write_result(made, response, evidence)
-    return made
+        _write_result(out, response, evidence)
 
 
 def _write_result(out: Path, response: OrderTrackedResponse, evidence: Evidence) -> None:
@@ -99,16 +107,17 @@ def _write_result(out: Path, response: OrderTrackedResponse, evidence: Evidence)
         write_result_rrd(out, response, identification, diagnosis, recording, balance, unit=evidence.unit)
 
 
-def write_recording_rrd(path: Path, recording: RawRecording) -> None:
+def write_recording_rrd(path: Path, recording: RawRecording, *, unit: AmplitudeUnit = AS_STATED) -> None:
     """Write an .rrd of a recording: its curves whole, at every time the orbit and the readings of that time.
 
-    Raises RigError.
+    Amplitudes are told in `unit`. Raises DataError if the file cannot be written, RigError.
     """
-    stream = open_stream(recording.rig, "replay", to_file(path).targets)
-    whole = history_of(recording)
-    scene = LiveScene(recording.rig, recording.daq, stream, events=recording.events, whole=whole)
-    for block in split_into_steps(recording):
-        scene.take(block)
-        scene.draw()
-    scene.draw(last=True)
-    stream.disconnect()
+    with provisional_file(path) as made:
+        stream = open_stream(recording.rig, "replay", to_file(made).targets)
+        whole = history_of(recording)
+        scene = LiveScene(recording.rig, recording.daq, stream, events=recording.events, whole=whole, unit=unit)
+        for block in split_into_steps(recording):
+            scene.take(block)
+            scene.draw()
+        scene.draw(last=True)
+        stream.disconnect()

@@ -9,9 +9,10 @@ import pytest
 from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import Event, RawRecording
+from rotorrig.app.text.amplitude_units import AmplitudeUnit
 from rotorrig.app.viewer.live.parts.blueprint import TABS
-from rotorrig.app.viewer.open import LiveView, as_rrd, view_file, write_recording_rrd
-from rotorrig.app.viewer.plots.axes import Panel
+from rotorrig.app.viewer.open import Evidence, LiveView, as_rrd, view_file, write_recording_rrd
+from rotorrig.app.viewer.plots.axes import LIFT, Panel
 from rotorrig.app.viewer.result.opening import TIMELINE, read_opening
 from rotorrig.app.viewer.sinks import free_port, move_cursor, serve, to_file
 from rotorrig.processing.files.response_mcap import write_response
@@ -20,6 +21,7 @@ from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import DataError, RigError
 from rotorrig.rig.probes.base import Block, DaqInfo
 from tests.app.headless import headless_viewer, marked, needs_vulkan, show_tab, views
+from tests.app.viewer.rrd_content import chunks, words_in
 
 BLUE, ORANGE, GREEN, WHITE = (74, 163, 223), (242, 142, 43), (126, 200, 120), (240, 240, 240)
 
@@ -111,15 +113,11 @@ def test_the_cursor_of_a_viewer_that_was_closed_is_let_go() -> None:
     assert not move_cursor(free_port(), TIMELINE, 2230, alive=lambda: False)
 
 
-@pytest.mark.campaign
-@pytest.mark.viewer
-@needs_vulkan
-def test_a_recording_is_drawn_whole_with_the_orbit_of_the_time(
-    tmp_path: Path, rig: RigConfig, swept: Swept, response: OrderTrackedResponse
-) -> None:
+@pytest.fixture
+def recording(rig: RigConfig, swept: Swept, response: OrderTrackedResponse) -> RawRecording:
     events = (Event(t_ns=10**9, kind="mark", text="up"), Event(t_ns=11 * 10**9, kind="trip", text="too much"))
     plan = rig.plans["default"].model_copy(update={"slow_roll": 480 * np.pi / 30})  # the run's first second
-    recording = RawRecording(
+    return RawRecording(
         rig=rig.model_copy(update={"plans": {"default": plan}}),
         daq=swept[1],
         blocks=tuple(blocks_of(swept)),
@@ -128,6 +126,47 @@ def test_a_recording_is_drawn_whole_with_the_orbit_of_the_time(
         source=response.source,
         complete=True,
     )
+
+
+def test_a_recording_is_drawn_in_the_unit_asked_for(recording: RawRecording, tmp_path: Path) -> None:
+    told, peaks = {}, {}
+    for unit in ("µm 0-peak", "mil pp"):
+        rrd = tmp_path / f"{unit}.rrd"
+        write_recording_rrd(rrd, recording, unit=AmplitudeUnit(unit))
+        told[unit], peaks[unit] = words_in(rrd), peak_of(rrd)
+    assert "1x: 1X amplitude, less slow roll, mil pp" in told["mil pp"]
+    assert {"1x, mil", "x, mil", "y, mil"} < set(told["mil pp"])
+    assert not [word for word in told["mil pp"] if "µm" in word]
+    assert not [word for word in told["µm 0-peak"] if "mil" in word]
+    assert peaks["µm 0-peak"] > 100
+    assert peaks["mil pp"] == pytest.approx(peaks["µm 0-peak"] * 2 / 25.4, rel=1e-3)
+
+
+def peak_of(rrd: Path) -> float:
+    """Return the highest point of the Bode plot of 1x by the numbers at its axis."""
+    parts = dict(chunks(rrd))
+    axis = parts["/bode/1x/amplitude/axes/labels"]
+    places, words = axis["Points2D:positions"].to_pylist()[-1], axis["Points2D:labels"].to_pylist()[-1]
+    ticks = {float(word): y + LIFT for word, (_, y) in zip(words, places, strict=True) if word.isdigit()}
+    top = max(ticks)
+    (strips,) = parts["/bode/1x/amplitude/up"]["LineStrips2D:strips"].to_pylist()
+    highest = min(y for strip in strips for _, y in strip)
+    return top * (ticks[0.0] - highest) / (ticks[0.0] - ticks[top])
+
+
+def test_a_picture_is_not_drawn_in_another_unit(tmp_path: Path, response: OrderTrackedResponse) -> None:
+    in_mil = Evidence(unit=AmplitudeUnit("mil pp"))
+    write_response(tmp_path / "response.mcap", response)
+    made = as_rrd(tmp_path / "response.mcap", tmp_path, in_mil)
+    assert as_rrd(made, tmp_path) == made
+    with pytest.raises(DataError, match=r"response\.rrd: is drawn already, want the run\.mcap or response\.mcap"):
+        as_rrd(made, tmp_path, in_mil)
+
+
+@pytest.mark.campaign
+@pytest.mark.viewer
+@needs_vulkan
+def test_a_recording_is_drawn_whole_with_the_orbit_of_the_time(tmp_path: Path, recording: RawRecording) -> None:
     write_recording_rrd(tmp_path / "run.rrd", recording)
     with headless_viewer() as viewer:
         viewer.open(str(tmp_path / "run.rrd"))

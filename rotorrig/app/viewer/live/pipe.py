@@ -1,7 +1,7 @@
 """Wire format to the process of a live view.
 
-One line of JSON (rig, DAQ, where pictures go, the events of a recording that is played), then blocks, each a header and
-its counts as int32, scan by scan. The end of the bytes is the end of the view.
+One line of JSON (rig, DAQ, where pictures go, the unit of amplitudes, the events of a recording that is played), then
+blocks, each a header and its counts as int32, scan by scan. The end of the bytes is the end of the view.
 """
 
 import json
@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from rotorrig.acquisition import Event
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.rig import RigError
 from rotorrig.rig.config import RigConfig, description
 from rotorrig.rig.probes import Block, DaqInfo
@@ -35,15 +36,21 @@ class Opening:
     info: DaqInfo
     targets: tuple[str | Path, ...]
     events: tuple[Event, ...] | None  # of a recording that is played; None: the rig is live
+    unit: AmplitudeUnit  # in which amplitudes are told
 
 
 def opening(
-    rig: RigConfig, info: DaqInfo, targets: Sequence[str | Path], *, events: Sequence[Event] | None = None
+    rig: RigConfig,
+    info: DaqInfo,
+    targets: Sequence[str | Path],
+    *,
+    events: Sequence[Event] | None = None,
+    unit: AmplitudeUnit = AS_STATED,
 ) -> bytes:
     """Return the first line: what is needed to draw. `targets` are addresses of viewers and names of files."""
     where = [["file", str(t.absolute())] if isinstance(t, Path) else ["viewer", t] for t in targets]
     si = rig.model_dump(mode="json")
-    message: dict[str, Any] = {"rig": si, "text": rig.text, "daq": asdict(info), "targets": where}
+    message: dict[str, Any] = {"rig": si, "text": rig.text, "daq": asdict(info), "targets": where, "unit": unit.name}
     message["events"] = None if events is None else [asdict(event) for event in events]
     return json.dumps(message).encode() + b"\n"
 
@@ -78,6 +85,7 @@ class BlockReader:
             info=DaqInfo(**daq),
             targets=targets,
             events=None if message["events"] is None else tuple(Event(**event) for event in message["events"]),
+            unit=AmplitudeUnit(message["unit"]),
         )
 
     def blocks(self, seconds: float) -> list[Block]:

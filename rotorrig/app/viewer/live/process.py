@@ -46,7 +46,7 @@ def main() -> int:
 def _draw_all(reader: BlockReader) -> None:
     opening = reader.opening()
     stream = open_stream(opening.rig, "live" if opening.events is None else "replay", opening.targets)
-    scene = LiveScene(opening.rig, opening.info, stream, events=opening.events or ())
+    scene = LiveScene(opening.rig, opening.info, stream, events=opening.events or (), unit=opening.unit)
     most = max(1, round(STEP * opening.info.sample_rate))
     os.write(sys.stdout.fileno(), READY)
     while not reader.ended:

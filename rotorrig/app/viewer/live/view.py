@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from typing import IO, Self
 
 from rotorrig.acquisition import Event
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.app.viewer.live.pipe import READY, block_parts, opening
 from rotorrig.app.viewer.sinks import Sink, quiet_environment
 from rotorrig.rig import RigError
@@ -35,10 +36,19 @@ class LiveView:
     in `fault` and never reaches the sweep.
     """
 
-    def __init__(self, rig: RigConfig, info: DaqInfo, sink: Sink, *, events: Sequence[Event] | None = None) -> None:
+    def __init__(
+        self,
+        rig: RigConfig,
+        info: DaqInfo,
+        sink: Sink,
+        *,
+        events: Sequence[Event] | None = None,
+        unit: AmplitudeUnit = AS_STATED,
+    ) -> None:
         """Start the process and wait until it is ready to draw. Raises RigError if it does not get there.
 
-        `events` are those of a recording that is played, shown when their time comes; None for a rig.
+        `events` are those of a recording that is played, shown when their time comes; None for a rig. Amplitudes are
+        told in `unit`.
         """
         self.dropped = 0  # blocks that were never shown
         self.fault = ""  # why the view was given up; empty: it was not
@@ -48,7 +58,7 @@ class LiveView:
         self._handed_over = 0  # blocks: progress, while the view is ending
         self._changed = threading.Condition()
         self._ended = False
-        self._process = _start_process(opening(rig, info, sink.targets, events=events))
+        self._process = _start_process(opening(rig, info, sink.targets, events=events, unit=unit))
         self._thread = threading.Thread(target=self._hand_over, name="live view", daemon=True)
         self._thread.start()
 

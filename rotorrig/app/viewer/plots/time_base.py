@@ -4,10 +4,11 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.app.viewer.plots.axes import MARK, UP, Panel, step_for, texts
 from rotorrig.app.viewer.plots.scale import FollowingScale
 
-SMALLEST = 1.0  # µm
+SMALLEST = 1e-6  # m
 WIDTH, HEIGHT, APART = 150.0, 44.0, 12.0
 X_TITLE = "turns, 0 at the last edge"
 
@@ -15,16 +16,25 @@ X_TITLE = "turns, 0 at the last edge"
 class TimeBasePicture:
     """Two probes, one above the other, to the same scale; the last edge of the keyphasor is at the right."""
 
-    def __init__(self, stream: rr.RecordingStream, path: str, *, probes: tuple[str, str], turns: int) -> None:
+    def __init__(
+        self,
+        stream: rr.RecordingStream,
+        path: str,
+        *,
+        probes: tuple[str, str],
+        turns: int,
+        unit: AmplitudeUnit = AS_STATED,
+    ) -> None:
         self._stream = stream
         self._path = path
         self._probes = probes
         self._turns = turns
-        self._scale = FollowingScale(SMALLEST)
+        self._length = unit.length
+        self._scale = FollowingScale(SMALLEST * unit.by_length)
         self._draw_axes()
 
     def draw(self, turn: NDArray[np.float64], x: NDArray[np.float64], dots: NDArray[np.float64], *, words: str) -> None:
-        """Draw x (point, 2) [µm] over `turn` (point,), 0 at the last edge, `dots` (turn + 1, 2) at edges, and words."""
+        """Draw x (point, 2) in the unit over `turn` (point,), 0 at the last edge, `dots` (turn + 1, 2), and words."""
         if self._scale.follow(float(np.abs(x).max())):
             self._draw_axes()
         edges = np.arange(1.0 - len(dots), 1.0)
@@ -43,7 +53,7 @@ class TimeBasePicture:
         return [
             Panel(
                 left=0, top=i * (HEIGHT + APART), width=WIDTH, height=HEIGHT, x=wide, y=(-scale, scale), x_step=0.5,
-                y_step=step_for(2 * scale, most=4), title=f"{name}, µm", x_title=X_TITLE if i else "",
+                y_step=step_for(2 * scale, most=4), title=f"{name}, {self._length}", x_title=X_TITLE if i else "",
             )
             for i, name in enumerate(self._probes)
         ]  # fmt: skip

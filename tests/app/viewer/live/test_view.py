@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition.recording import Event
 from rotorrig.acquisition.sweep.fanout import Viewer
+from rotorrig.app.text.amplitude_units import AmplitudeUnit
 from rotorrig.app.viewer.live import view as live_view
 from rotorrig.app.viewer.live.pipe import BlockReader, Opening, block_parts, opening
 from rotorrig.app.viewer.live.view import LiveView
@@ -44,7 +45,8 @@ def test_what_is_sent_to_the_process_arrives_however_it_is_cut(rig: RigConfig, s
     blocks, info = blocks_of(swept, seconds=0.2), swept[1]
     targets = ("rerun+http://127.0.0.1:9876/proxy", Path("/tmp/live.rrd"))
     events = (Event(t_ns=5, kind="mark", text="up"),)
-    sent = opening(rig, info, targets, events=events)
+    unit = AmplitudeUnit("mil pp")
+    sent = opening(rig, info, targets, events=events, unit=unit)
     sent += b"".join(bytes(part) for block in blocks for part in block_parts(block))
     out, into = os.pipe()
 
@@ -56,7 +58,7 @@ def test_what_is_sent_to_the_process_arrives_however_it_is_cut(rig: RigConfig, s
     writer = threading.Thread(target=trickle)
     writer.start()
     reader = BlockReader(out)
-    assert reader.opening() == Opening(rig=rig, info=info, targets=targets, events=events)
+    assert reader.opening() == Opening(rig=rig, info=info, targets=targets, events=events, unit=unit)
     read: list[Block] = []
     while not reader.ended:
         read += reader.blocks(0.01)

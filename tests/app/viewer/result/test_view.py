@@ -4,7 +4,6 @@ import dataclasses
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from rerun.experimental import ViewerClient
 
 from rotorrig.acquisition.recording import RawRecording
 from rotorrig.app.text.amplitude_units import AmplitudeUnit
-from rotorrig.app.viewer.open import Evidence, as_rrd, save_result
+from rotorrig.app.viewer.open import Evidence, as_rrd, save_view
 from rotorrig.app.viewer.plots.residual import colour_sigmas
 from rotorrig.app.viewer.plots.spectrum_map import HEIGHT, WIDTH, image_of
 from rotorrig.app.viewer.result.cascade import tracked_cascades
@@ -34,6 +33,7 @@ from rotorrig.rig.config.units import RPM
 from rotorrig.rig.errors import DataError
 from tests.app.conftest import make_missing
 from tests.app.headless import headless_viewer, marked, needs_vulkan, views
+from tests.app.viewer.rrd_content import chunks, words_in
 from tests.parameters import defer_rest
 
 BLUE, ORANGE, RED, VIOLET = (74, 163, 223), (242, 142, 43), (200, 24, 66), (176, 132, 214)
@@ -59,7 +59,7 @@ def saved(
     write_diagnosis(folder / "diagnosis.json", dataclasses.replace(named, missing=make_missing()))
     write_balance(folder / "balance.json", balanced)
     evidence = Evidence(fit=folder / "fit.json", diagnosis=folder / "diagnosis.json", balance=folder / "balance.json")
-    save_result(folder / "response.mcap", folder / "result.rrd", evidence)
+    save_view(folder / "response.mcap", folder / "result.rrd", evidence)
     return folder / "result.rrd"
 
 
@@ -126,7 +126,7 @@ def test_amplitudes_are_drawn_and_told_in_the_unit_asked_for(
 ) -> None:
     in_mil, rrd = AmplitudeUnit("mil pp"), tmp_path / "result.rrd"
     write_result_rrd(rrd, response, balance=balanced, unit=in_mil)
-    words = [word for _, chunk in chunks(rrd) for word in labels(chunk)]
+    words = words_in(rrd)
     assert not [word for word in words if "µm" in word]
     for told in ("1x: 1X amplitude, slow-roll compensated, mil pp", "x, mil", "y, mil"):
         assert told in words
@@ -143,18 +143,6 @@ def test_amplitudes_are_drawn_and_told_in_the_unit_asked_for(
     highest = amplitude.top + amplitude.height * (1 - peak / amplitude.y[1])
     assert min(y for _, y in dots) == pytest.approx(highest, abs=1e-3)
     assert peak < amplitude.y[1] < 3 * peak
-
-
-def chunks(path: Path) -> Iterator[tuple[str, Any]]:
-    """What an .rrd holds, piece by piece, with its place."""
-    return ((str(chunk.entity_path), chunk.to_record_batch()) for chunk in RrdReader(str(path)).stream())
-
-
-def labels(chunk: Any) -> list[str]:
-    """Words that a piece writes into a picture."""
-    if "Points2D:labels" not in chunk.schema.names:
-        return []
-    return [word for row in chunk["Points2D:labels"].to_pylist() if row for word in row]
 
 
 def test_a_residual_of_eight_sigmas_is_red_and_what_was_not_measured_has_the_grids_colour() -> None:
@@ -219,7 +207,7 @@ def test_a_diagnosis_of_another_response_is_one_sentence(
     with pytest.raises(DataError, match="want the diagnosis of this very response"):
         as_rrd(tmp_path / "response.mcap", tmp_path, Evidence(diagnosis=tmp_path / "diagnosis.json"))
     with pytest.raises(DataError, match=r"want a name that ends in \.rrd"):
-        save_result(tmp_path / "response.mcap", tmp_path / "result.html")
+        save_view(tmp_path / "response.mcap", tmp_path / "result.html")
 
 
 def test_a_fit_or_a_run_of_another_response_is_one_sentence(

@@ -10,7 +10,7 @@ from rotorrig.app.viewer.live.data.waveform import Waveform
 from rotorrig.app.viewer.plots import fastest_rpm
 from rotorrig.processing import planes
 from rotorrig.processing.tracking import full_spectrum
-from rotorrig.rig.config import RPM, UM, RigConfig
+from rotorrig.rig.config import RPM, RigConfig
 
 ROWS = 40  # of a cascade from rest to the fastest speed
 
@@ -21,7 +21,7 @@ class Cascade:
 
     rpm: NDArray[np.float64]  # (row,)
     order: NDArray[np.float64]  # (bin,) from -N to N
-    amplitude: NDArray[np.float64]  # (row, bin) µm 0-peak
+    amplitude: NDArray[np.float64]  # (row, bin) m 0-peak
 
 
 class SpectraSoFar:
@@ -33,7 +33,7 @@ class SpectraSoFar:
         self._rotation = rig.rotation
         self._step = fastest_rpm(rig) / ROWS
         self._order = np.empty(0)
-        self._rows: dict[int, list[tuple[float, NDArray[np.float64]]]] = {1: [], -1: []}  # rpm, (plane, bin) µm
+        self._rows: dict[int, list[tuple[float, NDArray[np.float64]]]] = {1: [], -1: []}  # rpm, (plane, bin) m
 
     def add(self, waveform: Waveform, *, direction: int) -> None:
         """Take the spectrum of the last turns if the speed has moved far enough since the last one."""
@@ -45,7 +45,7 @@ class SpectraSoFar:
             self._order, spectrum = full_spectrum(
                 waveform.x[:, columns], plane=plane, rotation=self._rotation, turns=waveform.turns
             )
-            amplitude.append(spectrum * UM)
+            amplitude.append(spectrum)
         rows.append((rpm, np.array(amplitude)))
 
     def count(self, direction: int) -> int:

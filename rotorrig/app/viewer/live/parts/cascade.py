@@ -2,6 +2,7 @@
 
 import rerun as rr
 
+from rotorrig.app.text import AmplitudeUnit
 from rotorrig.app.viewer.live.data import WAYS, SpectraSoFar
 from rotorrig.app.viewer.live.parts.vectors import COLOURS, NAMES
 from rotorrig.app.viewer.plots import CascadePicture
@@ -12,14 +13,16 @@ from rotorrig.rig.config import RigConfig
 class CascadesPart:
     """Two cascades per probe plane, drawn when they have grown."""
 
-    def __init__(self, stream: rr.RecordingStream, rig: RigConfig, *, static: bool) -> None:
+    def __init__(self, stream: rr.RecordingStream, rig: RigConfig, *, static: bool, unit: AmplitudeUnit) -> None:
+        self._by = unit.by
         self._drawn = dict.fromkeys(WAYS, 0)
         self._pictures = {
             (i, way): CascadePicture(
                 stream,
                 f"cascade/{i}/{NAMES[way]}",
-                title=f"{', '.join(plane.probes)}: full spectrum, µm 0-peak, speed going {NAMES[way]}",
+                title=f"{', '.join(plane.probes)}: full spectrum, {unit.name}, speed going {NAMES[way]}",
                 static=static,
+                unit=unit,
             )
             for i, plane in enumerate(planes(rig))
             for way in WAYS
@@ -31,5 +34,5 @@ class CascadesPart:
         for (plane, way), picture in self._pictures.items():
             if way in grown:
                 cascade = spectra.cascade(plane, direction=way)
-                picture.draw(cascade.rpm, cascade.order, cascade.amplitude, colour=COLOURS[way])
+                picture.draw(cascade.rpm, cascade.order, cascade.amplitude * self._by, colour=COLOURS[way])
         self._drawn.update({way: spectra.count(way) for way in grown})

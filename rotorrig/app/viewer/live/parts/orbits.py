@@ -4,10 +4,11 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from rotorrig.app.text import AmplitudeUnit
 from rotorrig.app.viewer.live.data import POINTS, THETA, SlowRollSoFar, Waveform
 from rotorrig.app.viewer.plots import UP, OrbitPicture, TimeBasePicture
 from rotorrig.processing import Plane, planes
-from rotorrig.rig.config import UM, RigConfig
+from rotorrig.rig.config import RigConfig
 
 TURNS = 2  # the last ones: what orbits, time bases and present vectors are of
 UNFILTERED = (128, 138, 150)
@@ -18,19 +19,20 @@ AROUND = np.linspace(0.0, 2 * np.pi, 73)  # rad: a turn of a filtered orbit
 class OrbitsPart:
     """Orbit and time base of every probe plane."""
 
-    def __init__(self, stream: rr.RecordingStream, rig: RigConfig) -> None:
+    def __init__(self, stream: rr.RecordingStream, rig: RigConfig, *, unit: AmplitudeUnit) -> None:
+        self._by = unit.by_length
         self._planes = planes(rig)
         self._columns = [[rig.probes.index(rig.probe(name)) for name in plane.probes] for plane in self._planes]
-        self._orbits = [OrbitPicture(stream, f"orbit/{i}") for i in range(len(self._planes))]
+        self._orbits = [OrbitPicture(stream, f"orbit/{i}", unit=unit) for i in range(len(self._planes))]
         self._time_bases = [
-            TimeBasePicture(stream, f"time-base/{i}", probes=plane.probes, turns=TURNS)
+            TimeBasePicture(stream, f"time-base/{i}", probes=plane.probes, turns=TURNS, unit=unit)
             for i, plane in enumerate(self._planes)
         ]
 
     def draw(self, waveform: Waveform, slow_roll: SlowRollSoFar) -> None:
         """Draw the last turns, and what of them the slow roll explains left out."""
         shown = waveform.last(TURNS)
-        x, z = shown.about_mean * UM, first_order(shown) * UM
+        x, z = shown.about_mean * self._by, first_order(shown) * self._by
         pictures = zip(self._planes, self._columns, self._orbits, self._time_bases, strict=True)
         for plane, columns, orbit, time_base in pictures:
             self._draw_orbits(orbit, plane, x[:, columns], z[columns], slow_roll, columns)
@@ -47,12 +49,12 @@ class OrbitsPart:
         slow_roll: SlowRollSoFar,
         columns: list[int],
     ) -> None:
-        """Draw one plane's `x` (point, 2) and 1X `z` (2,), both in µm, along its probes."""
+        """Draw one plane's `x` (point, 2) and 1X `z` (2,), both in the unit, along its probes."""
         orbits = [("unfiltered", x, UNFILTERED), ("1X", _turn_of_1x(z), UP)]
         if slow_roll.known:
-            shape = np.tile(slow_roll.shape[:, columns] * UM, (len(x) // POINTS, 1))
+            shape = np.tile(slow_roll.shape[:, columns] * self._by, (len(x) // POINTS, 1))
             orbits.append(("compensated", x - shape, COMPENSATED))
-            orbits.append(("compensated-1X", _turn_of_1x(z - slow_roll.z[columns] * UM), COMPENSATED))
+            orbits.append(("compensated-1X", _turn_of_1x(z - slow_roll.z[columns] * self._by), COMPENSATED))
         in_plane = [(name, line @ plane.to_xy.T, colour) for name, line, colour in orbits]
         dots = {name: _dots(name, line) for name, line, _ in in_plane}
         picture.draw(in_plane, dots)

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import rerun as rr
 
 from rotorrig.acquisition import Event
+from rotorrig.app.text import AS_STATED, AmplitudeUnit
 from rotorrig.app.viewer.live.data import WAYS, History, LiveTracker
 from rotorrig.app.viewer.live.parts.cascade import CascadesPart
 from rotorrig.app.viewer.live.parts.orbits import TURNS, OrbitsPart, first_order
@@ -25,7 +26,7 @@ class LiveScene:
     """Takes every block, draws when asked to.
 
     `whole`, the history of a recording that is known beforehand, is drawn once and for all; else curves grow with the
-    blocks. `events` are shown when their time has come.
+    blocks. `events` are shown when their time has come, amplitudes are told in `unit`.
     """
 
     def __init__(
@@ -36,20 +37,22 @@ class LiveScene:
         *,
         events: Iterable[Event] = (),
         whole: History | None = None,
+        unit: AmplitudeUnit = AS_STATED,
     ) -> None:
         self._stream = stream
         self._rig = rig
+        self._unit = unit
         self._tracker = LiveTracker(rig, info)
         self._whole = whole
         self._history = whole or History(rig)
         self._events = sorted(events, key=lambda event: event.t_ns)
         self._note = ""  # the last mark's text
         static = whole is not None
-        self._orbits = OrbitsPart(stream, rig)
-        self._vectors = VectorsPart(stream, rig, static=static)
-        self._centrelines = CentrelinesPart(stream, rig, static=static)
+        self._orbits = OrbitsPart(stream, rig, unit=unit)
+        self._vectors = VectorsPart(stream, rig, static=static, unit=unit)
+        self._centrelines = CentrelinesPart(stream, rig, static=static, unit=unit)
         self._gaps = GapsPart(stream, rig)
-        self._cascades = CascadesPart(stream, rig, static=static)
+        self._cascades = CascadesPart(stream, rig, static=static, unit=unit)
         self._curves_due = self._readings_due = 0.0
         self._style_speed()
         if static:
@@ -79,7 +82,7 @@ class LiveScene:
         if last or time >= self._readings_due:
             self._centrelines.now(gap)
             self._gaps.draw(gap)
-            words = readings(self._rig, shown, self._gaps.volts(gap), slow_roll, note=self._note)
+            words = readings(self._rig, shown, self._gaps.volts(gap), slow_roll, unit=self._unit, note=self._note)
             self._stream.log("readings", rr.TextDocument(words, media_type=rr.MediaType.MARKDOWN))
             self._readings_due = time + READINGS_EVERY
 

@@ -5,6 +5,7 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from rotorrig.app.plot_data import phase_window
+from rotorrig.app.text import AmplitudeUnit
 from rotorrig.app.viewer.live.data import WAYS, SlowRollSoFar, SpeedCurves
 from rotorrig.app.viewer.plots import DOWN, MARK, UP, BodePicture, Panels, PolarPicture, fastest_rpm
 from rotorrig.rig.config import RigConfig
@@ -15,8 +16,9 @@ NAMES, COLOURS = {1: "up", -1: "down"}, {1: UP, -1: DOWN}
 class VectorsPart:
     """A Bode and a polar plot per probe. `static` ones show at all times, for curves that are known beforehand."""
 
-    def __init__(self, stream: rr.RecordingStream, rig: RigConfig, *, static: bool) -> None:
+    def __init__(self, stream: rr.RecordingStream, rig: RigConfig, *, static: bool, unit: AmplitudeUnit) -> None:
         self._stream = stream
+        self._unit = unit
         self._rig = rig
         self._static = static
         self._compensated = False
@@ -56,16 +58,18 @@ class VectorsPart:
         self._bodes, self._polars = [], []
         self._panels: list[Panels] = []
         for probe in self._rig.probes:
-            title = f"{probe.name}: 1X amplitude, {word}, µm 0-peak"
-            bode = BodePicture(self._stream, f"bode/{probe.name}", title=title, fastest=top, static=self._static)
+            title = f"{probe.name}: 1X amplitude, {word}, {self._unit.name}"
+            path, static = f"bode/{probe.name}", self._static
+            bode = BodePicture(self._stream, path, title=title, fastest=top, static=static, unit=self._unit)
             self._panels.append(bode.panels(0.0, 0.0))
             self._bodes.append(bode)
             polar = PolarPicture(
                 self._stream,
                 f"polar/{probe.name}",
-                title=f"{probe.name}: 1X, {word}, µm 0-peak; phase lag, °; marks at rpm",
+                title=f"{probe.name}: 1X, {word}, {self._unit.name}; phase lag, °; marks at rpm",
                 probe_angle=probe.angle,
                 rotation=self._rig.rotation,
-                static=self._static,
+                static=static,
+                unit=self._unit,
             )
             self._polars.append(polar)

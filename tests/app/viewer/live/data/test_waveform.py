@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rotorrig.app.text.amplitude_units import AS_STATED, AmplitudeUnit, read_amplitude_unit
 from rotorrig.app.viewer.live.data.slow_roll import FEWEST, SlowRollSoFar, slow_roll_speeds
 from rotorrig.app.viewer.live.data.spectra import SpectraSoFar
 from rotorrig.app.viewer.live.data.tracker import Turns
@@ -88,18 +89,35 @@ def test_a_full_spectrum_has_forward_whirl_at_plus_and_backward_at_minus_its_ord
     found = spectra.cascade(0, direction=1)
     assert found.rpm == pytest.approx([500, 700])
     at = dict(zip(found.order.tolist(), found.amplitude[0].tolist(), strict=True))
-    assert at[1.0] == pytest.approx(80, rel=1e-3)
-    assert at[-2.0] == pytest.approx(5, rel=3e-3)
-    assert at[-1.0] < 0.01 and at[2.0] < 0.01
+    assert at[1.0] == pytest.approx(80e-6, rel=1e-3)
+    assert at[-2.0] == pytest.approx(5e-6, rel=3e-3)
+    assert at[-1.0] < 1e-8 and at[2.0] < 1e-8
 
 
 def test_the_readings_say_vectors_gap_and_what_the_rig_does(rig: RigConfig) -> None:
     waveform = turned(rolling() + 1e-4 * np.cos(THETA - np.pi / 2)[:, None], rpm=1500, turns=4)
-    words = readings(rig, waveform, np.array([-10.0, -1.5, -10.0, -10.0]), rolled(rig, turns=20), note="up")
+    words = readings(
+        rig, waveform, np.array([-10.0, -1.5, -10.0, -10.0]), rolled(rig, turns=20), unit=AS_STATED, note="up"
+    )
     assert words.startswith("**1500 rpm** – up – slow roll of 20 turns at 240 rpm")
     (row,) = (line for line in words.splitlines() if line.startswith("| 1x "))
     raw, lag = np.hypot(100, 3), np.degrees(np.arctan2(100, 3))
     assert row.endswith(f"| {raw:.1f} at {lag:.0f}° | 100.0 at 90° |")
     assert "-1.50 **out of range**" in words
-    still = readings(rig, None, np.full(4, -10.0), rolled(rig, turns=0))
+    still = readings(rig, None, np.full(4, -10.0), rolled(rig, turns=0), unit=AS_STATED)
     assert "no turn seen" in still and "no slow roll seen yet" in still
+
+
+def test_the_readings_are_in_the_unit_that_is_asked_for(rig: RigConfig) -> None:
+    """25.4 um 0-peak are 2 mil from peak to peak, and 1 mil 0-peak."""
+    waveform = turned(np.tile(25.4e-6 * np.cos(THETA - THETA[0])[:, None], 4), rpm=1500, turns=4)
+    told = {}
+    for name in ("um pp", "mil pp", "mil 0-peak"):
+        unit = AmplitudeUnit(read_amplitude_unit(name, where="test"))
+        words = readings(rig, waveform, np.full(4, -10.0), rolled(rig, turns=0), unit=unit)
+        head, row = (next(line for line in words.splitlines() if line.startswith(of)) for of in ("| probe", "| 1x "))
+        told[name] = (head.split(" | ")[2:4], row.split(" | ")[2:4], words.splitlines()[-1].partition("1X: ")[2])
+    at, lag = f"at {np.degrees(THETA[0]):.0f}°", "at its phase lag."
+    assert told["um pp"] == (["p-p, µm", "1X raw, µm"], ["50.8", f"50.8 {at}"], f"pp, {lag}")
+    assert told["mil pp"] == (["p-p, mil", "1X raw, mil"], ["2.00", f"2.00 {at}"], f"pp, {lag}")
+    assert told["mil 0-peak"] == (["p-p, mil", "1X raw, mil"], ["2.00", f"1.00 {at}"], f"0-peak, {lag}")
