@@ -13,6 +13,7 @@ class SelectionSettings:
     most: int = 3  # causes at once
     model_error: float = 0.01  # of what the causes so far explain: that much of their vectors may be wrong
     open_end: float = 1e-3  # of chi2, by which a poor base may have ended above its minimum: BaseFitSettings.roughly
+    by_base: float = 0.5  # of the fall of chi2 with a cause: where the base alone falls by less, the cause is needed
     as_good: float = 1.0  # of chi2, by which fits of one and the same cause may differ that began elsewhere
     unsure: float = 2.0  # sigmas by which a size may be beyond its plausible range
 

@@ -105,14 +105,16 @@ def _find_lower_base(base: Solution, best: Candidate) -> Solution | None:
     """Return the fit without a cause from where the fit with it ended, if that is lower than the fit of the base.
 
     A search that ended in a minimum of its own is left by any cause, and what leads out of it need not be there. A
-    cause that describes the data where the base does not even so is: nothing is to be searched from there. Nor is it
-    where a base was poor and is lower by no more than it may have ended short of its own minimum.
+    cause that describes the data where the base does not even so is, and so is one by which chi2 falls by more than
+    twice what the base alone falls by: nothing is to be searched from there. Nor is it where a base was poor and is
+    lower by no more than it may have ended short of its own minimum.
     """
     open_end = 0.0 if describes_data(base) else SELECTION.open_end * base.chi2
+    by_cause = SELECTION.by_base * (base.chi2 - best.polished.chi2)
     _, fit = leave_out(best.problem, best.polished, [best.effect])
     if describes_data(best.polished) and not describes_data(fit):
         return None
-    return fit if fit.chi2 < base.chi2 - max(SELECTION.detected, open_end) else None
+    return fit if fit.chi2 < base.chi2 - max(SELECTION.detected, open_end, by_cause) else None
 
 
 def is_significant(candidate: Candidate, *, explained: float = 0.0) -> bool:

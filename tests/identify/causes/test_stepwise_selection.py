@@ -273,13 +273,14 @@ def test_progress_only_grows_within_each_cause(rig: RigConfig, hidden: NDArray[n
     [
         (110.0, 120.0, True),  # the cause explained what a poor minimum had left
         (5000.0, 6000.0, True),  # it explains the rest no better than another may
+        (5000.0, 7600.0, False),  # it explains more than the base by itself
         (110.0, 6000.0, False),  # it is what is there
         (110.0, 9990.0, False),
-        (5000.0, 9990.0, False),  # no lower than the base, but for what chance would do
-        (5000.0, 9980.0, True),
+        (9980.0, 9990.0, False),  # no lower than the base, but for what chance would do
+        (9970.0, 9980.0, True),
     ],
 )
-def test_a_search_begins_anew_from_a_lower_base_unless_the_cause_alone_describes_the_data(
+def test_a_search_begins_anew_from_a_lower_base_unless_it_is_the_cause_that_explains(
     with_cause: float, without: float, anew: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fit(chi2: float) -> Solution:

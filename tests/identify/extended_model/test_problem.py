@@ -13,6 +13,7 @@ from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.extended_model.unit_responses import UnitResponses
 from rotorrig.identify.least_squares import Solution
 from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.rig import DataError
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.sims.effects.base import Effect, find
 from tests.identify.swept import SIGMA, C, K, U, swept_response
@@ -191,3 +192,19 @@ def test_where_the_exact_motion_is_beyond_bounds_a_fit_goes_on_from_its_start(
     found = problem.solve(start)
     assert [np.array_equal(p, start) for p in begun] == [True, True]
     assert np.array_equal(found.p, start + 1.0)
+
+
+def test_a_step_to_where_nothing_holds_the_shaft_has_no_motion(rig: RigConfig, hidden: np.ndarray) -> None:
+    """The sag of an asymmetric shaft has no answer there; a trial step of an overhung rotor ended a diagnosis so."""
+    asymmetry = find(rig, "shaft_asymmetry")
+    response = swept_response(rig, speeds=(900, 1500), ramp=600)
+    model = ExtendedModel([Recording(response)], (asymmetry,))
+    held = ExtendedProblem(model)
+    p = at(held, hidden, asymmetry_re=0.01)
+    assert np.isfinite(held.residual(p)).all()
+    no_bearings = replace(response, rig=rig.model_copy(update={"bearings": rig.bearings[-1:]}))
+    loose = ExtendedProblem(ExtendedModel([Recording(no_bearings)], (asymmetry,)))
+    with pytest.raises(DataError, match="no bounded motion"):
+        loose.residual(at(loose, hidden, asymmetry_re=0.01))
+    with pytest.raises(np.linalg.LinAlgError, match="do not hold the shaft"):
+        loose.solve_linear(at(loose, hidden, asymmetry_re=0.01), loose.parameters.free)

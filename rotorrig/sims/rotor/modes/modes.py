@@ -108,8 +108,9 @@ def static_sag(model: RotorModel, gravity: str) -> NDArray[np.float64]:
 
 
 def static_solution(model: RotorModel, K: NDArray[np.float64], load: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the solution of K q = load, whose first coordinates are the model's. Raises ValueError if K holds nothing.
+    """Return the solution of K q = load, whose first coordinates are the model's.
 
+    Raises LinAlgError, a ValueError, if K holds nothing.
     Rounding can make a singular K solvable: a sag as long as the rotor is no answer of a small-deflection theory.
     """
     try:
@@ -117,7 +118,7 @@ def static_solution(model: RotorModel, K: NDArray[np.float64], load: NDArray[np.
     except np.linalg.LinAlgError:
         q = np.full_like(load, np.inf)
     if not np.all(np.abs(model.centreline @ q[: model.dof]) < np.ptp(model.z)):
-        raise ValueError("the bearings' stiffnesses do not hold the shaft, so it has no place of rest")
+        raise np.linalg.LinAlgError("the bearings' stiffnesses do not hold the shaft, so it has no place of rest")
     return q
 
 
