@@ -65,8 +65,12 @@ def is_asked(case: Case) -> bool:
 
 def lam_of(case: Case, truth: Truth, folder: Path, *, enough: float = ENOUGH) -> Lam:
     """Return lam of what a case hides; healthy recordings of the RK4 are kept in `folder`."""
-    recordings = template(case.design, folder) if not case.is_drawn else _of_the_rig(case)
-    rig = case.rig
+    recordings = template(case.design, folder) if not case.is_drawn else recordings_of_healthy(case)
+    return lam_on(recordings, case.rig, truth, enough=enough)
+
+
+def lam_on(recordings: Sequence[Recording], rig: RigConfig, truth: Truth, *, enough: float = ENOUGH) -> Lam:
+    """Return lam of what a truth hides on the rows of `recordings`."""
     return _lesser([lam(rig, truth, answer(rig, truth, fault), recordings, enough=enough) for fault in truth.faults])
 
 
@@ -178,10 +182,11 @@ def template(design: Design, folder: Path) -> tuple[Recording, ...]:
     return _numbered(measured(Case(design=design, seed=TEMPLATE_SEED), folder).responses)
 
 
-def _of_the_rig(case: Case) -> tuple[Recording, ...]:
-    """Return recordings of the rig of a case without its faults."""
+def recordings_of_healthy(case: Case, *, runs: int | None = None) -> tuple[Recording, ...]:
+    """Return recordings of the rig of a case without its faults; `runs` as `measure` has them."""
     with TemporaryDirectory() as scratch:
-        return _numbered(measure(case, sealed=Path(scratch) / "sealed.json", folder=Path(scratch), faults=()))
+        sealed = Path(scratch) / "sealed.json"
+        return _numbered(measure(case, sealed=sealed, folder=Path(scratch), faults=(), runs=runs))
 
 
 def _numbered(responses: Sequence[OrderTrackedResponse]) -> tuple[Recording, ...]:

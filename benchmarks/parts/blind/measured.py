@@ -61,11 +61,12 @@ def measured(case: Case, folder: Path) -> Measured:
 
 
 def measure(
-    case: Case, *, sealed: Path, folder: Path, faults: tuple[FaultSpec, ...] | None = None
+    case: Case, *, sealed: Path, folder: Path, faults: tuple[FaultSpec, ...] | None = None, runs: int | None = None
 ) -> list[OrderTrackedResponse]:
     """Seal the truth of a case into a file, sweep its rig and return the tracked responses; `faults` as drawn if None.
 
-    Recordings go through files in `folder`. A response names neither its seed nor its case. Raises LimitExceeded.
+    One of two `runs` has a trial mass; None: as many as the design has. Recordings go through files in `folder`. A
+    response names neither its seed nor its case. Raises LimitExceeded.
     """
     rig, seed = case.rig, case.plant_seed
     geometry, _ = case.geometry
@@ -73,7 +74,7 @@ def measure(
     seal(replace(draw(rig, seed=seed, faults=hidden), geometry=geometry), sealed)
     first = record(rig, seed=seed, faults=hidden, geometry=geometry, guarded=True)
     responses = [_tracked(first, folder / "run 1.mcap")]
-    if RUNS[case.design] > 1:
+    if (runs or RUNS[case.design]) > 1:
         disk, (amount, angle) = rig.disks[0].name, trial_mass(case)
         again = record(
             rig, seed=seed, faults=hidden, trial={disk: (amount, angle)}, run=1, geometry=geometry, guarded=True
