@@ -24,6 +24,7 @@ from rotorrig.app.viewer.sinks import Sink, to_file
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.errors import RigError
 from rotorrig.rig.probes.base import Block, DaqInfo
+from tests.app.viewer.rrd_content import words_in
 
 Swept = tuple[NDArray[np.int32], DaqInfo]
 
@@ -66,6 +67,22 @@ def test_what_is_sent_to_the_process_arrives_however_it_is_cut(rig: RigConfig, s
     os.close(out)
     assert [(b.first_sample, b.t_ns) for b in read] == [(b.first_sample, b.t_ns) for b in blocks]
     assert all(np.array_equal(a.counts, b.counts) for a, b in zip(read, blocks, strict=True))
+
+
+def test_the_process_draws_in_the_unit_asked_for(rig: RigConfig, swept: Swept, tmp_path: Path) -> None:
+    blocks, info = blocks_of(swept), swept[1]
+    told = {}
+    for name in ("µm 0-peak", "mil pp"):
+        rrd = tmp_path / f"{name}.rrd"
+        with LiveView(rig, info, to_file(rrd), unit=AmplitudeUnit(name)) as live:
+            for block in blocks:
+                live.show(block)
+        assert live.fault == ""
+        told[name] = " ".join(words_in(rrd))
+    assert "mil pp" in told["mil pp"]
+    assert "µm" not in told["mil pp"]
+    assert "µm 0-peak" in told["µm 0-peak"]
+    assert "mil" not in told["µm 0-peak"]
 
 
 def test_a_killed_view_costs_its_picture_and_says_so(
