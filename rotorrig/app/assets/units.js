@@ -1,7 +1,7 @@
 // Amplitudes of a report in the unit chosen (unit-choice.js): what the page states in µm 0-peak (a sentence of the
 // diagnosis: um), and nothing else, is told in it.
 "use strict";
-const STATED = /(?:(\d[\d.]*)( ± )?(\d[\d.]*)?[ \u00a0])?[uµ]m 0-peak/g;
+const STATED = /(?:(\d[\d.]*)( ± | to )?(\d[\d.]*)?[ \u00a0])?[uµ]m 0-peak/g;
 
 // A number of as many digits as it is written with, two at least.
 function told(number) {
@@ -10,8 +10,8 @@ function told(number) {
   return text.includes("e") ? String(Number(text)) : text;
 }
 
-const inWords = (words) => words.replace(STATED, (_, value, between = "", sigma) =>
-  [value ? told(value) + between + (sigma ? told(sigma) : "") + " " : "", unit].join(""));
+const inWords = (words) => words.replace(STATED, (_, value, between = "", other) =>
+  [value ? told(value) + between + (other ? told(other) : "") + " " : "", unit].join(""));
 
 // Words
 const written = new Map(); // text node or cell -> what the page says

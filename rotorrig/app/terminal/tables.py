@@ -86,7 +86,7 @@ def critical_speeds_table(response: OrderTrackedResponse, identification: Identi
 def causes_table(diagnosis: Diagnosis) -> Table:
     """Return a table of the causes tried: size, evidence, cross-validation and status."""
     table = Table(title=CAUSES_TITLE, box=box.SIMPLE_HEAD, title_justify="left")
-    for heading in ("cause", "size", "evidence", "error on\nunseen data", ""):
+    for heading in ("cause", "size", "evidence", "error on unseen\ndata, µm 0-peak", ""):
         table.add_column(heading, justify="right" if heading == "evidence" else "left")
     for cause in causes_to_list(diagnosis):
         cells = (cause.label, cause_size(cause), cause_evidence(cause), cause_prediction_error(cause))

@@ -14,7 +14,7 @@ AMPLITUDE_UNITS = (
 )  # those of unit-choice.js, the first as pages are written
 
 MIL = 25.4e-6  # m
-STATED = re.compile(r"(\d[\d.]*)( ± )?(\d[\d.]*)?[ \u00a0][uµ]m 0-peak")  # as sentences have it; units.js too
+STATED = re.compile(r"(\d[\d.]*)( ± | to )?(\d[\d.]*)?[ \u00a0][uµ]m 0-peak")  # as sentences have it; units.js too
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,12 +48,14 @@ class AmplitudeUnit:
 
         >>> AmplitudeUnit("mil pp").retell("off by 12.7 um 0-peak, 31 %")
         'off by 1.00 mil pp, 31 %'
+        >>> AmplitudeUnit("mil pp").retell("goes from 5.2 to 0.41 um 0-peak")
+        'goes from 0.41 to 0.032 mil pp'
         """
         return STATED.sub(self._retell_one, words)
 
     def _retell_one(self, found: "re.Match[str]") -> str:
-        value, between, sigma = found.groups(default="")
-        return f"{self._figure(value)}{between}{self._figure(sigma)} {self.name}"
+        value, between, other = found.groups(default="")  # its sigma, or what it goes to
+        return f"{self._figure(value)}{between}{self._figure(other)} {self.name}"
 
     def _figure(self, digits: str) -> str:
         if not digits:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+from rotorrig.app.text.amplitude_units import AS_STATED, AmplitudeUnit
 from rotorrig.app.text.nameplate import off_text
 from rotorrig.app.text.quantities import quantity_text, quantity_with_sigma, unit_of, without_sigma
 from rotorrig.identify import Diagnosis
@@ -53,12 +54,12 @@ def cause_evidence(cause: Cause) -> str:
     return f"{'≥ ' if cause.given_up else ''}{cause.evidence:.0f}"
 
 
-def cause_prediction_error(cause: Cause) -> str:
-    """Return the cross-validation error without and with the cause: "12.3 → 0.410 µm"."""
+def cause_prediction_error(cause: Cause, unit: AmplitudeUnit = AS_STATED) -> str:
+    """Return the cross-validation error without and with the cause, in a unit: "12.3 → 0.410"."""
     if not (math.isfinite(cause.heldout_before) and math.isfinite(cause.heldout_after)):
         return "–"
-    before, after = (f"{error * UM:#.3g}".rstrip(".") for error in (cause.heldout_before, cause.heldout_after))
-    return f"{before} → {after} µm"
+    before, after = (f"{error * unit.by:#.3g}".rstrip(".") for error in (cause.heldout_before, cause.heldout_after))
+    return f"{before} → {after}"
 
 
 def cause_status(cause: Cause, diagnosis: Diagnosis) -> str:
@@ -97,9 +98,9 @@ def gain_sentence(diagnosis: Diagnosis) -> str:
     if gain is None or not (math.isfinite(gain.heldout_before) and math.isfinite(gain.heldout_after)):
         return ""
     sentence = f"On unseen data ({gain.on}), the prediction error goes"
-    sentence += f" from {gain.heldout_before * UM:.3g} to {gain.heldout_after * UM:.3g} µm"
+    sentence += f" from {gain.heldout_before * UM:.3g} to {gain.heldout_after * UM:.3g} µm 0-peak"
     if gain.noise_floor > 0:
-        sentence += f", {gain.over_noise_floor:.2f} times the noise floor of {gain.noise_floor * UM:.2g} µm"
+        sentence += f", {gain.over_noise_floor:.2f} times the noise floor of {gain.noise_floor * UM:.2g} µm 0-peak"
     return sentence + "."
 
 

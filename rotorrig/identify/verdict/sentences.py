@@ -54,7 +54,8 @@ def sentence(
 def _say_gain(predictions: Predictions) -> str:
     return (
         f"With that the error on data no fit saw ({predictions.on}) goes from {micrometres(predictions.before.error)} "
-        f"to {micrometres(predictions.after.error)} um, {predictions.after.over_floor:.1f} times the noise floor."
+        f"to {micrometres(predictions.after.error)} um 0-peak, "
+        f"{predictions.after.over_floor:.1f} times the noise floor."
     )
 
 
@@ -63,8 +64,8 @@ def _say_otherwise(findings: Sequence[NameplateFinding], predictions: Prediction
     before, after = (micrometres(each.error) for each in (predictions.before, predictions.after))
     told = "; ".join(finding.words for finding in findings)
     return (
-        f"Without that the model fits as well, its error on data no fit saw ({predictions.on}) is {before} um, with it "
-        f"{after} um; but then the config would have to be wrong: {told}."
+        f"Without that the model fits as well, its error on data no fit saw ({predictions.on}) is {before} um 0-peak, "
+        f"with it {after} um 0-peak; but then the config would have to be wrong: {told}."
     )
 
 
@@ -93,9 +94,10 @@ def _attempt(after: Adequacy, causes: Sequence[Cause], predictions: Predictions)
         return f"None of the known causes explains it: {_figures(after)}"
     if not predictions.better:
         after_it, before_it = (micrometres(each.error) for each in (predictions.after, predictions.before))
-        without = "as without" if after_it == before_it else f"{before_it} um without"
+        without = "as without" if after_it == before_it else f"{before_it} um 0-peak without"
         better = (
-            f"does not clearly predict data no fit saw ({predictions.on}) any better: off by {after_it} um, {without}"
+            f"does not clearly predict data no fit saw ({predictions.on}) any better: "
+            f"off by {after_it} um 0-peak, {without}"
         )
         return f"With {labels} it fits better, but {better}"
     if predictions.agreement and not predictions.agreed:
@@ -137,8 +139,8 @@ def moving(cause: Cause, rest: str) -> str:
     """Say what a quasi-static base gets wrong, then what the swept one is told."""
     return (
         f"The quasi-static model is wrong here: {cause.words}. With that the error on data no fit saw (blocks of "
-        f"speeds in turn) goes from {micrometres(cause.heldout_before)} to {micrometres(cause.heldout_after)} um. "
-        f"With the moving speed in it {rest[:1].lower()}{rest[1:]}"
+        f"speeds in turn) goes from {micrometres(cause.heldout_before)} to {micrometres(cause.heldout_after)} um "
+        f"0-peak. With the moving speed in it {rest[:1].lower()}{rest[1:]}"
     )
 
 

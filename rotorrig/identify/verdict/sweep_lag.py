@@ -107,7 +107,7 @@ def _describe_ramp(responses: Sequence[OrderTrackedResponse]) -> str:
 def _describe_lag(still: AssessedFit, swept: AssessedFit) -> str:
     """Say how far off a steady rotor of the same parameters is, and what becomes of its peak."""
     worst = lag(still, swept)
-    off = f"a model in steady motion is off by {worst.apart * 1e6:.2g} um at {worst.omega * RPM:.0f} rpm"
+    off = f"a model in steady motion is off by {worst.apart * 1e6:.2g} um 0-peak at {worst.omega * RPM:.0f} rpm"
     words = f"{off}, at probe {worst.probe}"
     if worst.shift > 0 and worst.lower > 0:
         words += f"; the peak comes {worst.shift * RPM:.0f} rpm late and is {100 * worst.lower:.0f} % lower"

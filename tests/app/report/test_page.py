@@ -230,7 +230,7 @@ def test_a_poor_fit_says_so_with_its_misfit_in_micrometres_and_sigma(
     page = Page(text)
     assert "does NOT describe this run" in page.first("h2")
     assert 'class="banner bad"' in text
-    assert f"largest misfit {poor.worst[0].residual * 1e6:.3g} µm, {poor.worst[0].sigma:.3g} σ" in page.said()
+    assert f"largest misfit {poor.worst[0].residual * 1e6:.3g} µm 0-peak, {poor.worst[0].sigma:.3g} σ" in page.said()
     assert poor.worst[0].sentence in page.said()
     assert "a model that does not describe the run" in page.said()  # beside the values it gave
 
@@ -332,11 +332,11 @@ def test_a_named_cause_comes_with_its_size_its_evidence_and_what_it_explains(
     assert page.first("h2") == "Bent shaft: 18.0 µm at 110°. It explains what the model got wrong."
     said = page.said()
     assert named.causes[0].words in said
-    assert "bow 18.00 ± 0.30 µm at 110.0 ± 1.0° 812 827 5.20 → 0.410 µm in the model, tied" in said
+    assert "bow 18.00 ± 0.30 µm at 110.0 ± 1.0° 812 827 5.20 → 0.410 in the model, tied" in said
     assert "delay – -11 4 – not plausible" in said, "a size that no rig has is not told"
     assert "Tied: bow; runout, plane 2." in said
     assert "A run with a trial mass of 12 g mm would tell bow from runout." in said
-    assert "goes from 5.2 to 0.41 µm, 1.03 times the noise floor of 0.4 µm." in said
+    assert "goes from 5.2 to 0.41 µm 0-peak, 1.03 times the noise floor of 0.4 µm 0-peak." in said
     assert "kxx, stiffness, horizontal 31.2 kN/m 33.90 ± 0.12 kN/m +22.5 σ" in said  # (33900 - 31200) / 120
     assert "internal_damping: detectable from 40 N s/m; needs a run in reverse" in said
     assert "Next: A run with a trial mass of 12 g mm" in said[: said.index("Misfit between model and measurement")]

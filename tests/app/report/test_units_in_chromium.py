@@ -89,6 +89,17 @@ def test_tables_tell_amplitudes_in_the_unit_chosen_and_the_rest_as_before(tab: T
     assert cells(tab, "1X peaks") == before
 
 
+def test_what_a_cause_gains_is_told_in_it(tab: Tab, report: Path) -> None:
+    opened(tab, report)
+    gains = "goes from 5.2 to 0.41 {0}, 1.03 times the noise floor of {1} {0}."
+    assert gains.format("µm 0-peak", "0.4") in tab.run(WORDS)
+    choose(tab, "mil pp")
+    assert gains.replace("5.2 to 0.41", "0.41 to 0.032").format("mil pp", "0.031") in tab.run(WORDS)
+    header, bow, *_ = cells(tab, "Causes tried")
+    column = header.index("error on unseen data, mil pp")
+    assert bow[column] == "0.409 → 0.0323"
+
+
 @pytest.mark.parametrize(
     ("figure", "which"),
     [("first-bode", "y"), ("first-polar", "r"), ("order-2", "y"), ("whirl", "z"), ("whirl", "customdata")],

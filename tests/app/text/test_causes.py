@@ -48,7 +48,7 @@ def test_a_size_that_no_rig_has_is_not_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "said"), [(1.234e-4, 2e-6, "123 → 2.00 µm"), (5.2e-6, 4.1e-7, "5.20 → 0.410 µm")]
+    ("before", "after", "said"), [(1.234e-4, 2e-6, "123 → 2.00"), (5.2e-6, 4.1e-7, "5.20 → 0.410")]
 )
 def test_errors_have_three_digits(before: float, after: float, said: str) -> None:
     assert cause_prediction_error(dataclasses.replace(BOW, heldout_before=before, heldout_after=after)) == said

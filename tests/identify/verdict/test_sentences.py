@@ -89,7 +89,7 @@ def test_a_cause_that_rights_the_nameplate_is_told_with_what_would_be_wrong_with
     )
     finding = NameplateFinding(group="probe angles", sigmas=9.0, deviation=turned)
     told = sentence(Verdict.NAMED, RIGHT, RIGHT, (BOW,), (), even, (finding,))
-    assert "error on data no fit saw (blocks of speeds in turn) is 2 um, with it 2.1 um; but then" in told
+    assert "error on data no fit saw (blocks of speeds in turn) is 2 um 0-peak, with it 2.1 um 0-peak; but then" in told
     assert told.endswith("the config would have to be wrong: probe 1y is turned by 10 deg (9.0 sigma).")
     assert "would have to be wrong" not in sentence(Verdict.NAMED, WRONG, RIGHT, (BOW,), (), BOUGHT, (finding,))
 
@@ -98,9 +98,9 @@ def test_a_cause_that_predicts_worse_is_said_to() -> None:
     worse = Prediction(error=3e-6, floor=5e-7, expected=5e-7, sigmas=6.0, blocks=np.full(9, 36.0))
     words = said(Verdict.UNEXPLAINED, BOW, bought=replace(BOUGHT, after=worse))
     assert "With bow it fits better, but does not clearly predict data no fit saw" in words
-    assert "any better: off by 3 um, 2 um without" in words
+    assert "any better: off by 3 um 0-peak, 2 um 0-peak without" in words
     alike = said(Verdict.UNEXPLAINED, BOW, bought=replace(BOUGHT, after=replace(worse, error=2e-6)))
-    assert "any better: off by 2 um, as without" in alike
+    assert "any better: off by 2 um 0-peak, as without" in alike
 
 
 @pytest.mark.parametrize("verdict", [Verdict.ADEQUATE, Verdict.CANNOT_TELL])
@@ -117,7 +117,7 @@ def test_a_named_cause_is_said_with_what_it_bought() -> None:
     words = said(Verdict.NAMED, BOW, OTHER)
     assert BOW.words in words
     assert OTHER.words not in words
-    assert "from 2 to 0.5 um" in words
+    assert "from 2 to 0.5 um 0-peak" in words
     assert "1.0 times the noise floor" in words
 
 

@@ -1,6 +1,6 @@
 """Causes section, with ties and the next run; pulls at the config; effects below the detection limit of this data."""
 
-from rotorrig.app.report.html import Section, items, paragraph, section, table
+from rotorrig.app.report.html import AMPLITUDE, Section, items, paragraph, section, table
 from rotorrig.app.text import (
     CAUSES_TITLE,
     NOTHING_PULLED,
@@ -71,7 +71,7 @@ def _causes_table(diagnosis: Diagnosis) -> str:
         ]
         for cause in listed
     ]
-    header = ["cause", "size ± 1 σ", "evidence", "χ² gained", "error on unseen data", "status"]
+    header = ["cause", "size ± 1 σ", "evidence", "χ² gained", f"error on unseen data, {AMPLITUDE}", "status"]
     chosen = [i for i, cause in enumerate(listed) if cause.chosen]
     more = len(diagnosis.causes) - len(listed)
     note = f"{more} more were tried and explain less of the residual." if more else ""

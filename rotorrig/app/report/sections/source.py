@@ -39,7 +39,7 @@ def conventions_section(response: OrderTrackedResponse) -> Section:
     first, second = rig.rotation.split("-to-")
     words = {
         "amplitude": "0-peak in µm, or as chosen at the top: pp, peak-to-peak, is twice as much; 1 mil is 25.4 µm. "
-        "Lengths, errors in sentences, and colours of spectra stay in µm",
+        "Lengths and the colours of spectra stay in µm",
         "phase": f"phase lag in degrees after {edge}: z = 2 mean(x e^(−jθ)), lag = −arg z, θ = 0 at that edge",
         "axes": "z along the shaft from the coupling; x and y across it; angles from +x towards +y",
         "sense of rotation": f"from {first} to {second}",

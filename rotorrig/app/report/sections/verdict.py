@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from html import escape
 
-from rotorrig.app.report.html import Section, details, items, paragraph
+from rotorrig.app.report.html import AMPLITUDE, Section, details, items, paragraph
 from rotorrig.app.text import headline, misfit_sentence, next_run_sentence, p_value_text
 from rotorrig.identify import Diagnosis, Identification, Verdict
 from rotorrig.identify.adequacy import Misfit
@@ -68,16 +68,17 @@ def _evidence(diagnosis: Diagnosis) -> list[str]:
     if math.isfinite(diagnosis.p) and not re.search(r"\bp [=<>]", diagnosis.sentence):
         evidence.append(p_value_text(diagnosis.p))
     if math.isfinite(diagnosis.noise_floor):
-        evidence.append(f"noise floor {diagnosis.noise_floor * UM:.2g} µm")
+        evidence.append(f"noise floor {diagnosis.noise_floor * UM:.2g} {AMPLITUDE}")
     if math.isfinite(diagnosis.false_alarm_rate):
         evidence.append(f"tested at {100 * diagnosis.false_alarm_rate:.2g} %")
     return evidence
 
 
 def size(misfits: Sequence[Misfit]) -> str:
-    """Return the largest residual and the largest significance among `misfits` but for 0X: "12.3 µm, 45 σ"."""
-    moving = [m for m in misfits if m.order] or misfits
-    return f"{max(m.residual for m in moving) * UM:.3g} µm, {max(m.sigma for m in moving):.3g} σ"
+    """Return the largest residual and significance among `misfits`, of 0X only if alone: "12.3 µm 0-peak, 45 σ"."""
+    moving = [m for m in misfits if m.order]
+    unit, told = (AMPLITUDE, moving) if moving else ("µm of shift", misfits)
+    return f"{max(m.residual for m in told) * UM:.3g} {unit}, {max(m.sigma for m in told):.3g} σ"
 
 
 def _worst(diagnosis: Diagnosis) -> list[str]:

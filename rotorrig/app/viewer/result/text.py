@@ -1,6 +1,7 @@
 """Markdown panels of the result view: verdict, causes, values, colours, provenance."""
 
 from rotorrig.app.text import (
+    AmplitudeUnit,
     cause_evidence,
     cause_prediction_error,
     cause_size,
@@ -19,7 +20,7 @@ def verdict_words(result: Result) -> str:
     """Return verdict, causes and identified values, and what they were made of."""
     paragraphs = [f"# {result.response.rig.name}"]
     if diagnosis := result.diagnosis:
-        paragraphs += [f"**{str(diagnosis.verdict).upper()}**: {diagnosis.sentence}", *_causes(diagnosis)]
+        paragraphs += [f"**{str(diagnosis.verdict).upper()}**: {diagnosis.sentence}", *_causes(diagnosis, result.unit)]
     if fit := result.fit:
         rows = [f"| {e.name} | {estimate_text(e)} | {quantity_text(e.nameplate, e.unit)} |" for e in fit.estimates]
         paragraphs.append("\n".join(["| | identified | nameplate |\n|---|---|---|", *rows]))
@@ -52,15 +53,16 @@ def colour_words(result: Result) -> str:
     return "\n".join(f"- {words}" for words in lines)
 
 
-def _causes(diagnosis: Diagnosis) -> list[str]:
+def _causes(diagnosis: Diagnosis, unit: AmplitudeUnit) -> list[str]:
     """Return the causes in the model and the best others as a table, what the model gains, and the next run."""
     paragraphs = [cause.words for cause in diagnosis.causes if cause.chosen and cause.words not in diagnosis.sentence]
     if diagnosis.causes:
         rows = [
-            f"| {c.label} | {cause_size(c)} | {cause_evidence(c)} | {cause_prediction_error(c)} |"
+            f"| {c.label} | {cause_size(c)} | {cause_evidence(c)} | {cause_prediction_error(c, unit)} |"
             for c in causes_to_list(diagnosis)
         ]
-        paragraphs.append("\n".join(["| cause | size | evidence | error on unseen data |", "|---|---|---|---|", *rows]))
+        heading = f"| cause | size | evidence | error on unseen data, {unit.name} |"
+        paragraphs.append("\n".join([heading, "|---|---|---|---|", *rows]))
     return [
         *paragraphs,
         *(

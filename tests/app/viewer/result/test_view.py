@@ -87,7 +87,11 @@ def test_the_words_beside_the_pictures_name_the_cause_and_what_it_bought(
 ) -> None:
     words = verdict_words(result_of(response, None, named))
     assert words.index("**NAMED**") < words.index(named.causes[0].words)
-    assert "| bow | 18.00 ± 0.30 µm at 110.0 ± 1.0° | 812 | 5.20 → 0.410 µm |" in words
+    assert "| bow | 18.00 ± 0.30 µm at 110.0 ± 1.0° | 812 | 5.20 → 0.410 |" in words
+    assert "error on unseen data, µm 0-peak |" in words
+    in_mil = verdict_words(result_of(response, None, named, unit=AmplitudeUnit("mil pp")))
+    assert "| 812 | 0.409 → 0.0323 |" in in_mil  # 5.2 and 0.41 um 0-peak
+    assert "error on unseen data, mil pp |" in in_mil
     assert "1.03 times the noise floor" in words
     assert "A run with a trial mass" in words
 
