@@ -8,7 +8,6 @@ at the bottom of a rotated basic function of its own, and what is felt of each f
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,13 +101,12 @@ RUGGED = (rastrigin, griewank, ackley, sphere, rastrigin, griewank, ackley, sphe
 
 def niching_cases() -> list[tuple[Case, int]]:
     """Return the functions, each with its budget of calls."""
-    square = partial(Case, tolerance=None)
     few, many, deep = 50_000, 200_000, 400_000
     return [
-        (square(name="camel 2", fun=camel, bounds=np.array([[-1.9, 1.9], [-1.1, 1.1]]), minima=Listed(HUMPS)), few),
-        (square(name="Himmelblau 2", fun=himmelblau, bounds=cube(6.0, 2), minima=Listed(HIMMELBLAU)), few),
+        (Case(name="camel 2", fun=camel, bounds=np.array([[-1.9, 1.9], [-1.1, 1.1]]), minima=Listed(HUMPS)), few),
+        (Case(name="Himmelblau 2", fun=himmelblau, bounds=cube(6.0, 2), minima=Listed(HIMMELBLAU)), few),
         (
-            square(
+            Case(
                 name="modified Rastrigin 2",
                 fun=ridged,
                 bounds=np.array([[0.0, 1.0], [0.0, 1.0]]),
@@ -117,12 +115,12 @@ def niching_cases() -> list[tuple[Case, int]]:
             many,
         ),
         *(
-            (square(name=f"Shubert {d}", fun=shubert, bounds=cube(10.0, d), minima=ShubertMinima(d)), budget)
+            (Case(name=f"Shubert {d}", fun=shubert, bounds=cube(10.0, d), minima=ShubertMinima(d)), budget)
             for d, budget in ((2, many), (3, deep))
         ),
         *(
             (
-                square(
+                Case(
                     name=f"Vincent {d}",
                     fun=vincent,
                     bounds=VINCENT_BOX.repeat(d, 0),

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,8 @@ from rotorrig.processing.files import read_response, write_response
 from rotorrig.rig import ConfigError, DataError, Provenance, RigError, code_version, write_whole_text
 from rotorrig.rig.config import RigConfig, load
 from rotorrig.sims.plant import seal
+
+PATIENCE = "5 min"  # for each diagnosis: with its best so far, another run may tell more than more thought
 
 JOURNAL, CONFIG, TRUTH, REPORT, EXTENDED = (
     "investigation.json",
@@ -252,11 +255,12 @@ def _judge(setup: Setup, journal: Journal) -> Journal:
     old = [read_response(setup.file("response.mcap", each.number)) for each in journal.judged]
     kinds = not_possible(setup.menu, hands=setup.hands)
     joined = False
+    diagnosed = partial(diagnose.diagnose_responses, not_possible=kinds, seed=setup.seed, time_limit=PATIENCE)
     if made.unseen:
-        diagnosis = diagnose.diagnose_responses(old, holdout=new, not_possible=kinds, seed=setup.seed)
+        diagnosis = diagnosed(old, holdout=new)
         joined = diagnosis.verdict is not Verdict.NAMED
     if joined or not made.unseen:
-        diagnosis = diagnose.diagnose_responses([*old, new], not_possible=kinds, seed=setup.seed)
+        diagnosis = diagnosed([*old, new])
     write_diagnosis(setup.file("diagnosis.json", made.number), diagnosis)
     judged = journal.with_last(
         seconds=made.seconds or float(new.t[-1]),

@@ -197,12 +197,12 @@ class ExtendedProblem:
         if units.seen and not units.exact and found.stop is not Stop.GIVEN_UP and np.isfinite(found.chi2):
             before = self.residual(found.p)
             units.release()
-            if not self._sum_squares(found.p, less=before) <= tolerance:
+            if not self.sum_squares(found.p, less=before) <= tolerance:
                 units.exact = True
-                found = refine(min((found.p, start), key=self._sum_squares))  # at the one the motion may be unbounded
+                found = refine(min((found.p, start), key=self.sum_squares))  # at the one the motion may be unbounded
         return found
 
-    def _sum_squares(self, p: Reals, less: Reals | float = 0.0) -> float:
+    def sum_squares(self, p: Reals, less: Reals | float = 0.0) -> float:
         """Return the sum of squares of the residual, or of what it is beyond another; infinite without a motion."""
         try:
             with np.errstate(over="ignore", invalid="ignore"):

@@ -58,7 +58,7 @@ class MoreMinima:
         spent = engine.record.nfev - before
         self._spent[way] = self._spent[way] + spent if spent else max(self._spent) + 1  # nothing to do: others first
         number = len(self._as_low_as_the_best(engine)[0])
-        if number > self._lowest or before == 0:
+        if number > self._lowest:
             self._last_find = engine.record.nfev
         self._lowest = number
 

@@ -16,14 +16,16 @@ from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes import Candidate, Selection
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
 from rotorrig.identify.least_squares import Solution
-from rotorrig.identify.verdict.next_run.dwells import Fit, parting_speeds
-from rotorrig.identify.verdict.next_run.forecast import planned_truth, share_of_limit
+from rotorrig.identify.verdict.next_run.dwells import parting_speeds
+from rotorrig.identify.verdict.next_run.forecast import draw_left_open, planned_truth, share_of_limit
 from rotorrig.identify.verdict.next_run.plans import Plan, plans, ramp_of
 from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.verdict import tied_candidates
 from rotorrig.rig import ConfigError, DataError
 from rotorrig.sims.effects import Effect
+
+LeftOpen = tuple[ExtendedProblem, list[Reals]]  # a fitted model, and the vectors that the data leave open in it
 
 NONE = "none"  # kind of a run that could not be computed
 
@@ -97,10 +99,11 @@ def _rate_plans(tied: Sequence[Candidate], not_possible: Collection[str], failed
     fits = [(each.problem, each.polished) for each in tied]
     dwells = () if "dwells" in not_possible else parting_speeds(fits[0], fits[1:])
     unbalance = _find_unbalance(*fits[0])
+    left_open = [(problem, draw_left_open(problem, fit)) for problem, fit in fits]
     possible = _open_plans(best.problem.recordings, not_possible, unbalance=unbalance, dwells=dwells)
     rated: list[_Rated] = []
     for plan in sorted(possible, key=lambda plan: plan.seconds):
-        share, why = _forecast(fits, plan)
+        share, why = _forecast(left_open, plan)
         lam, why = (math.nan, why) if why else _rate(best, rivals, plan)
         if why:
             failed.append(f"{plan.kind}: {why}")
@@ -120,9 +123,10 @@ def find_other_run(selection: Selection, *, not_possible: Collection[str] = ()) 
     fits = [(selection.start, selection.base), (selection.problem, selection.polished)]
     try:
         unbalance = _find_unbalance(selection.problem, selection.polished)
+        left_open = [(problem, draw_left_open(problem, fit)) for problem, fit in fits]
         open_plans = _open_plans(selection.problem.recordings, not_possible, unbalance=unbalance)
         for plan in sorted(open_plans, key=lambda plan: (_TELLING.index(plan.kind), -plan.high, plan.ramp)):
-            share, why = _forecast(fits, plan)
+            share, why = _forecast(left_open, plan)
             if _is_loud(share):
                 most = 100 * VERDICT.of_limit
                 why = f"its vibration may reach {100 * share:.0f} % of a limit, want {most:.0f} %"
@@ -196,7 +200,7 @@ def _was_made(plan: Plan, measured: Sequence[Recording]) -> bool:
     return False
 
 
-def _forecast(fits: Sequence[Fit], plan: Plan) -> tuple[float, str]:
+def _forecast(left_open: Sequence[LeftOpen], plan: Plan) -> tuple[float, str]:
     """Return the share of a limit that a plan may reach by any of the fits, and why it is not known, empty if it is.
 
     Where the config has no limits it is NaN.
@@ -205,7 +209,7 @@ def _forecast(fits: Sequence[Fit], plan: Plan) -> tuple[float, str]:
     if limits is None:
         return math.nan, ""
     try:
-        share = max(share_of_limit(problem, fit, plan, limits) for problem, fit in fits)
+        share = max(share_of_limit(problem, vectors, plan, limits) for problem, vectors in left_open)
     except _FAILURES as error:
         return math.nan, str(error)
     return share, "" if math.isfinite(share) else "its forecast is not finite"

@@ -1,5 +1,6 @@
 """Forecast of a planned run: how near its vibration comes to the limits, by every model that the data leave open."""
 
+from collections.abc import Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -29,21 +30,38 @@ def carry_over(truth: ExtendedProblem, problem: ExtendedProblem, fitted: Reals) 
     return np.array([named.get(name, value) for name, value in zip(truth.parameters.names, start, strict=True)])
 
 
-def share_of_limit(problem: ExtendedProblem, fit: Solution, plan: Plan, limits: Limits) -> float:
+def share_of_limit(problem: ExtendedProblem, left_open: Sequence[Reals], plan: Plan, limits: Limits) -> float:
     """Return the largest 0-peak vibration of a plan over its limit: what a fitted model leaves open is below by 95 %.
 
-    Unknowns are drawn from the covariance of the fit; the sum of the amplitudes of all orders stands for the 0-peak
-    value. A draw at which there is no motion is passed over. Raises DataError if there is none at the fit itself.
+    `left_open` as of `draw_left_open`, the fit first. The sum of the amplitudes of all orders stands for the 0-peak
+    value. A draw at which the plan has no motion is passed over. Raises DataError if there is none at the fit itself.
     """
-    truth, p = planned_truth(problem, fit.p, plan)
-    low, high = problem.bounds
-    scatter = np.where(np.isfinite(fit.covariance), fit.covariance, 0.0)
-    drawn = np.random.default_rng(0).multivariate_normal(fit.p, scatter, size=VERDICT.draws, method="eigh")
+    truth, p = planned_truth(problem, left_open[0], plan)
     shares = [_predict_share(truth, p, limits)]
-    for each in drawn:
+    for each in left_open[1:]:
         with suppress(DataError):
-            shares.append(_predict_share(truth, carry_over(truth, problem, np.clip(each, low, high)), limits))
+            shares.append(_predict_share(truth, carry_over(truth, problem, each), limits))
     return max(shares[0], float(np.quantile(shares, 0.95, method="higher")))
+
+
+def draw_left_open(problem: ExtendedProblem, fit: Solution) -> list[Reals]:
+    """Return a fit and vectors that the data leave open beside it, drawn from its covariance.
+
+    What the data do not determine has a covariance that leads out of all they say, to unbalances beyond any and rotors
+    that are unstable: a draw by which chi2 rises by more than twice what the covariance expects is halved until it does
+    not. One that is still too far then is passed over.
+    """
+    scatter = np.where(np.isfinite(fit.covariance), fit.covariance, 0.0)
+    variance, ways = np.linalg.eigh(scatter)
+    left_open = [fit.p]
+    for each in np.random.default_rng(0).standard_normal((VERDICT.draws, len(fit.p))):
+        step = ways @ (np.sqrt(np.maximum(variance, 0.0)) * each)
+        for halved in range(VERDICT.halved + 1):
+            p = np.clip(fit.p + step / 2**halved, *problem.bounds)
+            if problem.sum_squares(p) < fit.chi2 + 2 * each @ each:
+                left_open.append(p)
+                break
+    return left_open
 
 
 def _predict_share(truth: ExtendedProblem, p: Reals, limits: Limits) -> float:

@@ -78,6 +78,7 @@ def _response(response: OrderTrackedResponse, plan: Plan, trial: dict[str, compl
         alpha_sigma=np.empty(0),
         jitter=np.empty(0),
         remarks=(),
+        mains=tuple(replace(hum, shares=hum.shares[places]) if len(hum.shares) else hum for hum in response.mains),
         slow_roll_waveform=np.empty((0, 0)),
     )
 

@@ -14,7 +14,7 @@ from rotorrig.identify.extended_model.nuisance_effects import MarkEdge
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.next_run.choice import find_next_run, find_other_run
-from rotorrig.identify.verdict.next_run.forecast import share_of_limit
+from rotorrig.identify.verdict.next_run.forecast import draw_left_open, share_of_limit
 from rotorrig.identify.verdict.next_run.plans import Plan, plans
 from rotorrig.identify.verdict.separability import separability
 from rotorrig.identify.verdict.settings import VERDICT
@@ -188,12 +188,26 @@ def test_no_run_is_proposed_that_may_come_near_a_limit(tied: Selection, one_plan
     plan = next(plan for plan in plans(tied.problem.recordings[0].response) if plan.kind == "ramp rate")
     limits = one_plane.limits
     assert limits is not None
-    fit = tied.problem, tied.polished
+    fit = tied.problem, draw_left_open(tied.problem, tied.polished)
     share = share_of_limit(*fit, plan, limits)
     low = limits.model_copy(update={"vibration": limits.vibration / 10})
     assert share_of_limit(*fit, plan, low) == pytest.approx(10 * share)
     highest = max(plans(tied.problem.recordings[0].response), key=lambda plan: plan.high)
     assert share_of_limit(*fit, highest, limits) > share, "through the resonance"
+
+
+def test_what_the_data_do_not_determine_is_drawn_no_further_than_they_leave_open(
+    tied: Selection, one_plane: RigConfig
+) -> None:
+    """A covariance that leads far beyond the data made every forecast infinite, and no run was proposed."""
+    plan = next(plan for plan in plans(tied.problem.recordings[0].response) if plan.kind == "ramp rate")
+    assert one_plane.limits is not None
+    limits, near = one_plane.limits, draw_left_open(tied.problem, tied.polished)
+    share = share_of_limit(tied.problem, near, plan, limits)
+    far = replace(tied.polished, covariance=1e8 * tied.polished.covariance)
+    drawn = draw_left_open(tied.problem, far)
+    assert len(drawn) == len(near) == VERDICT.draws + 1
+    assert 0.5 * share < share_of_limit(tied.problem, drawn, plan, limits) < 2 * share
 
 
 def test_a_run_whose_motion_overflows_is_over_every_limit(
@@ -203,11 +217,15 @@ def test_a_run_whose_motion_overflows_is_over_every_limit(
     predict = ExtendedModel.predict
 
     def beyond(model: ExtendedModel, p: NDArray[np.float64], **how: Any) -> list[dict[int, NDArray[np.complex128]]]:
-        return [{n: z * 1e200 * 1e200 for n, z in each.items()} for each in predict(model, p, **how)]
+        return [
+            {n: z * 1e200 * (1e200 if recording.planned else 1e-200) for n, z in each.items()}
+            for recording, each in zip(model.recordings, predict(model, p, **how), strict=True)
+        ]
 
     monkeypatch.setattr(ExtendedModel, "predict", beyond)
     assert one_plane.limits is not None
-    assert share_of_limit(tied.problem, tied.polished, plan, one_plane.limits) == np.inf
+    left_open = draw_left_open(tied.problem, tied.polished)
+    assert share_of_limit(tied.problem, left_open, plan, one_plane.limits) == np.inf
 
 
 def test_where_no_run_may_be_made_it_says_so(tied: Selection, monkeypatch: pytest.MonkeyPatch) -> None:

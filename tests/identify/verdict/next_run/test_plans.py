@@ -8,7 +8,7 @@ import pytest
 from rotorrig.identify.extended_model.tracked_recording import Recording
 from rotorrig.identify.verdict.next_run.planned_recordings import plan_recordings
 from rotorrig.identify.verdict.next_run.plans import Plan, plans
-from rotorrig.processing.response import OrderTrackedResponse
+from rotorrig.processing.response import MainsHum, OrderTrackedResponse
 from rotorrig.rig.config.description import RigConfig
 from rotorrig.rig.config.units import RPM
 from tests.identify.swept import RAMP, SIGMA, swept_response
@@ -44,6 +44,19 @@ def test_speeds_are_held_one_after_the_other_and_no_row_is_of_a_ramp_between(bel
         seconds = rows.sum() * plan.every * 2 * np.pi / speed
         assert 19.0 < seconds <= 20.0
     assert response.t[-1] < plan.seconds < response.t[-1] + 5.0, "up from rest"
+
+
+def test_probes_that_are_added_pick_up_the_mains_as_those_that_they_are_like(below: OrderTrackedResponse) -> None:
+    """A second plane had no forecast where tracking had followed the mains."""
+    shares = np.array([1.2, 0.7j])
+    hum = MainsHum(frequency=50.0, t=below.t[[0, -1]], stray=np.zeros(2), shares=shares)
+    humming = replace(below, mains=(hum,))
+    plan = next(plan for plan in plans(humming) if plan.kind == "second plane")
+    (recording,) = planned(humming, plan)
+    leaks = recording.hum[1][50.0]
+    assert leaks.shape == (len(recording.rows) + 1, 4)
+    np.testing.assert_allclose(leaks[:-1, :2] / leaks[:-1, 2:], 1.0)
+    np.testing.assert_allclose(leaks[:-1, 0] * shares[1], leaks[:-1, 1] * shares[0])
 
 
 def test_what_hands_do_takes_time(below: OrderTrackedResponse) -> None:
