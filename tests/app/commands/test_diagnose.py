@@ -75,7 +75,8 @@ def test_the_verdict_its_causes_ties_next_run_and_gain_are_printed(
     assert code == 0
     assert out.startswith(named.sentence)
     rows = [" ".join(line.split()) for line in out.splitlines()]
-    assert "bow 18.00 ± 0.30 µm at 110.0 ± 1.0° 812 5.20 → 0.410 µm in the model, tied" in rows
+    assert "bow 18.00 ± 0.30 µm at 110.0 ± 1.0° 812 5.20 → 0.410 in the model, tied" in rows
+    assert "cause size evidence data, µm 0-peak" in rows
     for words in ("Tied: bow; runout, plane 2.", "A run with a trial mass", "would not show: internal_damping."):
         assert words in out
     assert read_diagnosis(Path("d.json")).verdict is Verdict.NAMED
