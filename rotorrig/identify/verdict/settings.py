@@ -56,7 +56,7 @@ class VerdictSettings:
     worthwhile: float = 4.0  # expected separation, two standard deviations: a run that tells less is not made
     of_limit: float = 0.7  # of a vibration limit: a run that may pass it is not proposed
     draws: int = 16  # of every fitted model, for its vibration
-    halved: int = 20  # times at most, a draw that leads beyond what the data leave open
+    halved: int = 20  # times at most, a step that leads beyond what the data leave open
 
 
 VERDICT = VerdictSettings()

@@ -48,20 +48,26 @@ def draw_left_open(problem: ExtendedProblem, fit: Solution) -> list[Reals]:
     """Return a fit and vectors that the data leave open beside it, drawn from its covariance.
 
     What the data do not determine has a covariance that leads out of all they say, to unbalances beyond any and rotors
-    that are unstable: a draw by which chi2 rises by more than twice what the covariance expects is halved until it does
-    not. One that is still too far then is passed over.
+    that are unstable. Where draws do so, each principal axis of the covariance is first shortened by itself, so that
+    what is determined keeps its spread.
     """
-    scatter = np.where(np.isfinite(fit.covariance), fit.covariance, 0.0)
-    variance, ways = np.linalg.eigh(scatter)
-    left_open = [fit.p]
-    for each in np.random.default_rng(0).standard_normal((VERDICT.draws, len(fit.p))):
-        step = ways @ (np.sqrt(np.maximum(variance, 0.0)) * each)
-        for halved in range(VERDICT.halved + 1):
-            p = np.clip(fit.p + step / 2**halved, *problem.bounds)
-            if problem.sum_squares(p) < fit.chi2 + 2 * each @ each:
-                left_open.append(p)
-                break
-    return left_open
+    variance, ways = np.linalg.eigh(np.where(np.isfinite(fit.covariance), fit.covariance, 0.0))
+    axes = ways * np.sqrt(np.maximum(variance, 0.0))  # (unknown, axis), one standard deviation each
+    drawn = np.random.default_rng(0).standard_normal((VERDICT.draws, len(fit.p)))
+    steps = [_shorten(problem, fit, axes @ each, expected=each @ each) for each in drawn]
+    if not np.array_equal(steps, [axes @ each for each in drawn]):
+        axes = np.transpose([_shorten(problem, fit, axis, expected=1.0) for axis in axes.T])
+        steps = [_shorten(problem, fit, axes @ each, expected=each @ each) for each in drawn]
+    return [np.clip(fit.p + step, *problem.bounds) for step in (np.zeros(len(fit.p)), *steps)]
+
+
+def _shorten(problem: ExtendedProblem, fit: Solution, step: Reals, *, expected: float) -> Reals:
+    """Return a step from a fit, halved until chi2 rises by no more than twice what is `expected`; none at last."""
+    for halved in range(VERDICT.halved + 1):
+        shorter = step / 2**halved
+        if problem.sum_squares(np.clip(fit.p + shorter, *problem.bounds)) <= fit.chi2 + 2 * expected:
+            return shorter
+    return np.zeros_like(step)
 
 
 def _predict_share(truth: ExtendedProblem, p: Reals, limits: Limits) -> float:

@@ -210,6 +210,21 @@ def test_what_the_data_do_not_determine_is_drawn_no_further_than_they_leave_open
     assert 0.5 * share < share_of_limit(tied.problem, drawn, plan, limits) < 2 * share
 
 
+def test_what_the_data_determine_keeps_its_spread_beside_what_they_do_not(
+    tied: Selection, one_plane: RigConfig
+) -> None:
+    """Else the forecast of a rotor with one unknown that is open would be that of its fit, which is too low."""
+    plan = next(plan for plan in plans(tied.problem.recordings[0].response) if plan.kind == "ramp rate")
+    assert one_plane.limits is not None
+    limits, fit = one_plane.limits, tied.polished
+    axis = np.linalg.eigh(fit.covariance)[1][:, -1]
+    far = replace(fit, covariance=fit.covariance + 1e8 * np.outer(axis, axis))
+    near, drawn = (draw_left_open(tied.problem, each) for each in (fit, far))
+    of_fit, share, found = (share_of_limit(tied.problem, vectors, plan, limits) for vectors in ([fit.p], near, drawn))
+    assert share > 1.01 * of_fit
+    assert found > of_fit + 0.5 * (share - of_fit)
+
+
 def test_a_run_whose_motion_overflows_is_over_every_limit(
     tied: Selection, one_plane: RigConfig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
