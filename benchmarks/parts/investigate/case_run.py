@@ -75,5 +75,5 @@ def line(journal: Journal, named: Sequence[str], tied: Sequence[Sequence[str]], 
         "first_verdict": str(first.verdict),
         "first_beliefs": [each.label for each in first.beliefs],
         "runs": [{"plan": r.plan, "trial": list(r.trial), "seconds": r.seconds} for r in journal.judged],
-        "ending": journal.ending,
+        "why_ended": journal.ending,
     }

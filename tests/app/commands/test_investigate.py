@@ -36,15 +36,17 @@ def prepared(rig: RigConfig, folder: Path, hidden: Path | None = None, **more: A
 def test_it_goes_on_after_it_was_stopped_and_ends_with_a_cause_measured_on_an_unseen_run(
     brief_rig: RigConfig, late: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder = tmp_path / "found"
+    folder, limits = tmp_path / "found", list[str]()
     with monkeypatch.context() as stopped:
 
-        def interrupt(*_: object, **__: object) -> None:
+        def interrupt(*_: object, time_limit: str, **__: object) -> None:
+            limits.append(time_limit)
             raise KeyboardInterrupt
 
         stopped.setattr(diagnose, "diagnose_responses", interrupt)
         with pytest.raises(KeyboardInterrupt):
             investigate.investigate(prepared(brief_rig, folder, late))
+    assert limits == ["5 min"], "a diagnosis does not hold up an investigation"
     first = (folder / "run-1.mcap").stat().st_mtime_ns
     journal, diagnosis = investigate.investigate(prepared(brief_rig, folder, late))
     assert (folder / "run-1.mcap").stat().st_mtime_ns == first, "what was recorded is not recorded again"
