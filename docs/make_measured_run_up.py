@@ -77,7 +77,8 @@ def text(both: tuple[Model, Model], found: Diagnosis) -> str:
     lines = [
         *textwrap.wrap(found.sentence, 118, initial_indent="> ", subsequent_indent="> "),
         "",
-        "| model | chi2 per degree of freedom | worst stretch | error on unseen data | times the noise floor |",
+        "| model | 1X residuals over their scatter | worst stretch | error on unseen data, 0-peak "
+        "| times the noise floor |",
         "|---|---|---|---|---|",
         *(_row(model) for model in both),
     ]
