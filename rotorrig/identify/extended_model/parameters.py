@@ -9,7 +9,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.base_model import Parameters, Reals
+from rotorrig.identify.base_model import BASE_MODEL, Parameters, Reals
 from rotorrig.identify.extended_model.mains_hum import HumLine, hum_names
 from rotorrig.identify.extended_model.probe_curve import ProbeCurves
 from rotorrig.identify.extended_model.settings import EXTENDED_MODEL
@@ -114,6 +114,15 @@ class ExtendedParameters:
         low[self.own] = [(p.low * wider if p.low < 0 else p.low / wider) / p.size for p in self._own]
         high[self.own] = [(p.high * wider if p.high > 0 else p.high / wider) / p.size for p in self._own]
         return low, high
+
+    def at_bound(self, p: Reals) -> NDArray[np.intp]:
+        """Return the unknowns that are at a bound, or so near that nothing but rounding or a fit's end keeps them off.
+
+        Near is `BASE_MODEL.at_bound` of what an unknown is measured in, or of its prior's standard deviation if less.
+        """
+        near = BASE_MODEL.at_bound * np.minimum(self.stated_sigma, 1.0)
+        low, high = self.bounds
+        return np.flatnonzero((p <= low + near) | (p >= high - near))
 
     @property
     def frozen(self) -> dict[int, float]:

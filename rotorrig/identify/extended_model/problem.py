@@ -158,11 +158,6 @@ class ExtendedProblem:
             damped=True,
         )
 
-    def at_bound(self, p: Reals, i: int) -> bool:
-        """Say whether unknown number `i` of the base ended within a per cent of its bound."""
-        bounds = self.parameters.base.space.working_bounds[i]
-        return bool(np.abs(bounds - p[i]).min() < BASE_MODEL.at_bound)
-
     def solve(
         self,
         start: Reals,

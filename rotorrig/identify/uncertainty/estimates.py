@@ -24,11 +24,12 @@ def estimate_unknowns(best: Solution, problem: ExtendedProblem, *, unseen: str) 
     space = names.space
     values = names.values(best.p)
     sigma = best.sigma[names.sought] * space.slopes(values)
+    at_bound = set(problem.parameters.at_bound(best.p))
     estimates = []
     for i, unknown in enumerate(space.unknowns):
         hidden = any(axis in unseen for axis in unknown.axes)
         certain = sigma[i] < UNCERTAINTY.determined * space.references(values)[i]
-        determined = bool(certain and not hidden and not problem.at_bound(best.p, i))
+        determined = bool(certain and not hidden and i not in at_bound)
         estimates.append(
             Estimate(
                 name=unknown.name,

@@ -21,8 +21,9 @@ def describe_identifiability(
     unknowns = base.space.unknowns
     settled = {u.name for u in unknowns if any(axis in unseen for axis in u.axes)}
     sentences = [_unseen(axis, [u.name for u in unknowns if axis in u.axes]) for axis in unseen]
+    at_bound = set(problem.parameters.at_bound(best.p))
     for i, unknown in enumerate(unknowns):
-        if problem.at_bound(best.p, i):
+        if i in at_bound:
             value = base.values(best.p)[i]
             settled.add(unknown.name)
             sentences.append(

@@ -68,8 +68,7 @@ def nuisance_posterior(best: Solution, names: ExtendedParameters) -> tuple[list[
     Nothing at a bound counts as free, a cause's unknown neither: the fit is no minimum along it, which the posterior
     takes it for.
     """
-    low, high = names.bounds
-    at_bound = np.flatnonzero((best.p <= low) | (best.p >= high))
+    at_bound = names.at_bound(best.p)
     free = np.setdiff1d(np.arange(len(names)), at_bound)
     mine = np.setdiff1d(names.priors, at_bound)
     sigma = names.stated_sigma[mine]
