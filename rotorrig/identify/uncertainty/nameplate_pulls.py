@@ -115,14 +115,13 @@ def _describe_deviation(posterior: NuisancePosterior, of: _Statement) -> Deviati
     member, along, length = of.member, posterior.along(of.direction), float(np.linalg.norm(of.direction))
     value, sigma = along.value / length, along.sigma / length
     off, spread = member.deviation(value), sigma * member.slope(value)
-    shown, factor = SHOWN.get(member.unit, (member.unit, 1.0))
     low, high = of.possible
     possible = max(low - value, value - high) < UNCERTAINTY.unsure * sigma and (value > 0 or not member.one_sided)
     return Deviation(
         kind=member.kind,
         where=member.where,
         title=member.title,
-        words=member.words(_size(off * factor, spread * factor, shown)),
+        words=member.words(_told(member, value, sigma)),
         value=off,
         sigma=spread,
         unit=member.unit,
@@ -133,6 +132,19 @@ def _describe_deviation(posterior: NuisancePosterior, of: _Statement) -> Deviati
         nuisances=member.nuisances,
         parameter=member.parameter,
     )
+
+
+def _told(member: Member, value: float, sigma: float) -> str:
+    """Return how far a member is off; at least how far, where its nuisances are sure and what they stand for is not.
+
+    A hub that takes all flexibility away is as stiff as a shaft of any thickness.
+    """
+    shown, factor = SHOWN.get(member.unit, (member.unit, 1.0))
+    off, spread = member.deviation(value) * factor, sigma * member.slope(value) * factor
+    sure = value - UNCERTAINTY.unsure * sigma
+    if member.one_sided and spread > off and sure > 0:
+        return f"+at least {member.deviation(sure) * factor:.2g} {shown}"
+    return _size(off, spread, shown)
 
 
 def _size(value: float, sigma: float, unit: str) -> str:

@@ -56,6 +56,32 @@ def test_what_would_have_to_be_off_by_more_than_can_be_is_no_finding(
     names = problem.parameters
     i = names.names.index("bearing left A x")
     sigma = abs(off) / 6  # of the data: a pull of nearly six sigmas
+    told = check_nameplate(told_alone(problem, hidden, i, off=off, sigma=sigma), problem)
+    (mine,) = (d for pull in told.pulls for d in pull.deviations if d.label == "bearing_stiffness, left A x")
+    assert mine.value == pytest.approx(off, rel=0.01)
+    assert (mine.label in [finding.deviation.label for finding in told.findings]) is named
+
+
+@pytest.mark.parametrize(
+    ("share", "words"),
+    [(0.4, "13.6 ± 3.2 % thicker"), (1.2, "at least 19 % thicker")],
+    ids=["within", "more than all of its flexibility"],
+)
+def test_a_hub_that_takes_all_flexibility_away_is_told_by_how_much_at_least(
+    short: OrderTrackedResponse, hidden: np.ndarray, share: float, words: str
+) -> None:
+    """A shaft of any thickness is as stiff: 1.2 less two sigmas of a third leaves 0.5, and 0.5^-1/4 is 1.19."""
+    problem = ExtendedProblem(ExtendedModel([Recording(short)]))
+    i = problem.parameters.names.index("hub disk")
+    sigma = 0.35 if share > 1 else 0.0675
+    told = check_nameplate(told_alone(problem, hidden, i, off=share, sigma=sigma), problem)
+    (mine,) = (d for pull in told.pulls for d in pull.deviations if d.kind == "hub")
+    assert mine.words == f"under the hub of the disk the shaft is as stiff as one {words} than the config says"
+
+
+def told_alone(problem: ExtendedProblem, hidden: np.ndarray, i: int, *, off: float, sigma: float) -> Solution:
+    """Return the fit of data that tell every unknown as well as its prior does, but number `i` to be `off`."""
+    names = problem.parameters
     figures = np.zeros((ROWS, len(names)))
     figures[0, i] = 1 / sigma
     figures[1 : len(names) + 1] = np.eye(len(names)) * (np.arange(len(names)) != i) / names.stated_sigma.clip(max=1.0)
@@ -64,8 +90,4 @@ def test_what_would_have_to_be_off_by_more_than_can_be_is_no_finding(
     p = names.start(hidden)
     p[i] = off / (1 + (sigma / names.prior_sigma[i]) ** 2)
     jacobian = np.concatenate([figures, priors])
-    fit = Solution(p=p, covariance=np.eye(len(names)), jacobian=jacobian, chi2=float(ROWS), dof=ROWS)
-    told = check_nameplate(fit, problem)
-    (mine,) = (d for pull in told.pulls for d in pull.deviations if d.label == "bearing_stiffness, left A x")
-    assert mine.value == pytest.approx(off, rel=0.01)
-    assert (mine.label in [finding.deviation.label for finding in told.findings]) is named
+    return Solution(p=p, covariance=np.eye(len(names)), jacobian=jacobian, chi2=float(ROWS), dof=ROWS)
