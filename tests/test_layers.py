@@ -31,7 +31,15 @@ TABLE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     ),
     "sims.wire.fault_script": (BASE, ("pydantic",)),
     "identify": (
-        ("identify", "processing.response", "processing.probe_planes", "sims.rotor", "sims.effects", *BASE),
+        (
+            "identify",
+            "processing.response",
+            "processing.probe_planes",
+            "processing.resonance",
+            "sims.rotor",
+            "sims.effects",
+            *BASE,
+        ),
         ("scipy", "threadpoolctl"),
     ),
     "identify.chea": (("identify.chea",), ("scipy",)),

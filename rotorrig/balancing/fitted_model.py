@@ -14,6 +14,7 @@ from rotorrig.balancing.influence import MODEL, Influence
 from rotorrig.balancing.row_curves import MOST_ROWS
 from rotorrig.identify import BaseProblem, Estimate, Identification, config_effects
 from rotorrig.identify.extended_model import ExtendedProblem, Recording, recordings_of
+from rotorrig.identify.uncertainty import covariance_root, motion_with_columns
 from rotorrig.processing import OrderTrackedResponse, require_phases
 from rotorrig.rig import DataError
 
@@ -22,7 +23,6 @@ Reals = NDArray[np.float64]
 
 UNIT = 1e-5  # kg m, of the mass whose effect is taken: 10 g mm; the model is linear
 STEPS = 3  # of least squares on from fit.json: it is at the minimum already
-DEAD = 1e-12  # of the largest variance: rounding
 
 
 def influence_of_fit(
@@ -47,10 +47,13 @@ def influence_of_fit(
                 "the fitted model has a force law, so vibration is not proportional to masses; want --trial"
             )
         solved = problem.expecting_error(p).solve(p, max_steps=STEPS)
-        root = _root(solved.covariance)
-        recording = problem.recordings[0]
-        z, z_columns = _motion(problem, recording, solved.p, root, {})
-        moved = [_motion(problem, recording, solved.p, root, {plane: UNIT}) for plane in planes]
+        recording, root = problem.recordings[0], covariance_root(solved.covariance)
+
+        def motion(trial: dict[str, complex]) -> tuple[Complex, Complex]:
+            return motion_with_columns(problem.on([recording.with_trial(trial)]), solved.p, root)[0]
+
+        z, z_columns = motion({})
+        moved = [motion({plane: UNIT}) for plane in planes]
     H = np.stack([vectors - z for vectors, _ in moved], axis=-1) / UNIT
     H_columns = np.stack([columns - z_columns for _, columns in moved], axis=2) / UNIT
     return _entries(recording, tuple(planes), z, H, z_columns, H_columns)
@@ -152,33 +155,6 @@ def _fill(
 def _sizes(problem: ExtendedProblem) -> Reals:
     own = [q.size for effect in problem.effects for q in effect.parameters]
     return np.append(np.ones(problem.parameters.own.start), own)
-
-
-def _root(covariance: Reals) -> Reals:
-    """Return columns (parameter, column) whose outer products sum to a covariance."""
-    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    size, directions = np.linalg.eigh(covariance / np.outer(scale, scale))
-    kept = size > DEAD * size[-1]
-    return scale[:, None] * directions[:, kept] * np.sqrt(size[kept])
-
-
-def _motion(
-    problem: ExtendedProblem, recording: Recording, p: Reals, root: Reals, trial: Mapping[str, complex]
-) -> tuple[Complex, Complex]:
-    """Return the motion (row, probe) with masses on, without runout and hum, and its columns (row, probe, column)."""
-    other = problem.on([recording.with_trial(trial).in_metres()])
-    names, still = other.parameters, p.copy()
-    quiet = (names.base.runout, names.hums)
-    for part in quiet:
-        still[part] = 0.0
-    (vectors,) = other.model.predict(still, orders=(1,))
-    figures = other.jacobian(still)[: 2 * vectors[1].size].reshape(*vectors[1].shape, 2, len(p))
-    kept = np.ones(len(p), dtype=bool)
-    for part in quiet:
-        kept[part] = False
-    derivatives = figures[..., 0, :] + 1j * figures[..., 1, :]
-    columns = np.asarray(derivatives[..., kept] @ root[kept], complex)
-    return vectors[1][:-1], columns[:-1]
 
 
 def _thin(direction: NDArray[np.intp]) -> NDArray[np.intp]:

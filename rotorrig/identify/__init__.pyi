@@ -8,6 +8,7 @@ from .identification import Deviation as Deviation
 from .identification import Estimate as Estimate
 from .identification import Fit as Fit
 from .identification import Identification as Identification
+from .identification import ModelResonance as ModelResonance
 from .identification import NameplateCheck as NameplateCheck
 from .result_files import diagnosis_table as diagnosis_table
 from .result_files import identification_table as identification_table
@@ -23,6 +24,7 @@ __all__ = [
     "Estimate",
     "Fit",
     "Identification",
+    "ModelResonance",
     "NameplateCheck",
     "Verdict",
     "config_effects",

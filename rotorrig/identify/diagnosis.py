@@ -20,8 +20,8 @@ from rotorrig.identify.base_fit import AssessedFit, config_effects
 from rotorrig.identify.causes import Selection, candidates
 from rotorrig.identify.discovery import Discovery, MissingForce, discover
 from rotorrig.identify.extended_model import recordings_of
-from rotorrig.identify.identification import NO_CHECK, NameplateCheck
-from rotorrig.identify.uncertainty import check_nameplate
+from rotorrig.identify.identification import NO_CHECK, ModelResonance, NameplateCheck
+from rotorrig.identify.uncertainty import check_nameplate, model_resonances
 from rotorrig.identify.verdict import (
     Cause,
     Gain,
@@ -81,6 +81,7 @@ class Diagnosis:
     character: str = ""  # of the residual, where no known cause explains it
     extended_residual: NDArray[np.complex128] | None = None  # as `residual`, of the extended model; None: there is none
     extended_sigmas: NDArray[np.float64] | None = None  # as `sigmas`, likewise; None of an older file too
+    resonances: tuple[ModelResonance, ...] = ()  # of the extended model, or of the base where there is none
     responses: tuple[tuple[str, int], ...] = ()  # source hash and rows of each response, in the order of the rows
     source: Provenance
 
@@ -282,6 +283,7 @@ def _assemble(
         character=sentences.character(extended.adequacy) if verdict is Verdict.UNEXPLAINED else "",
         extended_residual=extended.adequacy.residual if extended is not base else None,
         extended_sigmas=extended.adequacy.sigmas if extended is not base else None,
+        resonances=model_resonances(extended.polished, extended.problem),
         responses=tuple((r.source.source_hash, len(r.omega)) for r in responses),
         source=replace(source, code_version=code_version()),
     )

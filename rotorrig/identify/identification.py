@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from rotorrig.processing import Resonance
 from rotorrig.rig import Provenance
 
 
@@ -126,6 +127,16 @@ NO_CHECK = NameplateCheck()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ModelResonance:
+    """A critical speed of a fitted model, read off the curve it predicts for one run at one probe."""
+
+    response: int  # number of the response, from 0
+    run: str
+    probe: str
+    resonance: Resonance  # sigmas by the uncertainty of the fitted parameters
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Fit:
     """The fit of one band of speeds."""
 
@@ -147,6 +158,7 @@ class Fit:
     prediction: NDArray[np.complex128]  # (speed, probe) m, 1X as measured, all responses one after the other
     directions: tuple[Direction, ...] = ()  # what the data and priors determine, least known first
     nameplate: NameplateCheck = NO_CHECK  # pulls, and what of the config they contradict
+    resonances: tuple[ModelResonance, ...] = ()  # none of amplitudes alone, nor of an older file
     budget: dict[str, dict[str, float]] = field(default_factory=dict)  # estimate -> "noise".. -> part of variance
     trace: SearchTrace = field(default_factory=SearchTrace)  # of the global search
     words: tuple[str, ...]  # what the data cannot tell, in sentences

@@ -50,14 +50,16 @@ def find_resonances(
     covariance: Reals | None = None,
     *,
     common: Reals | None = None,
+    steps: NDArray[np.complex128] | None = None,
     rate: float = 0.0,
 ) -> tuple[Resonance, ...]:
     """Return the peaks of a curve, by rising speed; rows with NaN are passed over.
 
     `omega` (row,) [rad/s] in any order, `z` (row,) [m], `covariance` (row, 2, 2) [m^2] of (re z, im z), independent
-    from row to row; None for a model's curve, which has no noise, nor its resonances a sigma. `common` (2, 2) [m^2] is
-    what all rows share: that of the slow-roll vector taken from them. A peak rises above the valleys beside it by
-    STANDS_OUT sigmas and by SHARE of its height; the end of a sweep is none.
+    from row to row; None for a model's curve, which has no noise, and whose resonances have a sigma only by `steps`
+    (row, step) [m]: what one standard deviation of each of its parameters, or of their combinations, changes. `common`
+    (2, 2) [m^2] is what all measured rows share: that of the slow-roll vector taken from them. A peak rises above the
+    valleys beside it by STANDS_OUT sigmas and by SHARE of its height; the end of a sweep is none.
 
     `rate` [rad/s^2] is that of the run, negative where the speed falls. The free vibration of a resonance just passed
     beats against the unbalance response; a peak met before it has decayed is left out, as it may be such a beat.
@@ -76,7 +78,13 @@ def find_resonances(
     radial = np.stack([z.real, z.imag], axis=1) / amplitude[:, None]
     sigma = None if covariance is None else np.sqrt(np.einsum("ri,rij,rj->r", radial, covariance[order], radial))
     peaks = _peaks(amplitude, np.zeros(len(z)) if sigma is None else sigma)
-    shared = np.zeros((len(z), 0)) if sigma is None or common is None else radial @ _root(common)
+    moved = [np.zeros((len(z), 0))]  # of the amplitude, in all rows at once, (row, step)
+    if sigma is not None and common is not None:
+        moved.append(radial @ _root(common))
+    if steps is not None:
+        moved.append((steps[order] * (z.conj() / amplitude)[:, None]).real)
+        sigma = np.zeros(len(z)) if sigma is None else sigma
+    shared = np.concatenate(moved, axis=1)
     valleys = [a + int(np.argmin(amplitude[a:b])) for a, b in pairwise(peaks)]
     found = []
     for peak, first, last in zip(peaks, [0, *valleys], [*valleys, len(z) - 1], strict=bool(peaks)):
@@ -210,17 +218,20 @@ class _Rows:
         return np.where(peaks, s, math.nan), np.where(peaks, y * least, math.nan)
 
     def _half_power(self, amplitude: Reals, y: Reals, flank: NDArray[np.intp]) -> Reals:
-        """Return s (curve,) where 1 / amplitude^2 is twice `y`, that of the peak; NaN without a flank.
+        """Return s (curve,) where 1 / amplitude^2 is twice `y`, that of the peak; NaN without a flank or a peak.
 
         x = sqrt(y(s) / y(peak) - 1) is a straight line over s for a single degree of freedom, and 1 at half power.
         """
-        if not flank.size:
-            return np.full(len(y), math.nan)
-        x = np.sqrt(np.maximum(amplitude[np.searchsorted(self.used(), flank)] ** -2 / y - 1, 0.0))
+        s, peaks = np.full(len(y), math.nan), np.isfinite(y)
+        if not (flank.size and peaks.any()):
+            return s
+        here = amplitude[np.ix_(np.searchsorted(self.used(), flank), peaks)]
+        x = np.sqrt(np.maximum(here**-2 / y[peaks] - 1, 0.0))
         weight = self.weight[flank] * np.maximum(x.mean(axis=1), 0.1)  # of x, whose change is that of y over 2 x
         slope, start = np.polyfit(self.s[flank] - 1, x, 1, w=weight)
         with np.errstate(invalid="ignore", divide="ignore"):
-            return np.asarray(1 + (1 - start) / slope)
+            s[peaks] = 1 + (1 - start) / slope
+        return s
 
     def _vertex(self, amplitude: Reals) -> tuple[float, Reals]:
         """Return s of the peak of a whole curve (row,), and 1 / amplitude^2 there."""

@@ -101,6 +101,11 @@ class OrderTrackedResponse:
         good = np.asarray(self.usable.any(axis=0))
         return tuple(name for name, some in zip(self.probes, good, strict=True) if some)
 
+    def rate(self, run: int) -> float:
+        """Return the median acceleration of a run [rad/s^2], negative where the speed falls; 0 where it is unknown."""
+        known = self.alpha[(self.run == run) & np.isfinite(self.alpha)]
+        return float(np.median(known)) if known.size else 0.0
+
     def order(self, order: float) -> NDArray[np.complex128]:
         """Return z at one order, (speed, probe)."""
         return self.z[:, :, self.orders.index(order)]

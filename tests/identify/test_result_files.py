@@ -16,6 +16,7 @@ from rotorrig.identify.identification import (
     Estimate,
     Fit,
     Identification,
+    ModelResonance,
     Optimum,
     SearchTrace,
     Stage,
@@ -25,11 +26,25 @@ from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.gain import Gain, Shift
 from rotorrig.identify.verdict.next_run.choice import NextRun
 from rotorrig.identify.verdict.verdict import HiddenEffect
+from rotorrig.processing.resonance import Resonance, Uncertain
 from rotorrig.rig.errors import DataError
 from rotorrig.rig.provenance import Provenance
 
 SOURCE = Provenance(config_hash="a" * 16, code_version="0", source="run.mcap", source_hash="b" * 16)
 Z = np.array([[1.5e-6 + 2e-6j, np.nan], [0.25 - 1j, 0]])
+PEAK = ModelResonance(
+    response=1,
+    run="down",
+    probe="2x",
+    resonance=Resonance(
+        omega=Uncertain(value=237.5, sigma=0.125),
+        amplitude=Uncertain(value=2e-4, sigma=math.nan),
+        lower=None,
+        upper=Uncertain(value=243.75, sigma=0.25),
+        amplification=None,
+        damping=None,
+    ),
+)
 FOUND = Identification(
     fits=(
         Fit(
@@ -58,6 +73,7 @@ FOUND = Identification(
             chi2=1000.0,
             dof=990,
             prediction=Z,
+            resonances=(PEAK,),
             directions=(
                 Direction(weights={"kxx": 0.6, "cyy": -0.8}, sigma=math.inf, sigma_of_noise=0.25),
                 Direction(weights={"kxx": 0.8, "cyy": 0.6}, sigma=0.01, sigma_of_noise=0.005),
@@ -85,6 +101,7 @@ VERDICT = Diagnosis(
     chi2=5000.0,
     dof=1000,
     p=0.0,
+    resonances=(PEAK,),
     worst=(
         Misfit(
             run="up",

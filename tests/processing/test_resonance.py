@@ -10,6 +10,7 @@ from rotorrig.processing.resonance import Resonance, find_resonances, required_m
 CRITICAL = 200.0  # rad/s, undamped
 ECCENTRICITY = 1e-5  # m
 SWEPT = (50.0, 500.0)  # rad/s
+SHIFT = 0.5  # rad/s, of the speeds of a second curve
 
 
 def disk(omega: NDArray[np.float64], damping: float, critical: float = CRITICAL) -> NDArray[np.complex128]:
@@ -103,6 +104,25 @@ def test_a_doubtful_slow_roll_makes_the_amplitude_doubtful() -> None:
     (shared,) = find_resonances(omega, z, noise, common=1e-12 * np.eye(2))  # 1 um, which every row lacks or has
     assert alone.amplitude.sigma < 1e-7
     assert shared.amplitude.sigma == pytest.approx(1e-6, rel=0.05)
+
+
+def test_a_models_resonance_is_as_uncertain_as_its_parameters() -> None:
+    """A disk on a spring, its natural frequency known to 0.01 % and its damping to 0.1 %: small, so all linear."""
+    omega, damping = np.linspace(*SWEPT, 400), 0.02
+    stiffer, better_damped = disk(omega, damping, CRITICAL * 1.0001), disk(omega, damping * 1.001)
+    steps = np.stack([stiffer, better_damped], axis=1) - disk(omega, damping)[:, None]
+    (found,) = find_resonances(omega, disk(omega, damping), steps=steps)
+    assert found.amplification is not None
+    assert found.omega.sigma == pytest.approx(1e-4 * CRITICAL, rel=0.02)
+    assert found.amplification.sigma == pytest.approx(1e-3 * found.amplification.value, rel=0.05)
+
+
+def test_rows_of_two_curves_at_once_give_no_parabola_and_no_crash() -> None:
+    omega = np.linspace(150.0, 260.0, 12)
+    rows = np.concatenate([omega, omega + SHIFT])
+    for other in np.linspace(201.0, 230.0, 30):
+        for found in find_resonances(rows, np.concatenate([disk(omega, 0.03), 0.8 * disk(omega, 0.03, other)])):
+            assert np.isfinite(found.omega.value)
 
 
 def test_a_sweep_that_ends_before_half_power_has_a_critical_speed_and_no_damping() -> None:

@@ -33,6 +33,7 @@ from rotorrig.app.plot_data.diagnosis_of_response import (
     check_balance_of,
     check_run_of,
     fits_of,
+    model_resonances,
     part_of,
     predictions,
 )
@@ -73,6 +74,7 @@ __all__ = [
     "is_seen_in",
     "lag_degrees",
     "model_path",
+    "model_resonances",
     "model_vectors",
     "nice",
     "orbit",

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rotorrig.acquisition import WaveformSource
 from rotorrig.balancing import Balance
-from rotorrig.identify import Diagnosis, Fit, Identification
+from rotorrig.identify import Diagnosis, Fit, Identification, ModelResonance
 from rotorrig.processing import OrderTrackedResponse
 from rotorrig.rig import DataError
 
@@ -16,8 +16,8 @@ Vectors = NDArray[np.complex128]
 
 
 def part_of(diagnosis: Diagnosis, response: OrderTrackedResponse) -> Diagnosis:
-    """Return the diagnosis with its residuals cut to the rows of `response`. Raises DataError if it is of another."""
-    mine = _rows_of(diagnosis.responses, response, what="diagnosis")
+    """Return the part of a diagnosis that is about `response`. Raises DataError if it is of another."""
+    number, mine = _place_of(diagnosis.responses, response, what="diagnosis")
     if diagnosis.sigmas[mine].shape != response.z.shape:
         raise DataError(
             f"diagnosis: residual is (speed, probe, order) = {diagnosis.sigmas[mine].shape}, the response has "
@@ -30,14 +30,18 @@ def part_of(diagnosis: Diagnosis, response: OrderTrackedResponse) -> Diagnosis:
         sigmas=diagnosis.sigmas[mine],
         extended_residual=None if after is None else after[mine],
         extended_sigmas=None if after_sigmas is None else after_sigmas[mine],
+        resonances=_of_response(diagnosis.resonances, number),
     )
 
 
 def fits_of(identification: Identification, response: OrderTrackedResponse) -> Identification:
-    """Return the identification with its predictions cut to the rows of `response`. Raises DataError likewise."""
+    """Return the identification with its predictions and resonances cut likewise. Raises DataError likewise."""
     only = ((identification.source.source_hash, len(response.omega)),)  # of an older file
-    mine = _rows_of(identification.responses or only, response, what="fit")
-    fits = tuple(replace(fit, prediction=fit.prediction[mine]) for fit in identification.fits)
+    number, mine = _place_of(identification.responses or only, response, what="fit")
+    fits = tuple(
+        replace(fit, prediction=fit.prediction[mine], resonances=_of_response(fit.resonances, number))
+        for fit in identification.fits
+    )
     for fit in fits:
         if fit.prediction.shape != response.z.shape[:2]:
             raise DataError(
@@ -47,13 +51,18 @@ def fits_of(identification: Identification, response: OrderTrackedResponse) -> I
     return replace(identification, fits=fits)
 
 
-def _rows_of(responses: Sequence[tuple[str, int]], response: OrderTrackedResponse, *, what: str) -> slice:
+def _of_response(resonances: Sequence[ModelResonance], number: int) -> tuple[ModelResonance, ...]:
+    return tuple(each for each in resonances if each.response == number)
+
+
+def _place_of(responses: Sequence[tuple[str, int]], response: OrderTrackedResponse, *, what: str) -> tuple[int, slice]:
+    """Return the number of `response` among those of a result, and its rows there."""
     if not responses:  # of an older file: of one response
-        return slice(None)
+        return 0, slice(None)
     first = 0
-    for source, rows in responses:
+    for number, (source, rows) in enumerate(responses):
         if source == response.source.source_hash:
-            return slice(first, first + rows)
+            return number, slice(first, first + rows)
         first += rows
     raise DataError(
         f"{what}: is of {', '.join(source for source, _ in responses)}, the response is of "
@@ -90,3 +99,10 @@ def predictions(
     base = fit.prediction if fit else measured - diagnosis.residual[:, :, place] if diagnosis else None
     after = diagnosis.extended_residual if diagnosis else None
     return base, None if after is None else measured - after[:, :, place]
+
+
+def model_resonances(fit: Fit | None, diagnosis: Diagnosis | None) -> tuple[ModelResonance, ...]:
+    """Return the resonances of the best of those models, both cut to one response."""
+    if diagnosis and (diagnosis.extended_residual is not None or fit is None):
+        return diagnosis.resonances
+    return fit.resonances if fit else ()

@@ -68,18 +68,20 @@ def search_table(fit: Fit) -> Table:
 
 
 def critical_speeds_table(response: OrderTrackedResponse, identification: Identification) -> Table | str:
-    """Return the critical speeds of a response, measured and by the fit's model; a sentence where there is none."""
-    found = critical_speeds(response, fits_of(identification, response).fits[0].prediction)
+    """Return the critical speeds of a response, measured and below by the fit's model; a sentence where none is."""
+    fit = fits_of(identification, response).fits[0]
+    found = critical_speeds(response, fit.prediction, fit.resonances)
     if not found:
         return NO_RESONANCE
     table = Table(
         title="Critical speeds, ± 1 sigma; AF: amplification factor", box=box.SIMPLE_HEAD, title_justify="left"
     )
-    for heading in ("", "\nrpm", "\nAF", "damping\nratio, %", "model\nrpm", "\nAF"):
+    for heading in ("", "rpm", "AF", "damping ratio, %"):
         table.add_column(heading, justify="right" if heading else "left", no_wrap=True)
     for each in found:
-        cells = [*critical_speed_cells(each.measured), *critical_speed_cells(each.model)[:2]]  # what fits a terminal
-        table.add_row(f"{each.probe} {each.run}", *cells)
+        table.add_row(f"{each.probe} {each.run}", *critical_speed_cells(each.measured))
+        if each.model:
+            table.add_row("  model", *critical_speed_cells(each.model), style="dim")
     return table
 
 

@@ -31,6 +31,7 @@ from rotorrig.identify.uncertainty import (
     check_nameplate,
     describe_identifiability,
     estimates,
+    model_resonances,
     with_bootstrap_intervals,
     with_intervals,
 )
@@ -173,6 +174,7 @@ class _Fitting:
             scatter_ratio=scatter_ratio,
             adequate=adequate,
             nameplate=check_nameplate(best, problem),
+            resonances=model_resonances(best, problem),
             prediction=_predict_all(whole, best.p),
             directions=able.directions(),
             budget=able.budget(),

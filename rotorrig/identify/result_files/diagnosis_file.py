@@ -19,6 +19,7 @@ from rotorrig.identify.result_files.plain_json import (
     read_table,
     write_table,
 )
+from rotorrig.identify.result_files.resonance_table import resonances_in, resonances_out
 from rotorrig.identify.verdict import Cause, Gain, HiddenEffect, NextRun, ParameterValue, Shift
 from rotorrig.rig import DataError, Provenance
 
@@ -55,6 +56,7 @@ def diagnosis_table(diagnosis: Diagnosis) -> dict[str, Any]:
         "next_run": {} if diagnosis.next_run is None else fields_of(diagnosis.next_run, _NEXT_RUN),
         "gain": {} if diagnosis.gain is None else _gain_out(diagnosis.gain),
         "hidden": [fields_of(effect, "effect smallest unit missing") for effect in diagnosis.hidden],
+        "resonances": resonances_out(diagnosis.resonances),
         "missing": {} if diagnosis.missing is None else missing_out(diagnosis.missing),
         **fields_of(diagnosis, "character cut_short responses"),
     }
@@ -92,6 +94,7 @@ def read_diagnosis(path: Path) -> Diagnosis:
             cut_short=bool(table.get("cut_short", False)),
             extended_residual=None if (after := table["extended_residual"]) is None else complex_in(after),
             extended_sigmas=None if (after := table.get("extended_sigmas")) is None else numbers_in(after),
+            resonances=resonances_in(table.get("resonances", ())),
             responses=tuple((str(source), int(rows)) for source, rows in table["responses"]),
             source=Provenance(**table["source"]),
         )

@@ -29,6 +29,7 @@ from rotorrig.identify.result_files.plain_json import (
     read_table,
     write_table,
 )
+from rotorrig.identify.result_files.resonance_table import resonances_in, resonances_out
 from rotorrig.rig import DataError, Provenance
 
 _ESTIMATE = "name value sigma unit nameplate pull determined bounds interval interval_by"
@@ -58,6 +59,7 @@ def identification_table(identification: Identification) -> dict[str, Any]:
             "budget": fit.budget,
             "words": list(fit.words),
             "nameplate": nameplate_out(fit.nameplate),
+            "resonances": resonances_out(fit.resonances),
             "search": _trace_out(fit.trace),
             **fields_of(fit, "objective evaluations stop seed chi2 dof p scatter_ratio adequate"),
         }
@@ -95,6 +97,7 @@ def read_identification(path: Path) -> Identification:
                 trace=_trace_in(f["search"]) if "search" in f else SearchTrace(),
                 words=tuple(f["words"]),
                 nameplate=nameplate_in(f.get("nameplate", {})),
+                resonances=resonances_in(f.get("resonances", ())),
             )
             for f in table["fits"]
         )

@@ -7,6 +7,8 @@ from rotorrig.identify.uncertainty.bootstrap import Resampling, with_bootstrap_i
 from rotorrig.identify.uncertainty.identifiability import Identifiability
 from rotorrig.identify.uncertainty.identifiability_text import describe_identifiability
 from rotorrig.identify.uncertainty.intervals import with_intervals
+from rotorrig.identify.uncertainty.model_resonances import model_resonances
+from rotorrig.identify.uncertainty.motion_columns import covariance_root, motion_with_columns
 from rotorrig.identify.uncertainty.nameplate_pulls import check_nameplate
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
@@ -15,7 +17,10 @@ __all__ = [
     "Identifiability",
     "Resampling",
     "check_nameplate",
+    "covariance_root",
     "describe_identifiability",
+    "model_resonances",
+    "motion_with_columns",
     "with_bootstrap_intervals",
     "with_intervals",
 ]

@@ -12,6 +12,7 @@ from rotorrig.app.plot_data import (
     Vectors,
     critical_speeds,
     curves,
+    model_resonances,
     model_vectors,
     predictions,
     slow_roll_known,
@@ -58,7 +59,7 @@ def synchronous_section(
     fit = identification.fits[0] if identification and identification.fits else None
     base, extended = predictions(response, fit, diagnosis)
     models = Models(fit=fit, base=base, extended=extended)
-    found = critical_speeds(response, models.best)
+    found = critical_speeds(response, models.best, model_resonances(fit, diagnosis))
     return section(
         "bode",
         "Synchronous response (1X) against speed",
@@ -224,6 +225,7 @@ _POLAR = "Polar plots: µm 0-peak, 0° of phase lag at the probe, lag against ro
 _DEFINITIONS = (
     "Critical speed: where the 1X amplitude of the run peaks. AF, amplification factor: critical speed over the "
     "distance of the half-power speeds, at 0.707 of the peak; damping ratio ζ = 1 / (2 AF). All as API RP 684 defines "
-    "them, on the curve as drawn: a run of changing speed shifts and flattens its peak. ± is the noise of the vectors "
-    "alone; the model's values are read off its curve."
+    "them, on the curve as drawn: a run of changing speed shifts and flattens its peak. ± is one standard deviation: "
+    "as measured that by the noise of the vectors alone, of the model, read off its curve, that by the uncertainty of "
+    "all its parameters."
 )
