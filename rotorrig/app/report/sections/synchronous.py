@@ -158,19 +158,18 @@ def _spread(curve: Curve) -> list[int]:
 
 
 def _critical_speeds(found: Sequence[CriticalSpeed], operating: SpeedWindow | None) -> str:
-    """Return the table; with the separation margins where operating speeds are given."""
+    """Return the table, the model's below the measured ones; with separation margins to operating speeds."""
     if not found:
         return paragraph(NO_RESONANCE)
-    modelled = any(each.model for each in found)
     header = ["probe, run", "critical speed, rpm", "AF", "ζ, %", "half-power speeds, rpm"]
-    header += ["model, rpm", "model AF", "model ζ, %"] if modelled else []
     header += [_margin_heading(operating)] if operating else []
     rows = []
     for each in found:
-        cells = [f"{each.probe}, {each.run}", *critical_speed_cells(each.measured), half_power_text(each.measured)]
-        cells += critical_speed_cells(each.model) if modelled else []
-        cells += [margin_text(each.measured, operating)] if operating else []
-        rows.append(cells)
+        place = f"{each.probe}, {each.run}"
+        named = {place: each.measured} | ({f"{place}, model": each.model} if each.model else {})
+        for name, peak in named.items():
+            margin = [margin_text(peak, operating)] if operating else []
+            rows.append([name, *critical_speed_cells(peak), half_power_text(peak), *margin])
     return table("Critical speeds", header, rows) + paragraph(_DEFINITIONS)
 
 
