@@ -22,12 +22,14 @@ KILLS = 1  # times a recording may lose its worker and be tried again
 ONE_THREAD = dict.fromkeys(
     ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )  # read as numpy is loaded: set before a worker starts
+TRIM = {"MALLOC_TRIM_THRESHOLD_": "65536"}  # Dask's own: memory that a recording took goes back to the system
 #: of the local cluster; another's settings are its own. No web pages are served
 LOCAL = {
     "distributed.scheduler.allowed-failures": KILLS,
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
-    "distributed.nanny.pre-spawn-environ": ONE_THREAD,
+    "distributed.nanny.pre-spawn-environ": ONE_THREAD | TRIM,
+    "distributed.worker.profile.enabled": False,  # else every second's call stacks are kept for an hour
     "distributed.worker.daemon": True,  # a worker ends with the process that began it
     "distributed.scheduler.active-memory-manager.start": False,  # nothing is kept in the workers
 }
