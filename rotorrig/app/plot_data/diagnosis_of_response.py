@@ -35,7 +35,7 @@ def part_of(diagnosis: Diagnosis, response: OrderTrackedResponse) -> Diagnosis:
 
 
 def fits_of(identification: Identification, response: OrderTrackedResponse) -> Identification:
-    """Return the identification with its predictions and resonances cut likewise. Raises DataError likewise."""
+    """Return the part of an identification that is about `response`. Raises DataError if it is of another."""
     only = ((identification.source.source_hash, len(response.omega)),)  # of an older file
     number, mine = _place_of(identification.responses or only, response, what="fit")
     fits = tuple(
@@ -101,8 +101,8 @@ def predictions(
     return base, None if after is None else measured - after[:, :, place]
 
 
-def model_resonances(fit: Fit | None, diagnosis: Diagnosis | None) -> tuple[ModelResonance, ...]:
-    """Return the resonances of the best of those models, both cut to one response."""
+def choose_resonances(fit: Fit | None, diagnosis: Diagnosis | None) -> tuple[ModelResonance, ...]:
+    """Return those of the extended model if there is one, else of the base; both results cut to one response."""
     if diagnosis and (diagnosis.extended_residual is not None or fit is None):
         return diagnosis.resonances
     return fit.resonances if fit else ()

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rotorrig.app.plot_data import cause_places, critical_speeds, model_resonances, predictions, vectors
+from rotorrig.app.plot_data import cause_places, choose_resonances, critical_speeds, predictions, vectors
 from rotorrig.app.report.drawings import side_view
 from rotorrig.app.report.figures import bode, polar
 from rotorrig.app.report.html import Section, paragraph, plot, scrolling, table
@@ -36,7 +36,7 @@ def _plots(response: OrderTrackedResponse, identification: Identification | None
     probe = int(np.argmax(size.max(axis=0, initial=-1.0)))
     name = response.probes[probe]
     best = base if extended is None else extended
-    found = [each for each in critical_speeds(response, best, model_resonances(fit, diagnosis)) if each.probe == name]
+    found = [each for each in critical_speeds(response, best, choose_resonances(fit, diagnosis)) if each.probe == name]
     before = None if extended is None else base
     words = " ".join(critical_words(each.run, each.measured) for each in found)
     left = plot(

@@ -121,7 +121,7 @@ def _describe_deviation(posterior: NuisancePosterior, of: _Statement) -> Deviati
         kind=member.kind,
         where=member.where,
         title=member.title,
-        words=member.words(_told(member, value, sigma)),
+        words=member.words(_write_size(member, value, sigma)),
         value=off,
         sigma=spread,
         unit=member.unit,
@@ -134,7 +134,7 @@ def _describe_deviation(posterior: NuisancePosterior, of: _Statement) -> Deviati
     )
 
 
-def _told(member: Member, value: float, sigma: float) -> str:
+def _write_size(member: Member, value: float, sigma: float) -> str:
     """Return how far a member is off; at least how far, where its nuisances are sure and what they stand for is not.
 
     A hub that takes all flexibility away is as stiff as a shaft of any thickness.

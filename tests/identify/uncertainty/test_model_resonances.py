@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from rotorrig.identify.least_squares import Solution
-from rotorrig.identify.uncertainty import covariance_root, model_resonances
+from rotorrig.identify.uncertainty import model_resonances
 from rotorrig.processing.resonance import Resonance, find_resonances
 from rotorrig.processing.response import OrderTrackedResponse
 from tests.identify.problems import problem_of
 from tests.identify.swept import C, K
 
 DRAWS = 120
-SMALL = 0.03  # of the covariance's root: nearly collinear parameters move far together, and what bends adds up
+SMALL = 0.03  # of a draw: nearly collinear parameters move far together, and what bends adds up
 
 
 @pytest.fixture(scope="module")
@@ -30,10 +30,14 @@ def test_sigmas_are_the_scatter_of_rotors_drawn_from_the_covariance(
     (recording,) = problem.recordings
     told = {(each.run, each.probe): each.resonance for each in model_resonances(fitted, problem)}
     assert set(told) == {(run.name, probe) for run in healthy.runs for probe in healthy.probes}
-    root = covariance_root(fitted.covariance)
+    free = np.flatnonzero(np.diag(fitted.covariance))
+    sigma = fitted.sigma[free]
+    correlation = fitted.covariance[np.ix_(free, free)] / np.outer(sigma, sigma)
+    steps = sigma * rng.multivariate_normal(np.zeros(len(free)), correlation, DRAWS, method="svd")
     drawn: dict[tuple[str, str], list[Resonance]] = {place: [] for place in told}
-    for _ in range(DRAWS):
-        p = fitted.p + SMALL * root @ rng.standard_normal(root.shape[1])
+    for step in steps:
+        p = fitted.p.copy()
+        p[free] += SMALL * step
         p[problem.parameters.base.runout] = 0.0
         (z,) = problem.model.predict(p, orders=(1,))
         for i, run in enumerate(healthy.runs):

@@ -10,9 +10,9 @@ from rotorrig.app.plot_data import (
     CriticalSpeed,
     Curve,
     Vectors,
+    choose_resonances,
     critical_speeds,
     curves,
-    model_resonances,
     model_vectors,
     predictions,
     slow_roll_known,
@@ -59,7 +59,7 @@ def synchronous_section(
     fit = identification.fits[0] if identification and identification.fits else None
     base, extended = predictions(response, fit, diagnosis)
     models = Models(fit=fit, base=base, extended=extended)
-    found = critical_speeds(response, models.best, model_resonances(fit, diagnosis))
+    found = critical_speeds(response, models.best, choose_resonances(fit, diagnosis))
     return section(
         "bode",
         "Synchronous response (1X) against speed",
