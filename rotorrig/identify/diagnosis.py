@@ -45,6 +45,7 @@ from rotorrig.identify.verdict import (
     rank_with_nameplate,
     select_beside_nameplate,
     sentences,
+    strained_nuisances,
     visible_share,
 )
 from rotorrig.processing import OrderTrackedResponse, require_phases
@@ -157,9 +158,11 @@ def _judge(found: NameplateSelection, unseen: Unseen) -> tuple[Verdict, Selectio
     extended = start
     if selection.problem is not start.problem:
         extended = base_fit.assess_fit(selection.problem, selection.polished)
-    wrong, before = misstated(selection), len(found.find_misstated())
+    wrong = misstated(selection)
     predictions = gain.predict_unseen(selection, unseen, adequate=extended.adequacy.adequate, misstated=wrong)
-    supported = is_supported(selection, predictions, rights_nameplate=wrong < before)
+    strained = [len(strained_nuisances(fit)) for fit in (start, extended)]
+    eases = wrong < len(found.find_misstated()) or strained[1] < strained[0]
+    supported = is_supported(selection, predictions, eases_priors=eases)
     if start.adequacy.adequate and not supported:
         selection, extended = selection.without_causes(), start
         wrong = misstated(selection)
@@ -170,7 +173,7 @@ def _judge(found: NameplateSelection, unseen: Unseen) -> tuple[Verdict, Selectio
         visible=visible_share(selection),
         predictions=predictions,
         misstated=wrong,
-        misstated_before=before,
+        eases_priors=eases,
     )
     return verdict, selection, extended, predictions
 
@@ -257,7 +260,7 @@ def _assemble(
     if predictions is None:
         concluded = sentences.cut_short(found.start.adequacy, extended.adequacy, causes)
     else:
-        before, otherwise = found.start.adequacy, found.find_misstated()
+        before, otherwise = found.start.adequacy, found.say_strained()
         concluded = sentences.sentence(verdict, before, extended.adequacy, causes, ties, predictions, otherwise)
         if discovery:
             missing = discovery.missing

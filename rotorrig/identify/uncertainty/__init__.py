@@ -9,7 +9,7 @@ from rotorrig.identify.uncertainty.identifiability_text import describe_identifi
 from rotorrig.identify.uncertainty.intervals import with_intervals
 from rotorrig.identify.uncertainty.model_resonances import model_resonances
 from rotorrig.identify.uncertainty.motion_columns import covariance_root, motion_with_columns
-from rotorrig.identify.uncertainty.nameplate_pulls import check_nameplate
+from rotorrig.identify.uncertainty.nameplate_pulls import check_nameplate, nuisance_pulls
 from rotorrig.identify.uncertainty.settings import UNCERTAINTY
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "describe_identifiability",
     "model_resonances",
     "motion_with_columns",
+    "nuisance_pulls",
     "with_bootstrap_intervals",
     "with_intervals",
 ]

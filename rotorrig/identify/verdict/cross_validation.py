@@ -7,10 +7,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rotorrig.identify.adequacy import ADEQUACY
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
+from rotorrig.identify.least_squares import inverse_information_root
 from rotorrig.identify.verdict.part_fits import PartFits
+from rotorrig.identify.verdict.predictive_density import block_deviances
 from rotorrig.identify.verdict.settings import VERDICT
 
 Complex = NDArray[np.complex128]
@@ -25,7 +26,7 @@ class Prediction:
     floor: float  # m, the same of what the noise alone would be
     expected: float  # m, of noise and the model's own error
     sigmas: float  # root mean square of the error in standard deviations of a component
-    #: (block,) sum of the squared error in standard deviations, all orders, of neighbouring rows together
+    #: (block,) -2 log predictive density, all orders, of neighbouring rows together: predictive_density.py
     blocks: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     folds: tuple["Fold", ...] = ()  # of which it was put together; none of a whole recording
 
@@ -47,8 +48,8 @@ class Prediction:
     def is_better_than(self, other: "Prediction") -> bool:
         """Say whether it predicts the same data better than `other`, by more than the standard error of that.
 
-        At all orders, in standard deviations; blocks of neighbouring rows count as independent. Less than one of chi2
-        is none: of what changes nothing, rounding decides the sign.
+        At all orders, as -2 log predictive density; blocks of neighbouring rows count as independent. Less than one is
+        none: of what changes nothing, rounding decides the sign.
         """
         lower = other.blocks - self.blocks
         return float(lower.sum()) > max(float(lower.std(ddof=1)) * math.sqrt(len(lower)), VERDICT.gained)
@@ -60,7 +61,7 @@ class Fold:
 
     shown: float  # chi2 of its rows, priors included
     errors: NDArray[np.float64]  # see `errors`
-    blocks: NDArray[np.float64]  # (block,) see `block_errors`; 0 where nothing was hidden
+    blocks: NDArray[np.float64]  # (block,) see `block_deviances`; 0 where nothing was hidden
 
 
 class Unseen:
@@ -75,7 +76,7 @@ class Unseen:
     def measure(self, problem: ExtendedProblem, p: Reals, *, fits: PartFits | None = None) -> Prediction:
         """Return how well a model predicts it; `p` is its fit to all rows, `fits` those begun there, if known."""
         if self._holdout:
-            return measure_prediction(problem.on(self._holdout), p)
+            return measure_prediction(problem, p, self._holdout)
         known = fits if fits and fits.are_of(problem, p) else None
         return cross_validate(problem, p, parts=self._parts, fits=known)
 
@@ -93,14 +94,17 @@ def cross_validate(
     for shown, hidden in parts or folds_of(problem.recordings):
         fit = fits.fit(shown)
         of_hidden, vectors = problem.on(hidden), fit.problem.model.predict(fit.p)
-        folds.append(Fold(shown=fit.chi2, errors=errors(of_hidden, vectors), blocks=block_errors(of_hidden, vectors)))
+        blocks = block_deviances(of_hidden, vectors, fits.spread(of_hidden, fit))
+        folds.append(Fold(shown=fit.chi2, errors=errors(of_hidden, vectors), blocks=blocks))
     return pool_folds(folds)
 
 
-def measure_prediction(problem: ExtendedProblem, p: Reals) -> Prediction:
-    """Return how well the model at `p` predicts the recordings of `problem`, nothing fitted."""
-    vectors = problem.model.predict(p)
-    whole = Fold(shown=np.nan, errors=errors(problem, vectors), blocks=block_errors(problem, vectors))
+def measure_prediction(problem: ExtendedProblem, p: Reals, recordings: Sequence[Recording]) -> Prediction:
+    """Return how well the model predicts other recordings; `p` is its fit to those of the problem."""
+    unseen, free = problem.on(recordings), problem.parameters.free
+    vectors = unseen.model.predict(p)
+    spread = unseen.jacobian(p, free) @ inverse_information_root(problem.jacobian(p, free))
+    whole = Fold(shown=np.nan, errors=errors(unseen, vectors), blocks=block_deviances(unseen, vectors, spread))
     return replace(pool_folds([whole]), folds=())
 
 
@@ -119,22 +123,6 @@ def errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]]) -
         own = 0.0 if measured.error is None else np.sum(np.abs(measured.error[:-1][usable]) ** 2)
         total += [np.sum(np.abs(off) ** 2), 2 * variance.sum(), own, np.sum(white**2) / 2, usable.sum()]
     return total
-
-
-def block_errors(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]]) -> NDArray[np.float64]:
-    """Return sums (block,) of |error|^2 in sigmas at all orders, of a few neighbouring rows each.
-
-    `vectors` are the model's, as of `errors`.
-    """
-    blocks = []
-    for recording, model in zip(problem.recordings, vectors, strict=True):
-        rows = np.zeros(len(recording.rows))
-        for order, measured in recording.measured.items():
-            off = np.where(measured.usable, model[order] - measured.z, 0)
-            rows += np.sum(measured.sigmas(off)[:-1] ** 2, axis=1)
-        together = max(1, min(ADEQUACY.stretch, len(rows) // VERDICT.fewest_blocks))
-        blocks.append(np.add.reduceat(rows, np.arange(0, len(rows), together)))
-    return np.concatenate(blocks)
 
 
 def pool_folds(folds: Sequence[Fold]) -> Prediction:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from rotorrig.identify.base_fit import BASE_FIT, AssessedFit, assess_fit, refit_base
 from rotorrig.identify.causes import Candidate, Selection, is_significant, select
 from rotorrig.identify.identification import Deviation, NameplateCheck, NameplateFinding
-from rotorrig.identify.uncertainty import check_nameplate
+from rotorrig.identify.uncertainty import check_nameplate, nuisance_pulls
 from rotorrig.identify.verdict.cause import Cause, ParameterValue
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.identify.verdict.verdict import Verdict, tied_labels
@@ -42,6 +42,14 @@ class NameplateSelection:
         """Return what has to be told of the nameplate by the start, without any cause."""
         return self.pulled_far(check_nameplate(self.start.polished, self.start.problem))
 
+    def say_strained(self) -> tuple[str, ...]:
+        """Say what of the config would have to be wrong without any cause."""
+        findings = self.find_misstated()
+        told = {name for finding in findings for name in finding.deviation.nuisances}
+        strained = {name: pull for name, pull in strained_nuisances(self.start).items() if name not in told}
+        by = (f"{name} by {pull:.1f} sigma" for name, pull in strained.items())
+        return (*(finding.words for finding in findings), *by)
+
     def pulled_far(self, check: NameplateCheck) -> tuple[NameplateFinding, ...]:
         """Return the findings of the final model that have to be told: pulled far, or better than any effect."""
         return tuple(
@@ -49,6 +57,16 @@ class NameplateSelection:
             for finding in check.findings
             if finding.sigmas > VERDICT.pulled or self.widened.issuperset(finding.deviation.nuisances)
         )
+
+
+def strained_nuisances(fit: AssessedFit) -> dict[str, float]:
+    """Return what of nameplate, probes and runout a fit pulls so far that hardly any rig has it: name -> sigmas."""
+    strained: dict[str, float] = {}
+    for name, pull in nuisance_pulls(fit.polished, fit.problem.parameters).items():
+        if abs(pull) > VERDICT.pulled:
+            whole = name.removesuffix(" re").removesuffix(" im")
+            strained[whole] = max(abs(pull), strained.get(whole, 0.0))
+    return strained
 
 
 def select_beside_nameplate(

@@ -11,7 +11,7 @@ import numpy as np
 
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.extended_model import ExtendedProblem, Recording
-from rotorrig.identify.least_squares import LinearModel, Point, take_step
+from rotorrig.identify.least_squares import LinearModel, Point, inverse_information_root, take_step
 from rotorrig.identify.verdict.settings import VERDICT
 from rotorrig.rig import DataError
 
@@ -44,17 +44,17 @@ class PartFits:
     def fit(self, recordings: Sequence[Recording]) -> PartFit:
         """Return the fit to recordings of which some vectors are not usable."""
         part = self._problem.on(recordings)
-        mask = _usable_mask(part)
-        return _refit(
-            PartFit(
-                problem=part,
-                p=self._p,
-                chi2=float("nan"),
-                jacobian=part.less_error(mask[:, None] * self._J),
-            ),
-            part.less_error(mask * self._r),
-            steps=self._steps,
-        )
+        start = PartFit(problem=part, p=self._p, chi2=float("nan"), jacobian=self._columns(part))
+        return _refit(start, part.less_error(_usable_mask(part) * self._r), steps=self._steps)
+
+    def spread(self, hidden: ExtendedProblem, fit: PartFit) -> Reals:
+        """Return what a fit leaves open of what is hidden from it, (figure + prior, direction), one sigma each."""
+        free = fit.problem.parameters.free
+        return self._columns(hidden)[:, free] @ inverse_information_root(fit.jacobian[:, free])
+
+    def _columns(self, part: ExtendedProblem) -> Reals:
+        """Return the derivatives of what is usable in a part, whitened as there."""
+        return part.less_error(_usable_mask(part)[:, None] * self._J)
 
 
 def _refit(start: PartFit, r: Reals, *, steps: int) -> PartFit:

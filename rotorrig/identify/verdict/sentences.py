@@ -22,7 +22,7 @@ def sentence(
     causes: Sequence[Cause],
     tied: Sequence[Sequence[str]],
     predictions: Predictions,
-    otherwise: Sequence[NameplateFinding] = (),
+    otherwise: Sequence[str] = (),
 ) -> str:
     """Say what was concluded, from the tests before and after the model was extended.
 
@@ -59,13 +59,12 @@ def _say_gain(predictions: Predictions) -> str:
     )
 
 
-def _say_otherwise(findings: Sequence[NameplateFinding], predictions: Predictions) -> str:
+def _say_otherwise(strained: Sequence[str], predictions: Predictions) -> str:
     """Say what speaks for causes without which unseen data are predicted as well."""
     before, after = (micrometres(each.error) for each in (predictions.before, predictions.after))
-    told = "; ".join(finding.words for finding in findings)
     return (
         f"Without that the model fits as well, its error on data no fit saw ({predictions.on}) is {before} um 0-peak, "
-        f"with it {after} um 0-peak; but then the config would have to be wrong: {told}."
+        f"with it {after} um 0-peak; but then the config would have to be wrong: {'; '.join(strained)}."
     )
 
 

@@ -45,13 +45,13 @@ def conclude(
     visible: float,
     predictions: Predictions,
     misstated: int = 0,
-    misstated_before: int = 0,
+    eases_priors: bool = False,
 ) -> Verdict:
     """Draw the verdict; `visible` is the share of the known effects that this data could show.
 
     If the extended model predicts data no fit saw no better than the base, or finds another rotor in each part of the
     data, it is no explanation; nor is it one if, beside its causes, so much of the nameplate would have to be wrong
-    (`misstated` statements; `misstated_before`: for the base) that more than `SELECTION.most` things would be.
+    (`misstated` statements) that more than `SELECTION.most` things would be. `eases_priors`: see `is_supported`.
     """
     if is_too_much(selection, misstated):
         return Verdict.UNEXPLAINED
@@ -60,23 +60,23 @@ def conclude(
             return Verdict.UNEXPLAINED
         return Verdict.ADEQUATE if visible >= VERDICT.enough_visible else Verdict.CANNOT_TELL
     explained = adequate_after or explains_nearly_all(selection, predictions.before, predictions.after)
-    if not (explained and is_supported(selection, predictions, rights_nameplate=misstated < misstated_before)):
+    if not (explained and is_supported(selection, predictions, eases_priors=eases_priors)):
         return Verdict.UNEXPLAINED
     return Verdict.TIED if tied_labels(selection) else Verdict.NAMED
 
 
-def is_supported(selection: Selection, predictions: Predictions, *, rights_nameplate: bool = False) -> bool:
+def is_supported(selection: Selection, predictions: Predictions, *, eases_priors: bool = False) -> bool:
     """Say whether unseen data are predicted better, and disjoint parts of the data agree on the rotor.
 
     Where causes are tied it is enough that one of them predicts no worse. What every fit has as a nuisance is no better
     predicted by a cause of that name: there it is the evidence that decides. It decides, too, on causes without which
-    the base takes statements of the nameplate for wrong, and predicts as well by that (`rights_nameplate`); these may
-    predict no worse.
+    the base takes statements of the nameplate for wrong, or probes and runout for what they hardly can be, and predicts
+    as well by that (`eases_priors`); these may predict no worse. A bow seen as runout is the same in every fold.
     """
     causes = selection.problem.effects[len(selection.start.effects) :]
     if causes and all(effect.as_nuisance for effect in causes):
         return predictions.agreed
-    if rights_nameplate and not predictions.before.is_better_than(predictions.after):
+    if eases_priors and not predictions.before.is_better_than(predictions.after):
         return predictions.agreed
     tied = [label for group in tied_labels(selection) for label in group]
     return predictions.agreed and (predictions.better or (bool(tied) and predictions.one_no_worse(tied)))

@@ -89,7 +89,7 @@ def test_a_step_to_where_the_rotor_has_no_motion_is_not_taken(
 ) -> None:
     problem = ExtendedProblem(ExtendedModel([Recording(healthy)]))
     p = problem.parameters.start(hidden)
-    fitted, not_fitted = cross_validate(problem, p).error, measure_prediction(problem, p).error
+    fitted, not_fitted = cross_validate(problem, p).error, measure_prediction(problem, p, problem.recordings).error
     residual = ExtendedProblem.residual
 
     def at_one_vector_only(self: ExtendedProblem, moved: np.ndarray) -> np.ndarray:
@@ -109,7 +109,7 @@ def test_the_error_of_a_known_offset_is_that_offset(rig: RigConfig, hidden: np.n
     p[problem.parameters.base.unbalance] = U.real, U.imag
     (exact,) = problem.model.predict(p)
     moved = {n: z + 2e-6j for n, z in exact.items()}
-    found = measure_prediction(problem.on([recording.instead(moved)]), p)
+    found = measure_prediction(problem, p, [recording.instead(moved)])
     assert found.error == pytest.approx(2e-6)
     assert found.over_floor == pytest.approx(found.error / found.floor)
     assert found.floor >= SIGMA * np.sqrt(2)
@@ -126,10 +126,9 @@ def test_the_folds_are_fitted_as_well_as_if_carried_to_the_end(rig: RigConfig, h
     fold = divide(recording, VERDICT.folds)
     square = count = 0.0
     for hide in range(VERDICT.folds):
-        unseen = problem.on([recording.only(fold == hide)])
-        end = problem.on([recording.only(fold != hide)]).solve(fit.p, tolerance=1e-3)
-        error = measure_prediction(unseen, end.p).error
-        rows = np.sum(unseen.recordings[0].measured[1].usable[:-1])
+        seen, unseen = problem.on([recording.only(fold != hide)]), recording.only(fold == hide)
+        error = measure_prediction(seen, seen.solve(fit.p, tolerance=1e-3).p, [unseen]).error
+        rows = np.sum(unseen.measured[1].usable[:-1])
         square, count = square + rows * error**2, count + rows
     assert cross_validate(problem, fit.p).error == pytest.approx(np.sqrt(square / count), rel=0.02)
 

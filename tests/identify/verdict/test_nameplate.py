@@ -4,9 +4,11 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 
 from rotorrig.identify.adequacy import Adequacy
+from rotorrig.identify.base_fit import assess_fit
 from rotorrig.identify.identification import Deviation, NameplateCheck, NameplateFinding
 from rotorrig.identify.verdict import nameplate
 from rotorrig.identify.verdict.nameplate import (
@@ -16,9 +18,12 @@ from rotorrig.identify.verdict.nameplate import (
     nameplate_ties,
     rank_with_nameplate,
     select_beside_nameplate,
+    strained_nuisances,
 )
 from rotorrig.identify.verdict.sentences import with_nameplate
 from rotorrig.identify.verdict.verdict import Verdict
+from rotorrig.processing.response import OrderTrackedResponse
+from tests.identify.problems import problem_of
 from tests.identify.verdict.test_sentences import BOW, RIGHT, WRONG, said
 from tests.identify.verdict.test_verdict import ALONE, BEND, LUMP, NONE, Tried, selection
 
@@ -167,3 +172,21 @@ def test_the_sentence_tells_what_of_the_config_is_wrong() -> None:
 def test_the_sentence_tells_effects_that_explain_as_much() -> None:
     rival = (("bearing_position, spring", "disk_position, disk", "bow"),)
     assert told(Verdict.ADEQUATE, finding(5.0, DISK), tied=rival).count("; or ") == 2
+
+
+def test_runout_beyond_what_the_config_allows_is_strained_and_told(
+    healthy: OrderTrackedResponse, hidden: np.ndarray
+) -> None:
+    """60 um at one probe, the slow roll as well."""
+    z, slow = healthy.z.copy(), healthy.slow_roll.copy()
+    for vectors in (z[..., 0, 0], slow[..., 0, 0]):
+        vectors += 60e-6
+    problem = problem_of(replace(healthy, z=z, slow_roll=slow))
+    fit = assess_fit(problem, problem.solve(problem.parameters.start(hidden)))
+    (probe,) = strained_nuisances(fit)
+    assert probe == f"runout {healthy.probes[0]}"
+    assert strained_nuisances(fit)[probe] == pytest.approx(60e-6 / healthy.rig.prior.runout, rel=0.1)
+    found = NameplateSelection(base=fit, start=fit, selection=cast(Any, NONE))
+    assert found.say_strained() == (f"{probe} by {strained_nuisances(fit)[probe]:.1f} sigma",)
+    sound = problem_of(healthy)
+    assert strained_nuisances(assess_fit(sound, sound.solve(sound.parameters.start(hidden)))) == {}

@@ -7,7 +7,6 @@ import pytest
 
 from rotorrig.identify.adequacy.misfit import Misfit
 from rotorrig.identify.adequacy.residual_tests import Adequacy
-from rotorrig.identify.identification import Deviation, NameplateFinding
 from rotorrig.identify.verdict.cause import Cause
 from rotorrig.identify.verdict.cross_validation import Prediction
 from rotorrig.identify.verdict.gain import Predictions
@@ -70,28 +69,15 @@ def said(verdict: Verdict, *causes: Cause, tied: tuple[tuple[str, ...], ...] = (
     return sentence(verdict, before, after, causes, tied, bought)
 
 
-def test_a_cause_that_rights_the_nameplate_is_told_with_what_would_be_wrong_without_it() -> None:
+def test_a_cause_that_eases_the_priors_is_told_with_what_would_be_wrong_without_it() -> None:
     even = replace(BOUGHT, after=replace(BOUGHT.before, error=2.1e-6))
-    turned = Deviation(
-        kind="probe_angle",
-        where="probe 1y",
-        title="angle of probe 1y",
-        words="probe 1y is turned by 10 deg",
-        value=0.17,
-        sigma=0.01,
-        unit="rad",
-        nameplate=0.0,
-        nameplate_unit="rad",
-        pull=9.0,
-        evidence=80.0,
-        nuisances=("angle 1y",),
-        parameter="turn",
-    )
-    finding = NameplateFinding(group="probe angles", sigmas=9.0, deviation=turned)
-    told = sentence(Verdict.NAMED, RIGHT, RIGHT, (BOW,), (), even, (finding,))
+    strained = ("probe 1y is turned by 10 deg (9.0 sigma)", "runout 1x by 9.9 sigma")
+    told = sentence(Verdict.NAMED, RIGHT, RIGHT, (BOW,), (), even, strained)
     assert "error on data no fit saw (blocks of speeds in turn) is 2 um 0-peak, with it 2.1 um 0-peak; but then" in told
-    assert told.endswith("the config would have to be wrong: probe 1y is turned by 10 deg (9.0 sigma).")
-    assert "would have to be wrong" not in sentence(Verdict.NAMED, WRONG, RIGHT, (BOW,), (), BOUGHT, (finding,))
+    assert told.endswith(
+        "the config would have to be wrong: probe 1y is turned by 10 deg (9.0 sigma); runout 1x by 9.9 sigma."
+    )
+    assert "would have to be wrong" not in sentence(Verdict.NAMED, WRONG, RIGHT, (BOW,), (), BOUGHT, strained)
 
 
 def test_a_cause_that_predicts_worse_is_said_to() -> None:

@@ -164,21 +164,20 @@ def test_what_every_fit_has_as_a_nuisance_need_not_predict_better(kind: type[Eff
 
 
 @pytest.mark.parametrize(
-    ("after", "misstated", "expected"),
-    [(5.0, 0, Verdict.NAMED), (5.0, 2, Verdict.UNEXPLAINED), (6.0, 0, Verdict.UNEXPLAINED)],
+    ("after", "eases", "expected"),
+    [(5.0, True, Verdict.NAMED), (5.0, False, Verdict.UNEXPLAINED), (6.0, True, Verdict.UNEXPLAINED)],
 )
-def test_what_rights_the_nameplate_need_not_predict_better_but_no_worse(
-    after: float, misstated: int, expected: Verdict
+def test_what_eases_the_priors_need_not_predict_better_but_no_worse(
+    after: float, eases: bool, expected: Verdict
 ) -> None:
-    """A base that fits because two statements of the config are taken for wrong predicts as well as their cause."""
+    """A base that fits because statements of the config are taken for wrong predicts as well as their cause."""
     found = conclude(
         ALONE,
         adequate_before=True,
         adequate_after=True,
         visible=0.9,
         predictions=predicts(before=5.0, after=after),
-        misstated=misstated,
-        misstated_before=2,
+        eases_priors=eases,
     )
     assert found is expected
 

@@ -1,5 +1,7 @@
 """Static plots of a result: Bode and polar plots, residual maps, centrelines, gaps, whirl over speed."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
@@ -68,14 +70,22 @@ def _draw_bode(stream: rr.RecordingStream, result: Result, p: int) -> Panels:
             colour = MODEL_UP if up else MODEL_DOWN
             picture.line(f"{i}-model", panels, rpm, result.model[rows, p], colour, order=3.0 + order)
     _draw_runs(stream, result, f"bode/{name}", 172.0, 6.0)
-    marks = [_critical_mark(each) for each in result.critical_speeds if each.probe == name]
+    marks = [mark for each in result.critical_speeds if each.probe == name for mark in _critical_marks(each)]
     picture.mark_speeds("critical", panels, marks)
     return panels
 
 
-def _critical_mark(critical: CriticalSpeed) -> tuple[float, str, Colour]:
-    words = f"{critical.run}: {resonance_text(critical.measured)}"
-    return critical.measured.omega.value * RPM, words, UP if critical.direction > 0 else DOWN
+def _critical_marks(critical: CriticalSpeed) -> Iterator[tuple[float, str, Colour]]:
+    """Yield speed [rpm], words and colour of a critical speed, then those of the model's."""
+    up = critical.direction > 0
+    yield (
+        critical.measured.omega.value * RPM,
+        f"{critical.run}: {resonance_text(critical.measured)}",
+        UP if up else DOWN,
+    )
+    if critical.model is not None:
+        words = f"{critical.run}, model: {resonance_text(critical.model)}"
+        yield critical.model.omega.value * RPM, words, MODEL_UP if up else MODEL_DOWN
 
 
 def _draw_runs(stream: rr.RecordingStream, result: Result, path: str, x: float, y: float) -> None:

@@ -12,6 +12,7 @@ from rotorrig.app.plot_data import (
     SpeedSpectra,
     check_balance_of,
     check_run_of,
+    choose_resonances,
     critical_speeds,
     fits_of,
     model_vectors,
@@ -80,8 +81,8 @@ class Result:
 
     @cached_property
     def critical_speeds(self) -> tuple[CriticalSpeed, ...]:
-        """Critical speeds as measured, by probe and run."""
-        return critical_speeds(self.response)
+        """Critical speeds as measured, by probe and run, the model's beside them."""
+        return critical_speeds(self.response, modelled=choose_resonances(self.fit, self.diagnosis))
 
     @cached_property
     def planes(self) -> list[tuple[Plane, list[int]]]:

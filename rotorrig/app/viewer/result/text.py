@@ -40,7 +40,8 @@ def colour_words(result: Result) -> str:
     elif result.model is not None:
         lines.append("pale lines: the model")
     if result.critical_speeds:
-        lines.append("upright lines: critical speeds as measured; AF amplification factor, ζ damping by half power")
+        lines.append("upright lines: critical speeds as measured, pale ones the model's")
+        lines.append("AF: amplification factor; ζ: damping by half power")
     lines.append(f"orbits: blue 1X, {result.word}")
     lines[-1] += "; grey-blue 1X as it was" if result.compensated else ""
     lines[-1] += "; grey two turns of all that was recorded" if result.recording is not None else ""

@@ -4,6 +4,7 @@ import dataclasses
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ from rotorrig.app.viewer.result.text import colour_words, verdict_words
 from rotorrig.app.viewer.result.view import application_of, write_result_rrd
 from rotorrig.balancing import Balance, write_balance
 from rotorrig.identify.diagnosis import Diagnosis
-from rotorrig.identify.identification import Identification
+from rotorrig.identify.identification import Identification, ModelResonance
 from rotorrig.identify.result_files import write_diagnosis, write_identification
 from rotorrig.processing.files.response_mcap import write_response
 from rotorrig.processing.response import OrderTrackedResponse
@@ -123,6 +124,34 @@ def test_critical_speeds_are_marked_in_both_panels_with_their_amplification(
             assert np.allclose(strip, panel.place([rpm, rpm], panel.y), atol=1e-3)
         assert f"{rpm:.0f} rpm, AF {resonance.amplification.value:.3g}" in words[i]
     assert "upright lines: critical speeds as measured" in colour_words(result)
+
+
+def test_the_models_critical_speeds_are_marked_beside_those_measured(
+    response: OrderTrackedResponse, named: Diagnosis, tmp_path: Path
+) -> None:
+    found = [each for each in result_of(response).critical_speeds if each.probe == "1x"]
+    higher = [dataclasses.replace(each.measured, omega=scaled(each.measured.omega, 1.01)) for each in found]
+    modelled = [
+        ModelResonance(response=0, probe="1x", run=each.run, resonance=model)
+        for each, model in zip(found, higher, strict=True)
+    ]
+    result, path = result_of(response, None, dataclasses.replace(named, resonances=tuple(modelled))), tmp_path / "b.rrd"
+    stream = rr.RecordingStream("bode")
+    stream.save(str(path))
+    (amplitude, _), *_ = draw_bodes(stream, result)
+    stream.disconnect()
+    drawn = dict(chunks(path))
+    (strips,) = drawn["/bode/1x/critical/lines"]["LineStrips2D:strips"].to_pylist()
+    (words,) = drawn["/bode/1x/critical/words"]["Points2D:labels"].to_pylist()
+    assert len(words) == 2 * len(found) > 0
+    for i, model in enumerate(higher):
+        rpm = model.omega.value * RPM
+        assert np.allclose(strips[4 * i + 2], amplitude.place([rpm, rpm], amplitude.y), atol=1e-3)
+        assert words[2 * i + 1].startswith(f"{found[i].run}, model: {rpm:.0f} rpm, AF")
+
+
+def scaled(estimate: Any, by: float) -> Any:
+    return dataclasses.replace(estimate, value=by * estimate.value)
 
 
 def test_amplitudes_are_drawn_and_told_in_the_unit_asked_for(
