@@ -116,8 +116,8 @@ def with_nameplate(
     if not pulled:
         return concluded
     if verdict is Verdict.UNEXPLAINED:
-        told = "; ".join(finding.deviation.words for finding in pulled)
-        return f"{concluded} The fit pulls at the config as well, perhaps for that same unknown reason: {told}."
+        titles = ", ".join(finding.deviation.title for finding in pulled)  # sizes would be of a model that is wrong
+        return f"{concluded} The fit pulls at the config as well, perhaps for that same unknown reason: {titles}."
     if not after.adequate:
         told = "; ".join(finding.deviation.words for finding in pulled)
         return f"{concluded} The fit pulls at the config as well, perhaps for what is left unexplained: {told}."

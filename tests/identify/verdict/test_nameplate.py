@@ -163,7 +163,9 @@ def test_the_sentence_tells_what_of_the_config_is_wrong() -> None:
     assert told(Verdict.ADEQUATE, finding(5.0)).startswith(f"The config is wrong here: {words} (5.0 sigma).")
     assert f"{BOW.words}" in told(Verdict.NAMED, finding(5.0))
     assert f"The config is wrong as well: {words}" in told(Verdict.NAMED, finding(5.0))
-    assert "perhaps for that same unknown reason" in told(Verdict.UNEXPLAINED, finding(5.0))
+    unexplained = told(Verdict.UNEXPLAINED, finding(5.0))
+    assert "perhaps for that same unknown reason: bearing_position of spring." in unexplained
+    assert words not in unexplained
     assert "; or disk is 3.0 ± 0.5 mm off" in told(Verdict.ADEQUATE, finding(5.0, DISK))
     assert "perhaps for what is left unexplained: spring" in told(Verdict.NAMED, finding(5.0), after=WRONG)
     assert told(Verdict.ADEQUATE) == said(Verdict.ADEQUATE, BOW)
