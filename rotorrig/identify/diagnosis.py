@@ -45,7 +45,6 @@ from rotorrig.identify.verdict import (
     rank_with_nameplate,
     select_beside_nameplate,
     sentences,
-    strained_nuisances,
     visible_share,
 )
 from rotorrig.processing import OrderTrackedResponse, require_phases
@@ -160,8 +159,7 @@ def _judge(found: NameplateSelection, unseen: Unseen) -> tuple[Verdict, Selectio
         extended = base_fit.assess_fit(selection.problem, selection.polished)
     wrong = misstated(selection)
     predictions = gain.predict_unseen(selection, unseen, adequate=extended.adequacy.adequate, misstated=wrong)
-    strained = [len(strained_nuisances(fit)) for fit in (start, extended)]
-    eases = wrong < len(found.find_misstated()) or strained[1] < strained[0]
+    eases = found.is_eased_by(extended)
     supported = is_supported(selection, predictions, eases_priors=eases)
     if start.adequacy.adequate and not supported:
         selection, extended = selection.without_causes(), start
@@ -260,7 +258,7 @@ def _assemble(
     if predictions is None:
         concluded = sentences.cut_short(found.start.adequacy, extended.adequacy, causes)
     else:
-        before, otherwise = found.start.adequacy, found.say_strained()
+        before, otherwise = found.start.adequacy, found.describe_misstated()
         concluded = sentences.sentence(verdict, before, extended.adequacy, causes, ties, predictions, otherwise)
         if discovery:
             missing = discovery.missing

@@ -10,7 +10,6 @@ from rotorrig.identify.verdict.nameplate import (
     nameplate_ties,
     rank_with_nameplate,
     select_beside_nameplate,
-    strained_nuisances,
 )
 from rotorrig.identify.verdict.next_run import NextRun, higher_tops
 from rotorrig.identify.verdict.sentences import NOT_YET_ALL
@@ -54,7 +53,6 @@ __all__ = [
     "rank_causes",
     "rank_with_nameplate",
     "select_beside_nameplate",
-    "strained_nuisances",
     "tied_labels",
     "visible_share",
 ]

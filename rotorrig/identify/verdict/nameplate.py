@@ -42,13 +42,20 @@ class NameplateSelection:
         """Return what has to be told of the nameplate by the start, without any cause."""
         return self.pulled_far(check_nameplate(self.start.polished, self.start.problem))
 
-    def say_strained(self) -> tuple[str, ...]:
-        """Say what of the config would have to be wrong without any cause."""
+    def describe_misstated(self) -> tuple[str, ...]:
+        """Say what of the config would have to be wrong without any cause: its statements, then other nuisances."""
         findings = self.find_misstated()
         told = {name for finding in findings for name in finding.deviation.nuisances}
-        strained = {name: pull for name, pull in strained_nuisances(self.start).items() if name not in told}
-        by = (f"{name} by {pull:.1f} sigma" for name, pull in strained.items())
+        others = {name: pull for name, pull in find_implausible(self.start).items() if name not in told}
+        by = (f"{name} by {pull:.1f} sigma" for name, pull in others.items())
         return (*(finding.words for finding in findings), *by)
+
+    def is_eased_by(self, extended: AssessedFit) -> bool:
+        """Say whether less of the config, or fewer nuisances, would have to be wrong with the causes than without."""
+        misstated = self.pulled_far(check_nameplate(extended.polished, extended.problem))
+        if len(misstated) < len(self.find_misstated()):
+            return True
+        return len(find_implausible(extended)) < len(find_implausible(self.start))
 
     def pulled_far(self, check: NameplateCheck) -> tuple[NameplateFinding, ...]:
         """Return the findings of the final model that have to be told: pulled far, or better than any effect."""
@@ -59,14 +66,17 @@ class NameplateSelection:
         )
 
 
-def strained_nuisances(fit: AssessedFit) -> dict[str, float]:
-    """Return what of nameplate, probes and runout a fit pulls so far that hardly any rig has it: name -> sigmas."""
-    strained: dict[str, float] = {}
+def find_implausible(fit: AssessedFit) -> dict[str, float]:
+    """Return the nuisances that a fit pulls so far off that hardly any rig has them there, name -> sigmas.
+
+    Those of the nameplate, of probes and of runout; of a vector, the larger of its parts.
+    """
+    found: dict[str, float] = {}
     for name, pull in nuisance_pulls(fit.polished, fit.problem.parameters).items():
         if abs(pull) > VERDICT.pulled:
             whole = name.removesuffix(" re").removesuffix(" im")
-            strained[whole] = max(abs(pull), strained.get(whole, 0.0))
-    return strained
+            found[whole] = max(abs(pull), found.get(whole, 0.0))
+    return found
 
 
 def select_beside_nameplate(

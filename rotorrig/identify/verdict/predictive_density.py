@@ -21,25 +21,27 @@ Complex = NDArray[np.complex128]
 
 
 def block_deviances(problem: ExtendedProblem, vectors: Sequence[Mapping[int, Complex]], spread: Reals) -> Reals:
-    """Return -2 log predictive density (block,) of a few neighbouring rows each, beyond that of figures without error.
+    """Return -2 log predictive density (block,) of a few neighbouring rows each.
+
+    Less that of an exact prediction with nothing left open, so that it is 0 where no row is usable.
 
     `vectors` are the model's, order -> (row + 1, probe) [m] of every recording; `spread` is what its parameters leave
     open of the whitened figures of all recordings and orders, (figure + prior, direction), one standard deviation
-    each. Of rows that are not usable it is 0.
+    each.
     """
     blocks, first = [], 0
     for recording, model in zip(problem.recordings, vectors, strict=True):
-        off, open_ = [], []
+        off, moved = [], []
         for order, measured in recording.measured.items():
             white = measured.sigmas(np.where(measured.usable, model[order] - measured.z, 0))
             off.append(white[:-1])
-            open_.append(spread[first : first + white.size].reshape(*white.shape, spread.shape[1])[:-1])
+            moved.append(spread[first : first + white.size].reshape(*white.shape, spread.shape[1])[:-1])
             first += white.size
-        rows, moved = np.concatenate(off, axis=1), np.concatenate(open_, axis=1)
+        rows, columns = np.concatenate(off, axis=1), np.concatenate(moved, axis=1)
         together = max(1, min(ADEQUACY.stretch, len(rows) // VERDICT.fewest_blocks))
         for start in range(0, len(rows), together):
             block = rows[start : start + together].ravel()
-            blocks.append(deviance(block, moved[start : start + together].reshape(len(block), spread.shape[1])))
+            blocks.append(deviance(block, columns[start : start + together].reshape(len(block), spread.shape[1])))
     return np.array(blocks)
 
 

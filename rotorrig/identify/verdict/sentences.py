@@ -59,12 +59,12 @@ def _say_gain(predictions: Predictions) -> str:
     )
 
 
-def _say_otherwise(strained: Sequence[str], predictions: Predictions) -> str:
+def _say_otherwise(misstated: Sequence[str], predictions: Predictions) -> str:
     """Say what speaks for causes without which unseen data are predicted as well."""
     before, after = (micrometres(each.error) for each in (predictions.before, predictions.after))
     return (
-        f"Without that the model fits as well, its error on data no fit saw ({predictions.on}) is {before} um 0-peak, "
-        f"with it {after} um 0-peak; but then the config would have to be wrong: {'; '.join(strained)}."
+        f"Without that the error on data no fit saw ({predictions.on}) is {before} um 0-peak, "
+        f"with it {after} um 0-peak; but then the config would have to be wrong: {'; '.join(misstated)}."
     )
 
 

@@ -33,7 +33,7 @@ class VerdictSettings:
     blocks: int = 6  # that a run is divided into at least
     folds: int = 3  # in each of which every third block is hidden
     accurate: float = 0.3  # of chi2, where a refit ends
-    gained: float = 1.0  # of chi2 of unseen data: less is no gain
+    gained: float = 1.0  # of -2 log predictive density of unseen data: less is no gain
     nearly: float = 5e-4  # of the chi2 of a model that is wrong
     close: int = 20  # times that: what so short a step leaves, the derivatives before it tell
     refit_steps: int = 3  # half of the rows move a fit by little

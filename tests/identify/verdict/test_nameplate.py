@@ -15,10 +15,10 @@ from rotorrig.identify.verdict.nameplate import (
     NameplateSelection,
     conclude_with_nameplate,
     effect_ties,
+    find_implausible,
     nameplate_ties,
     rank_with_nameplate,
     select_beside_nameplate,
-    strained_nuisances,
 )
 from rotorrig.identify.verdict.sentences import with_nameplate
 from rotorrig.identify.verdict.verdict import Verdict
@@ -176,7 +176,7 @@ def test_the_sentence_tells_effects_that_explain_as_much() -> None:
     assert told(Verdict.ADEQUATE, finding(5.0, DISK), tied=rival).count("; or ") == 2
 
 
-def test_runout_beyond_what_the_config_allows_is_strained_and_told(
+def test_runout_beyond_what_the_config_allows_is_told_and_a_model_without_it_eases_that(
     healthy: OrderTrackedResponse, hidden: np.ndarray
 ) -> None:
     """60 um at one probe, the slow roll as well."""
@@ -185,10 +185,14 @@ def test_runout_beyond_what_the_config_allows_is_strained_and_told(
         vectors += 60e-6
     problem = problem_of(replace(healthy, z=z, slow_roll=slow))
     fit = assess_fit(problem, problem.solve(problem.parameters.start(hidden)))
-    (probe,) = strained_nuisances(fit)
+    (probe,) = implausible = find_implausible(fit)
     assert probe == f"runout {healthy.probes[0]}"
-    assert strained_nuisances(fit)[probe] == pytest.approx(60e-6 / healthy.rig.prior.runout, rel=0.1)
+    assert implausible[probe] == pytest.approx(60e-6 / healthy.rig.prior.runout, rel=0.1)
     found = NameplateSelection(base=fit, start=fit, selection=cast(Any, NONE))
-    assert found.say_strained() == (f"{probe} by {strained_nuisances(fit)[probe]:.1f} sigma",)
-    sound = problem_of(healthy)
-    assert strained_nuisances(assess_fit(sound, sound.solve(sound.parameters.start(hidden)))) == {}
+    assert found.describe_misstated() == (f"{probe} by {implausible[probe]:.1f} sigma",)
+    without = problem_of(healthy)
+    sound = assess_fit(without, without.solve(without.parameters.start(hidden)))
+    assert find_implausible(sound) == {}
+    assert found.is_eased_by(sound)
+    assert not found.is_eased_by(fit)
+    assert not NameplateSelection(base=sound, start=sound, selection=cast(Any, NONE)).is_eased_by(fit)

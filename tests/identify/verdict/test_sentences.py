@@ -71,13 +71,13 @@ def said(verdict: Verdict, *causes: Cause, tied: tuple[tuple[str, ...], ...] = (
 
 def test_a_cause_that_eases_the_priors_is_told_with_what_would_be_wrong_without_it() -> None:
     even = replace(BOUGHT, after=replace(BOUGHT.before, error=2.1e-6))
-    strained = ("probe 1y is turned by 10 deg (9.0 sigma)", "runout 1x by 9.9 sigma")
-    told = sentence(Verdict.NAMED, RIGHT, RIGHT, (BOW,), (), even, strained)
+    misstated = ("probe 1y is turned by 10 deg (9.0 sigma)", "runout 1x by 9.9 sigma")
+    told = sentence(Verdict.NAMED, RIGHT, RIGHT, (BOW,), (), even, misstated)
     assert "error on data no fit saw (blocks of speeds in turn) is 2 um 0-peak, with it 2.1 um 0-peak; but then" in told
     assert told.endswith(
         "the config would have to be wrong: probe 1y is turned by 10 deg (9.0 sigma); runout 1x by 9.9 sigma."
     )
-    assert "would have to be wrong" not in sentence(Verdict.NAMED, WRONG, RIGHT, (BOW,), (), BOUGHT, strained)
+    assert "would have to be wrong" not in sentence(Verdict.NAMED, WRONG, RIGHT, (BOW,), (), BOUGHT, misstated)
 
 
 def test_a_cause_that_predicts_worse_is_said_to() -> None:

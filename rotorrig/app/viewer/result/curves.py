@@ -77,15 +77,11 @@ def _draw_bode(stream: rr.RecordingStream, result: Result, p: int) -> Panels:
 
 def _critical_marks(critical: CriticalSpeed) -> Iterator[tuple[float, str, Colour]]:
     """Yield speed [rpm], words and colour of a critical speed, then those of the model's."""
-    up = critical.direction > 0
-    yield (
-        critical.measured.omega.value * RPM,
-        f"{critical.run}: {resonance_text(critical.measured)}",
-        UP if up else DOWN,
-    )
-    if critical.model is not None:
-        words = f"{critical.run}, model: {resonance_text(critical.model)}"
-        yield critical.model.omega.value * RPM, words, MODEL_UP if up else MODEL_DOWN
+    colours = (UP, MODEL_UP) if critical.direction > 0 else (DOWN, MODEL_DOWN)
+    whose = (critical.run, f"{critical.run}, model")
+    for found, words, colour in zip((critical.measured, critical.model), whose, colours, strict=True):
+        if found is not None:
+            yield found.omega.value * RPM, f"{words}: {resonance_text(found)}", colour
 
 
 def _draw_runs(stream: rr.RecordingStream, result: Result, path: str, x: float, y: float) -> None:

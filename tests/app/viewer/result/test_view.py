@@ -4,7 +4,6 @@ import dataclasses
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -130,7 +129,11 @@ def test_the_models_critical_speeds_are_marked_beside_those_measured(
     response: OrderTrackedResponse, named: Diagnosis, tmp_path: Path
 ) -> None:
     found = [each for each in result_of(response).critical_speeds if each.probe == "1x"]
-    higher = [dataclasses.replace(each.measured, omega=scaled(each.measured.omega, 1.01)) for each in found]
+    speeds = [each.measured.omega for each in found]
+    higher = [
+        dataclasses.replace(each.measured, omega=dataclasses.replace(omega, value=1.01 * omega.value))
+        for each, omega in zip(found, speeds, strict=True)
+    ]
     modelled = [
         ModelResonance(response=0, probe="1x", run=each.run, resonance=model)
         for each, model in zip(found, higher, strict=True)
@@ -148,10 +151,6 @@ def test_the_models_critical_speeds_are_marked_beside_those_measured(
         rpm = model.omega.value * RPM
         assert np.allclose(strips[4 * i + 2], amplitude.place([rpm, rpm], amplitude.y), atol=1e-3)
         assert words[2 * i + 1].startswith(f"{found[i].run}, model: {rpm:.0f} rpm, AF")
-
-
-def scaled(estimate: Any, by: float) -> Any:
-    return dataclasses.replace(estimate, value=by * estimate.value)
 
 
 def test_amplitudes_are_drawn_and_told_in_the_unit_asked_for(
