@@ -218,9 +218,13 @@ def describes_data(fit: Solution) -> bool:
 
 
 def refit(problem: ExtendedProblem, start: Reals) -> Solution:
-    """Fit to convergence from a start in the valley of the minimum, which under a force law may be long and bent."""
+    """Fit to convergence from a start in the valley of the minimum, which under a force law may be long and bent.
+
+    The more a model leaves to explain, the less it matters where exactly it ends.
+    """
     steps = SELECTION.steps_of_searched if problem.curved else SELECTION.steps
-    return problem.solve(start, tolerance=SELECTION.settled, max_steps=steps)
+    share = SELECTION.settled_share
+    return problem.solve(start, tolerance=SELECTION.settled, share=share, of_excess=True, max_steps=steps)
 
 
 def _most_steps(problem: ExtendedProblem) -> int:

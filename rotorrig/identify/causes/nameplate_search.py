@@ -62,9 +62,9 @@ def rescore_from_nameplate(
         if not score.effect.grid and score.effect.recording is None:
             best.setdefault(score.effect.name, score.effect)
     found = _search_all(problem, polished, list(best.values()), biased=True, go_on=go_on) if best else []
-    higher = {f.effect.label: f for f in found}
-    both = [(score, higher.get(score.effect.label, score)) for score in scored]
-    better = [replace(s, lam=f.lam, begin=f.begin) if f.lam > s.lam else s for s, f in both]
+    searched = {f.effect.label: f for f in found}
+    both = [(score, searched.get(score.effect.label, score)) for score in scored]
+    better = [replace(f, visible=s.visible) if f.lam > s.lam else s for s, f in both]
     return sorted(better, key=lambda score: -score.lam)
 
 
@@ -159,7 +159,7 @@ class _Search:
         return min((fit for fit in ends if fit.stop is not Stop.GIVEN_UP), key=lambda fit: fit.chi2, default=None)
 
     def free(self, effect: Effect, near: Solution) -> Solution:
-        """Return the fit with every unknown free, to its end: what pinned nuisances spoil promises nothing there."""
+        """Return the fit with every unknown free, never given up: what pinned nuisances spoil promises nothing."""
         problem = self.problem.extended((*self.problem.effects, effect))
         try:
             return _solve(problem, near.p, 0.0)
@@ -213,6 +213,7 @@ def _solve(
         np.clip(start, *problem.bounds),
         fixed=problem.parameters.pinned if pinned else {},
         tolerance=max(SELECTION.pinned_settled, SELECTION.searched_within * chi2),
+        share=0.0 if pinned else SELECTION.searched_within,
         max_steps=SELECTION.searched_steps if pinned else SELECTION.steps_of_searched,
         worth=worth,
         damped=True,

@@ -39,7 +39,7 @@ class SelectionSettings:
     promised_by_law: float = 10.0  # the same under a force law, which bends more
     near: float = 48.0  # of BIC, three times what tells two causes apart: one further behind the best is given up
     settled: float = 0.1  # of chi2, where a fit ends
-    settled_share: float = 1e-3  # of what is to be explained, where the first fit of a candidate ends
+    settled_share: float = 1e-3  # of what is to be explained, where the first fit of a candidate ends, and a refit
     steps: int = 15  # of a fit: a model that is wrong wanders on among its nuisances
     steps_of_law: int = 10  # of a fit under force laws, whose steps take longest
     steps_of_searched: int = 100  # where a pedestal and the bearing on it make up for each other: a narrow, bent valley

@@ -94,10 +94,8 @@ def select(
     if len(current.effects) > kept + 1:
         current, polished = _drop_idle(current, polished, kept=kept)
     if go_on() and len(steps) > 1 and not current.curved and len(current.effects) > kept:
-        current, polished = _search_again(
-            current, polished, partial(search, "causes again"), candidates, steps, kept=kept
-        )
-        current, polished = _drop_idle(current, polished, kept=kept)
+        again = _search_again(current, polished, partial(search, "causes again"), candidates, steps, kept=kept)
+        current, polished = again if again[0] is current else _drop_idle(*again, kept=kept)
     return Selection(start=problem, base=base, steps=tuple(steps), problem=current, polished=polished)
 
 

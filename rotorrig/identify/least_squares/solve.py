@@ -96,6 +96,7 @@ def solve(
     fixed: Mapping[int, float] = NONE_FIXED,
     tolerance: float = LEAST_SQUARES.tolerance,
     share: float = 0.0,
+    of_excess: bool = False,
     max_steps: int = LEAST_SQUARES.steps,
     worth: Worth = always,
     damped: bool = False,
@@ -103,8 +104,9 @@ def solve(
 ) -> Solution:
     """Refine `start` within the bounds, the parameters in `fixed` held at those values.
 
-    It has converged when a full step promises less than `tolerance`, or than that `share`, of chi2; it is given up
-    where `worth`, asked before every step but the first, says no. With `damped` no full steps are tried first and the
+    It has converged when a full step promises less than `tolerance`, or than that `share`, of chi2, or `of_excess`, of
+    what chi2 is beyond the degrees of freedom; it is given up where `worth`, asked before every step but the first,
+    says no. With `damped` no full steps are tried first and the
     linear parameters are solved for after every step: where a residual takes as long as a Jacobian, full steps cost
     more than they gain. `jacobian` is that at `start`, where it is known; not with `damped`, which begins elsewhere.
     """
@@ -122,6 +124,7 @@ def solve(
             solve_linear=part.solve_linear,
             tolerance=tolerance,
             share=share,
+            floor=float(problem.size - len(free)) if of_excess else 0.0,
             max_steps=max_steps,
             watch=lambda at: None if worth(at.point.cost, at.model.full_promise) else Stop.GIVEN_UP,
         )

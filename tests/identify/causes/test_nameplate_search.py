@@ -149,7 +149,8 @@ def test_beside_a_base_that_is_far_off_a_fit_begins_where_the_search_from_the_na
     best, other = rescore_from_nameplate(problem, base, scored)
     assert best.effect.label == "bow" and best.lam > scored[0].lam
     assert other is scored[1]  # which came near nothing
-    assert best.begin is not None
+    assert best.begin is not None and best.begins_at_full_amount, "it comes by what the search says of it"
+    assert best.visible == scored[0].visible
     assert_reached(best_fit(problem, base, [best]), theta)
 
 

@@ -56,6 +56,14 @@ def test_a_line_is_found_with_the_textbooks_covariance() -> None:
     np.testing.assert_allclose(found.sigma, [np.sqrt(1 / 4 + X.mean() ** 2 / spread), np.sqrt(1 / spread)], rtol=1e-6)
 
 
+def test_a_fit_may_end_at_a_share_of_what_noise_does_not_explain() -> None:
+    """0.3 of chi2 itself, 7.96, is more than the 1.96 to be gained; of what is beyond its 2 degrees of freedom less."""
+    near, line = np.array([3.7, 2.0]), Line(X, 3 + 2 * X + 10 * OFF)
+    ended, of_excess = (solve(line, near, share=0.3, of_excess=excess, tolerance=0.0) for excess in (False, True))
+    assert ended.chi2 == pytest.approx(7.96)
+    assert of_excess.chi2 == pytest.approx(6.0)
+
+
 def test_a_fit_worse_than_the_noise_widens_its_covariance() -> None:
     quiet, loud = (solve(Line(X, scale * OFF), np.zeros(2)) for scale in (1.0, 100.0))
     assert loud.chi2 == pytest.approx(1e4 * quiet.chi2)

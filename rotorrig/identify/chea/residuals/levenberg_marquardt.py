@@ -123,6 +123,7 @@ def descend_squares(
     settings: Settings = FIT,
     tolerance: float = 0.0,
     share: float = 0.0,
+    floor: float = 0.0,
     max_steps: int = 50,
     max_calls: int | None = None,
     solve_linear: Solve = lambda p: p,
@@ -130,9 +131,10 @@ def descend_squares(
 ) -> Residuals[Minimum]:
     """Minimize the sum of squares from `start`, which is within the bounds.
 
-    It has converged when no step promises more than `tolerance`, or than that `share` of the sum. `max_steps` counts
-    Jacobians, `max_calls` residuals. `solve_linear` returns its argument with the linear parameters at their best;
-    without full steps every step is followed by it. What `watch` says after a step, if anything, ends the descent.
+    It has converged when no step promises more than `tolerance`, or than that `share` of what the sum is beyond
+    `floor`. `max_steps` counts Jacobians, `max_calls` residuals. `solve_linear` returns its argument with the linear
+    parameters at their best; without full steps every step is followed by it. What `watch` says after a step, if
+    anything, ends the descent.
 
     >>> def valley(p):
     ...     return np.array([10 * (p[1] - p[0]**2), 1 - p[0]]), np.array([[-20 * p[0], 10], [-1, 0]])
@@ -146,7 +148,7 @@ def descend_squares(
     calls = _Calls(start.cost, most=max_calls)
     for step in range(1, max_steps + 1):
         model = LinearModel(point.J, point.r, point.p, bounds, reach=settings.reach)
-        why, enough = None, max(tolerance, share * point.cost)
+        why, enough = None, max(tolerance, share * (point.cost - floor))
         if _is_minimum(model, enough, damping, settings):
             why = Stop.CONVERGED
         elif step > 1:

@@ -10,7 +10,7 @@ stays away from the limits.
 import cmath
 import math
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rotorrig.identify.base_model import Reals
 from rotorrig.identify.causes import Candidate, Selection
@@ -63,12 +63,11 @@ def find_next_run(selection: Selection, *, not_possible: Collection[str] = ()) -
     labels = tuple(candidate.effect.label for candidate in groups[0])
     failed: list[str] = []
     try:
-        rated = _rate_plans(groups[0], not_possible, failed)
+        best = _choose_plan(groups[0], not_possible, failed)
     except _FAILURES as error:
         return _none([*failed, str(error)], labels)
-    if not rated:
+    if not best:
         return _none(failed, labels)
-    best = max(rated, key=lambda each: each.rank)
     enough = "" if best.lam >= VERDICT.nameable else "Even that would leave them close."
     return _next_run(best.plan, best.share, enough, lam=best.lam, separates=labels)
 
@@ -79,39 +78,57 @@ class _Rated:
 
     plan: Plan
     lam: float  # of the nearest rival with it
-    share: float  # of a limit that it may reach
+    share: float = math.nan  # of a limit that it may reach
 
     @property
-    def rank(self) -> tuple[bool, bool, bool, float]:
-        """What is more is better: calm, telling the causes apart, telling anything, most per minute."""
-        told = min(self.lam, VERDICT.nameable)
-        return (
-            not _is_loud(self.share),
-            self.lam >= VERDICT.nameable,
-            self.lam >= VERDICT.worthwhile,
-            told / self.plan.seconds,
-        )
+    def rank(self) -> tuple[bool, float]:
+        """What is more is better: telling anything, most per minute."""
+        return self.lam >= VERDICT.worthwhile, self.lam / self.plan.seconds
 
 
-def _rate_plans(tied: Sequence[Candidate], not_possible: Collection[str], failed: list[str]) -> list[_Rated]:
-    """Return the plans up to the first that does, the quickest first; why others cannot be rated goes to `failed`."""
-    best, *rivals = tied
+def _choose_plan(tied: Sequence[Candidate], not_possible: Collection[str], failed: list[str]) -> _Rated | None:
+    """Return the best plan that is calm, or else the best; why others cannot be made goes to `failed`.
+
+    A forecast takes as long as a fit: it is made of what may be chosen alone.
+    """
     fits = [(each.problem, each.polished) for each in tied]
     dwells = () if "dwells" in not_possible else parting_speeds(fits[0], fits[1:])
     unbalance = _find_unbalance(*fits[0])
-    left_open = [(problem, draw_left_open(problem, fit)) for problem, fit in fits]
-    possible = _open_plans(best.problem.recordings, not_possible, unbalance=unbalance, dwells=dwells)
-    rated: list[_Rated] = []
-    for plan in sorted(possible, key=lambda plan: plan.seconds):
-        share, why = _forecast(left_open, plan)
-        lam, why = (math.nan, why) if why else _rate(best, rivals, plan)
+    possible = _open_plans(tied[0].problem.recordings, not_possible, unbalance=unbalance, dwells=dwells)
+    left_open: list[LeftOpen] = []
+    loud = None
+    for each in _best_first(_rate_plans(tied, sorted(possible, key=lambda plan: plan.seconds), failed)):
+        left_open = left_open or [(problem, draw_left_open(problem, fit)) for problem, fit in fits]
+        share, why = _forecast(left_open, each.plan)
+        if why:
+            failed.append(f"{each.plan.kind}: {why}")
+        elif not _is_loud(share):
+            return replace(each, share=share)
+        else:
+            loud = loud or replace(each, share=share)
+    return loud
+
+
+def _rate_plans(tied: Sequence[Candidate], possible: Sequence[Plan], failed: list[str]) -> Iterator[_Rated]:
+    """Yield plans and what they tell; why others cannot be rated goes to `failed`."""
+    best, *rivals = tied
+    for plan in possible:
+        lam, why = _rate(best, rivals, plan)
         if why:
             failed.append(f"{plan.kind}: {why}")
-            continue
-        rated.append(_Rated(plan, lam, share))
-        if lam >= VERDICT.nameable and not _is_loud(share):
-            break
-    return rated
+        else:
+            yield _Rated(plan, lam)
+
+
+def _best_first(rated: Iterator[_Rated]) -> Iterator[_Rated]:
+    """Yield the plans that tell the causes apart as they come, and then the others, by what they are worth."""
+    others = []
+    for each in rated:
+        if each.lam >= VERDICT.nameable:
+            yield each
+        else:
+            others.append(each)
+    yield from sorted(others, key=lambda each: each.rank, reverse=True)
 
 
 def find_other_run(selection: Selection, *, not_possible: Collection[str] = ()) -> NextRun:

@@ -49,25 +49,45 @@ def draw_left_open(problem: ExtendedProblem, fit: Solution) -> list[Reals]:
 
     What the data do not determine has a covariance that leads out of all they say, to unbalances beyond any and rotors
     that are unstable. Where draws do so, each principal axis of the covariance is first shortened by itself, so that
-    what is determined keeps its spread.
+    what is determined keeps its spread. The covariance is scaled up where the fit is worse than the noise, and so is
+    the rise of chi2 that is expected.
     """
+    scale = max(1.0, fit.chi2 / max(fit.dof, 1))
     variance, ways = np.linalg.eigh(np.where(np.isfinite(fit.covariance), fit.covariance, 0.0))
     axes = ways * np.sqrt(np.maximum(variance, 0.0))  # (unknown, axis), one standard deviation each
     drawn = np.random.default_rng(0).standard_normal((VERDICT.draws, len(fit.p)))
-    steps = [_shorten(problem, fit, axes @ each, expected=each @ each) for each in drawn]
-    if not np.array_equal(steps, [axes @ each for each in drawn]):
-        axes = np.transpose([_shorten(problem, fit, axis, expected=1.0) for axis in axes.T])
-        steps = [_shorten(problem, fit, axes @ each, expected=each @ each) for each in drawn]
+    expected = scale * np.sum(drawn**2, axis=1)
+    steps = drawn @ axes.T
+    if any(_leads_too_far(problem, fit, step, expected=e) for step, e in zip(steps, expected, strict=True)):
+        shortened = np.array(_shorten_apart(problem, fit, axes.T, scale=scale))
+        pairs = zip(drawn @ shortened, expected, strict=True)
+        steps = np.array([_shorten(problem, fit, step, expected=e) for step, e in pairs])
     return [np.clip(fit.p + step, *problem.bounds) for step in (np.zeros(len(fit.p)), *steps)]
 
 
+def _shorten_apart(problem: ExtendedProblem, fit: Solution, axes: Reals, *, scale: float) -> list[Reals]:
+    """Return axes (axis, unknown), each shortened by itself; those that need not be are told by halves, together.
+
+    They are sorted by length, and it is the longest that lead too far.
+    """
+    if len(axes) == 1:
+        return [_shorten(problem, fit, axes[0], expected=scale)]
+    if not _leads_too_far(problem, fit, axes.sum(axis=0), expected=scale * len(axes)):
+        return list(axes)
+    half = len(axes) // 2
+    return [each for part in (axes[:half], axes[half:]) for each in _shorten_apart(problem, fit, part, scale=scale)]
+
+
 def _shorten(problem: ExtendedProblem, fit: Solution, step: Reals, *, expected: float) -> Reals:
-    """Return a step from a fit, halved until chi2 rises by no more than twice what is `expected`; none at last."""
-    for halved in range(VERDICT.halved + 1):
-        shorter = step / 2**halved
-        if problem.sum_squares(np.clip(fit.p + shorter, *problem.bounds)) <= fit.chi2 + 2 * expected:
-            return shorter
-    return np.zeros_like(step)
+    """Return a step from a fit, halved until it leads no longer too far; none at last."""
+    halved = (step / 2**times for times in range(VERDICT.halved + 1))
+    near = (each for each in halved if not _leads_too_far(problem, fit, each, expected=expected))
+    return next(near, np.zeros_like(step))
+
+
+def _leads_too_far(problem: ExtendedProblem, fit: Solution, step: Reals, *, expected: float) -> bool:
+    """Say whether chi2 rises by more than twice what is `expected` of a step from a fit."""
+    return not problem.sum_squares(np.clip(fit.p + step, *problem.bounds)) <= fit.chi2 + 2 * expected
 
 
 def _predict_share(truth: ExtendedProblem, p: Reals, limits: Limits) -> float:

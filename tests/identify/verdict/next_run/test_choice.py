@@ -13,6 +13,8 @@ from rotorrig.identify.extended_model.model import ExtendedModel
 from rotorrig.identify.extended_model.nuisance_effects import MarkEdge
 from rotorrig.identify.extended_model.problem import ExtendedProblem
 from rotorrig.identify.extended_model.tracked_recording import Recording
+from rotorrig.identify.least_squares import Solution
+from rotorrig.identify.least_squares.solve import squared_distance
 from rotorrig.identify.verdict.next_run.choice import find_next_run, find_other_run
 from rotorrig.identify.verdict.next_run.forecast import draw_left_open, share_of_limit
 from rotorrig.identify.verdict.next_run.plans import Plan, plans
@@ -127,6 +129,22 @@ def test_the_quickest_run_that_tells_causes_apart_or_the_one_that_tells_most_per
     assert len(found.speeds) == (4 if kind == "dwells" else 0)
 
 
+def test_only_what_may_be_proposed_is_forecast(tied: Selection, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A forecast of what tells nothing took as long as all fits; one that is too loud gives way to the next."""
+    asked: list[str] = []
+    rated = {"ramp rate": 3.9, "dwells": 9.0, "trial mass": 90.0}
+
+    def share(problem: object, vectors: object, plan: Plan, limits: object) -> float:
+        asked.append(plan.kind)
+        return 2.0 if plan.kind == "trial mass" else 0.1
+
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.choice._rate", lambda b, r, p: (rated.get(p.kind, 0.0), ""))
+    monkeypatch.setattr("rotorrig.identify.verdict.next_run.choice.share_of_limit", share)
+    found = find_next_run(tied)
+    assert found is not None and (found.kind, found.lam) == ("dwells", 9.0)
+    assert set(asked) == {"trial mass", "dwells"}
+
+
 def test_a_rival_is_followed_no_further_than_the_nearest_before_it(
     tied: Selection, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -208,6 +226,49 @@ def test_what_the_data_do_not_determine_is_drawn_no_further_than_they_leave_open
     drawn = draw_left_open(tied.problem, far)
     assert len(drawn) == len(near) == VERDICT.draws + 1
     assert 0.5 * share < share_of_limit(tied.problem, drawn, plan, limits) < 2 * share
+
+
+def test_a_fit_that_is_worse_than_the_noise_leaves_as_much_more_open(
+    tied: Selection, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its covariance is scaled up by that: when the rise of chi2 was not, 1,000 residuals were taken to shorten it."""
+    problem, fit = tied.problem, tied.polished
+    fit = replace(fit, covariance=np.diag(np.diag(fit.covariance)))  # a bound that stops one unknown moves no other
+    poor = replace(fit, chi2=16.0 * fit.chi2, covariance=16.0 * fit.covariance)
+    poor = replace(poor, dof=int(fit.chi2))
+    asked = count_asked(monkeypatch, problem, fit, chi2=poor.chi2)
+    far = draw_left_open(problem, poor)
+    assert len(asked) == VERDICT.draws, "each is asked once, and none is shortened"
+    count_asked(monkeypatch, problem, fit, chi2=fit.chi2)
+    near = draw_left_open(problem, fit)
+    wider = [np.linalg.norm(far[i] - fit.p) > 2 * np.linalg.norm(near[i] - fit.p) for i in range(1, len(far))]
+    assert np.mean(wider) > 0.7, "four times as far, but for bounds"
+
+
+def test_one_unknown_that_is_open_is_told_from_the_others_by_halves(
+    tied: Selection, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, fit = tied.problem, tied.polished
+    axis = np.linalg.eigh(fit.covariance)[1][:, -1]
+    far = replace(fit, covariance=fit.covariance + 1e4 * np.outer(axis, axis))
+    asked = count_asked(monkeypatch, problem, fit, chi2=fit.chi2)
+    draw_left_open(problem, far)
+    assert len(asked) < len(fit.p) + VERDICT.draws, "one by one it was all of them, and more"
+
+
+def count_asked(
+    monkeypatch: pytest.MonkeyPatch, problem: ExtendedProblem, fit: Solution, *, chi2: float
+) -> list[NDArray[np.float64]]:
+    """Make the sum of squares that of a linear model whose least is `chi2`; return the places it is asked for."""
+    asked: list[NDArray[np.float64]] = []
+    root = np.linalg.cholesky(fit.covariance)
+
+    def rise(_: ExtendedProblem, p: NDArray[np.float64]) -> float:
+        asked.append(p)
+        return chi2 + squared_distance(p - fit.p, root)
+
+    monkeypatch.setattr(type(problem), "sum_squares", rise)
+    return asked
 
 
 def test_what_the_data_determine_keeps_its_spread_beside_what_they_do_not(
