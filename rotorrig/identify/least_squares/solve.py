@@ -104,11 +104,11 @@ def solve(
 ) -> Solution:
     """Refine `start` within the bounds, the parameters in `fixed` held at those values.
 
-    It has converged when a full step promises less than `tolerance`, or than that `share`, of chi2, or `of_excess`, of
-    what chi2 is beyond the degrees of freedom; it is given up where `worth`, asked before every step but the first,
-    says no. With `damped` no full steps are tried first and the
-    linear parameters are solved for after every step: where a residual takes as long as a Jacobian, full steps cost
-    more than they gain. `jacobian` is that at `start`, where it is known; not with `damped`, which begins elsewhere.
+    It has converged when a full step promises less than `tolerance`, or than a `share` of chi2; with `of_excess` that
+    is a share of what chi2 is beyond the degrees of freedom. It is given up where `worth`, asked before every step but
+    the first, says no. With `damped` no full steps are tried first and the linear parameters are solved for after every
+    step: where a residual takes as long as a Jacobian, full steps cost more than they gain. `jacobian` is that at
+    `start`, where it is known; not with `damped`, which begins elsewhere.
     """
     p = start.copy()
     p[list(fixed)] = list(fixed.values())

@@ -78,7 +78,7 @@ class _Rated:
 
     plan: Plan
     lam: float  # of the nearest rival with it
-    share: float = math.nan  # of a limit that it may reach
+    share: float = math.nan  # of a limit that it may reach, once that is forecast
 
     @property
     def rank(self) -> tuple[bool, float]:

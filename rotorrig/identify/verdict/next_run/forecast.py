@@ -68,7 +68,8 @@ def draw_left_open(problem: ExtendedProblem, fit: Solution) -> list[Reals]:
 def _shorten_apart(problem: ExtendedProblem, fit: Solution, axes: Reals, *, scale: float) -> list[Reals]:
     """Return axes (axis, unknown), each shortened by itself; those that need not be are told by halves, together.
 
-    They are sorted by length, and it is the longest that lead too far.
+    They are sorted by length, and it is the longest that lead too far. What one hides among many is left to the limit
+    that holds for every draw.
     """
     if len(axes) == 1:
         return [_shorten(problem, fit, axes[0], expected=scale)]

@@ -234,8 +234,7 @@ def test_a_fit_that_is_worse_than_the_noise_leaves_as_much_more_open(
     """Its covariance is scaled up by that: when the rise of chi2 was not, 1,000 residuals were taken to shorten it."""
     problem, fit = tied.problem, tied.polished
     fit = replace(fit, covariance=np.diag(np.diag(fit.covariance)))  # a bound that stops one unknown moves no other
-    poor = replace(fit, chi2=16.0 * fit.chi2, covariance=16.0 * fit.covariance)
-    poor = replace(poor, dof=int(fit.chi2))
+    poor = replace(fit, chi2=16.0 * fit.dof, covariance=16.0 * fit.covariance)
     asked = count_asked(monkeypatch, problem, fit, chi2=poor.chi2)
     far = draw_left_open(problem, poor)
     assert len(asked) == VERDICT.draws, "each is asked once, and none is shortened"
